@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import faulthandler
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,7 +28,9 @@ settings.register_profile(
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
-settings.register_profile("same", settings.get_profile("fresh"), derandomize=True, database=None)
+settings.register_profile(
+    "same", settings.get_profile("fresh"), max_examples=20, derandomize=True, database=None
+)
 settings.load_profile("same")
 
 
@@ -82,6 +85,27 @@ if hasattr(signal, "SIGHUP"):  # `nohup` has it ignored
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+SAMPLED: Final = pytest.StashKey[int]()
+"""How many cases of sampled tests are left to `make test-slow`."""
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest deselects what is slow
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Of the cases of a test that is marked `one_in(n)` every nth stays, the others are slow."""
+    seen: Counter[str] = Counter()
+    left = 0
+    for item in items:
+        mark = item.get_closest_marker("one_in")
+        if mark is None:
+            continue
+        test = item.nodeid.partition("[")[0]
+        if seen[test] % mark.args[0]:
+            item.add_marker(pytest.mark.slow)
+            left += 1
+        seen[test] += 1
+    config.stash[SAMPLED] = left
+
+
 TOLD = "told"
 
 
@@ -91,12 +115,16 @@ def tell(record_property: Callable[[str, object], None]) -> Callable[[str], None
     return lambda text: record_property(TOLD, text)
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Counts of sweeps, which nobody would see else."""
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, exitstatus: int, config: pytest.Config
+) -> None:
+    """Prints the counts of sweeps, and of the cases that are left out."""
     reports = (one for kind in ("passed", "failed") for one in terminalreporter.getreports(kind))
     said = [text for one in reports for name, text in one.user_properties if name == TOLD]
     for text in said:
         terminalreporter.write_line(str(text).strip())
+    if left := config.stash.get(SAMPLED, 0):
+        terminalreporter.write_line(f"{left} cases of sampled tests are left to `make test-slow`")
 
 
 @pytest.fixture(scope="session")

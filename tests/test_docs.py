@@ -66,6 +66,7 @@ def test_there_are_commands_in_the_readme():
     assert commands(PROJECT / "README.md")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "page",
     [
@@ -113,6 +114,7 @@ def _server(command: str, folder: Path, environment: dict[str, str]) -> subproce
     return server
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("page", "text"), examples("python"))
 def test_the_python_of_a_page_runs(page, text, tmp_path, forks):
     assert output(text, tmp_path, forks)

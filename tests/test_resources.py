@@ -48,6 +48,7 @@ def used(tmp_path_factory):
     return folder
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("foreign", ["[]", "{}", '{"of": [1, "start: NAME", "start"]}', "\0"])
 def test_tables_of_something_else_are_made_anew(used, foreign):
     first = check(used)

@@ -7,8 +7,10 @@ silently be left out there. The words are those of the languages' own tables.
 from __future__ import annotations
 
 import ast
+import functools
+import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -103,18 +105,22 @@ def is_vendors(name: str) -> bool:
     return name.startswith(VENDORS) and SHARED.fullmatch(name) is None
 
 
-def found_in(package: FilePath) -> set[tuple[str, str]]:
-    """File and vendor word of each text outside the vendors' rooms that has one."""
-    found = set()
+@functools.cache
+def words_in(package: FilePath) -> Mapping[str, frozenset[str]]:
+    """File outside the vendors' rooms → the lower-case words of its texts."""
+    found = {}
     for file in sorted(package.rglob("*.py")):
         name = file.relative_to(package).as_posix()
-        if is_vendors(name):
-            continue
-        tree = ast.parse(file.read_text(encoding="utf-8"), name)
-        for literal in literals(tree):
-            words = re.findall(r"[a-z_]\w*", str(literal.value).lower())
-            found |= {(name, word) for word in words if word in WORDS}
+        if not is_vendors(name):
+            texts = literals(ast.parse(file.read_text(encoding="utf-8"), name))
+            words = (re.findall(r"[a-z_]\w*", str(text.value).lower()) for text in texts)
+            found[name] = frozenset(itertools.chain.from_iterable(words))
     return found
+
+
+def found_in(package: FilePath) -> set[tuple[str, str]]:
+    """File and vendor word of each text outside the vendors' rooms that has one."""
+    return {(name, word) for name, words in words_in(package).items() for word in words & WORDS}
 
 
 def test_vendor_words_stand_in_the_rooms_of_the_vendors_only() -> None:
@@ -126,12 +132,7 @@ def test_every_exception_is_needed() -> None:
 
 
 def test_every_common_word_is_one_of_a_vendor_that_is_used() -> None:
-    seen = set()
-    for file in PACKAGE.rglob("*.py"):
-        if not is_vendors(file.relative_to(PACKAGE).as_posix()):
-            for literal in literals(ast.parse(file.read_text(encoding="utf-8"))):
-                seen |= set(re.findall(r"[a-z_]\w*", str(literal.value).lower()))
-    assert COMMON - seen == set()
+    assert COMMON - frozenset().union(*words_in(PACKAGE).values()) == set()
 
 
 @pytest.mark.parametrize(

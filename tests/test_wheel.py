@@ -22,6 +22,7 @@ def run(*command: object, cwd: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "dependencies", ["of these tests", pytest.param("of its own", marks=pytest.mark.slow)]
 )

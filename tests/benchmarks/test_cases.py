@@ -12,6 +12,7 @@ from tests.forks import Forks
 POINTS = 200
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", sorted(EVERY))
 def test_a_case_runs_and_says_how_long_it_took(case: str, forks: Forks) -> None:
     if "polars" in case:

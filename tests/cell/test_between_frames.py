@@ -16,7 +16,7 @@ from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
 
-CASES = 1000
+every = pytest.mark.parametrize("cases", [100, pytest.param(1000, marks=pytest.mark.slow)])
 SPEED = 2000.0
 """mm/s."""
 RADIUS, LENGTH, THICK = 1.0, 60.0, 0.2
@@ -60,12 +60,13 @@ def onto(axis: Floats) -> Floats:
     return rotations.canonical([1.0 + axis[2], -axis[1], axis[0], 0.0])
 
 
+@every
 def test_a_needle_through_a_thin_plate_is_found_in_time(
-    capsys: pytest.CaptureFixture[str],
+    cases: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw = np.random.default_rng(2)
     found = missed = 0
-    for _ in range(CASES):
+    for _ in range(cases):
         scene, places, contact = thrust(draw)
         model = Model(scene)
         hit = hits(model, Way(joints(places)))
@@ -74,16 +75,17 @@ def test_a_needle_through_a_thin_plate_is_found_in_time(
         each, pair = np.arange(101), np.zeros(101, dtype=np.intp)
         missed += bool((model.exact(joints(every_10_ms), each, pair) > 0.0).all())
     with capsys.disabled():
-        sys.stdout.write(f" (a look each 10 ms misses {missed} of {CASES}) ")
-    assert found == CASES
-    assert missed > CASES // 2
+        sys.stdout.write(f" (a look each 10 ms misses {missed} of {cases}) ")
+    assert found == cases
+    assert missed > cases // 2
 
 
-def test_what_keeps_its_margin_is_never_told_of() -> None:
+@every
+def test_what_keeps_its_margin_is_never_told_of(cases: int) -> None:
     """A ball past a post, at a distance that a closed form gives."""
     draw = np.random.default_rng(3)
     margin = 5.0
-    for _ in range(CASES):
+    for _ in range(cases):
         aside = float(draw.uniform(margin + 0.11, margin + 20.0))
         radius, post = (float(r) for r in draw.uniform(1.0, 80.0, 2))
         level = float(draw.uniform(-300.0, 300.0))

@@ -19,6 +19,7 @@ from assistant.cell.writing.cell_text import cell_files
 from assistant.program import rotations
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
+from tests.examples import drawn
 
 SAMPLES = Path(__file__).parents[2] / "samples" / "cell"
 sizes = st.floats(1e-3, 1e4)
@@ -92,7 +93,9 @@ def near(one: Pose, other: Pose) -> bool:
 
 @given(st.lists(bodies, max_size=4), poses(), st.floats(0.0, 50.0))
 @settings(
-    max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=drawn(20),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 def test_what_is_written_reads_as_the_same(
     tmp_path: Path, some: list[Body], bench: Pose, margin: float

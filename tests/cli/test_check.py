@@ -197,6 +197,7 @@ def test_findings_tell_where_more_is_said(capsys, tmp_path):
     assert (status, out, "FN001" in err) == (2, "", True)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("format", ["text", "json", "sarif", "github"])
 def test_standard_input_is_checked(tmp_path, format):
     command = [
@@ -245,6 +246,7 @@ def test_of_a_very_long_line_the_part_at_the_finding_is_shown(capsys, tmp_path):
     assert "RA101" in codes(out) and len(out) < 1000
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.skipif(os.name == "nt" or sys.platform == "darwin", reason="names there are text")
 @pytest.mark.parametrize("form", ["json", "sarif", "github", "text"])
 def test_file_names_that_are_no_text(tmp_path, form):

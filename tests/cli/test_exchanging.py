@@ -57,6 +57,7 @@ def test_names_that_the_controller_must_have_are_told(capsys, tmp_path):
     assert status == 0 and "`v151`" in err and "v151,fine" in file.read_text("ascii")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("given", "code", "status"),
     [
@@ -217,6 +218,7 @@ def test_the_plain_module_has_the_names_that_are_given(capsys, tmp_path):
     assert "\\MaxTime:=240;" in text
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("given", "code", "status"),
     [

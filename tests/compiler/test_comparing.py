@@ -501,6 +501,7 @@ Return 0
 """
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("typed", "instead"),
     [
@@ -557,6 +558,7 @@ def test_an_interrupt_alone_is_tried(tmp_path: Path, loop: str) -> None:
     assert compare(one, other, process=[cell, cell]).answer == "different"
 
 
+@pytest.mark.slow
 def test_a_loop_that_only_looks_does_less(tmp_path: Path) -> None:
     endless = WATCHED.replace("*CAME\n", "*CAME\nWhile M_In(4)=1\nWEnd\n")
     done = compared(tmp_path, WATCHING, endless)

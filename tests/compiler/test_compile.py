@@ -165,6 +165,7 @@ def long_program(n: int) -> Program:
     return Program("spiral", (Procedure("main", (Follow(path),)),))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("language", languages.names())
 @pytest.mark.parametrize("most", [10, 333])
 def test_a_long_program_is_spread_over_files_that_call_each_other(language, most, tmp_path):

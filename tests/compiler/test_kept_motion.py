@@ -15,6 +15,7 @@ from assistant import compile as compiled
 from assistant.compiler.keeping import Keeper, written_in
 from assistant.virtual.events import Moved
 from tests.compiler.same_motion import ran
+from tests.examples import drawn
 
 ABOVE = 40
 Z = 300
@@ -148,7 +149,7 @@ def test_touch_ups_follow_their_places_or_are_refused(case):
 
 
 @pytest.mark.slow
-@settings(quick, max_examples=150)
+@settings(quick, max_examples=drawn(150))
 @given(changes())
 def test_many_touch_ups_follow_their_places_or_are_refused(case):
     check(case)

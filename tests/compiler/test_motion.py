@@ -280,6 +280,7 @@ ENDMODULE
     assert proof(made(text, "melfa-basic-5", tmp_path)).holds
 
 
+@pytest.mark.slow
 def test_a_longer_time_limit_is_found(tmp_path: Path) -> None:
     """Where the time is over both go on, one of them late."""
     text = HEAD + MAIN.replace("\\MaxTime:=2", "\\MaxTime:=2\\TimeFlag:=late")

@@ -40,6 +40,7 @@ def test_the_sample_of_several_modules(language: str) -> None:
     assert list(there.files) == ["STATION.prg"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("language", MELFA)
 @pytest.mark.parametrize("name", MOTION)
 def test_a_sample_of_rapid_in_melfa_basic_and_back(

@@ -14,6 +14,7 @@ from assistant.compiler import Translation, load, translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
+from tests.examples import drawn
 
 MODULE = """MODULE Cell
     VAR egmident path;
@@ -213,7 +214,7 @@ def test_what_is_missed_after_something_was_left_out_is_left_out_too(tmp_path: P
 words = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=40)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(words)
 def test_what_is_quoted_never_becomes_code(
     tmp_path_factory: pytest.TempPathFactory, text: str

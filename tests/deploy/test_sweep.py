@@ -219,6 +219,7 @@ def bench(request, tmp_path):
 QUICK = ("irc5 ftp", "cr", "proftpd", "vsftpd", "never replaces", "sftp")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("bench", QUICK, indirect=True)
 def test_a_deployment_that_died_is_finished_and_is_taken_back(bench):
     marks, _ = measured(bench)

@@ -243,6 +243,7 @@ def test_one_editor_may_connect_to_a_port_of_this_computer_and_no_browser():
         server.stdout.close()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "params",
     [

@@ -14,6 +14,7 @@ from jsonschema import Draft4Validator
 from assistant.findings.formats import finding_record, github_line, sarif
 from assistant.findings.rulebook import rules
 from assistant.program.diagnostics import Diagnostic, Severity, Span
+from tests.examples import drawn
 
 ROOT = Path("/cell/programs")
 SCHEMA = json.loads(
@@ -89,7 +90,7 @@ FINDINGS = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(st.lists(FINDINGS, max_size=5), st.lists(FINDINGS, max_size=2))
 def test_every_log_is_valid(findings: list[Diagnostic], ignored: list[Diagnostic]) -> None:
     log = sarif(findings, ignored, ROOT)
@@ -97,6 +98,7 @@ def test_every_log_is_valid(findings: list[Diagnostic], ignored: list[Diagnostic
     assert len(log["runs"][0]["results"]) == len(findings) + len(ignored)
 
 
+@pytest.mark.slow
 def test_the_whole_book_is_valid() -> None:
     book = [Diagnostic(r.code, r.severity, r.message) for r in rules().values()]
     VALIDATOR.validate(sarif(book, [], ROOT))

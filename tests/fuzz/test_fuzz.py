@@ -32,6 +32,7 @@ def test_what_once_failed(target: Target, case: Path) -> None:
     target.run(case.read_bytes())
 
 
+@pytest.mark.one_in(4)
 @every_target
 def test_changes_of_what_is_sound(target: Target) -> None:
     seeds = list(target.seeds())
@@ -41,6 +42,7 @@ def test_changes_of_what_is_sound(target: Target) -> None:
         target.run(changed(chance.choice(seeds), parts, chance))
 
 
+@pytest.mark.slow
 def test_the_command_counts_on_and_tells_what_failed(tmp_path: Path) -> None:
     for _ in range(2):
         command = [sys.executable, "-m", "tests.fuzz", "kept", "--inputs=20", "--engine=changes"]

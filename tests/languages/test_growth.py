@@ -21,6 +21,7 @@ MOST = 1.2
 KNOWN = {one.name: one for one in flows()}
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("construct", "few"),
     [
@@ -48,6 +49,7 @@ def test_four_times_the_program_is_at_most_about_four_times_the_work(
     assert math.log((work(4 * few) - base) / (work(few) - base), 4) <= MOST
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("construct", ["MELFA-BASIC: moves", "MELFA-BASIC: settings"])
 def test_as_much_more_work_as_there_is_to_translate(construct: str, tmp_path: Path) -> None:
     def work(n: int) -> float:

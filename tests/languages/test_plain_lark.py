@@ -116,6 +116,7 @@ def as_line(item: Any) -> m.Line | m.Data:
     return replace(item, span=None)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("language", ALL)
 def test_plain_lark_reads_samples_and_data_as_the_reader_does(language: str) -> None:
     files = files_of(language)
@@ -155,6 +156,7 @@ def emitted(language: str) -> tuple[str, ...]:
     return tuple(made)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("language", ALL)
 def test_plain_lark_reads_every_emitted_line(language: str) -> None:
     for text in emitted(language):

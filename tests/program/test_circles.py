@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.analysis.circles import circular
+from tests.examples import drawn
 
 NAMES = st.sampled_from("abcdefgh")
 
@@ -26,7 +27,7 @@ def test_only_what_comes_back_is_found(calls: dict[str, str], found: str) -> Non
     assert circular(calls) == frozenset(found)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=drawn(100), deadline=None)
 @given(st.dictionaries(NAMES, st.sets(NAMES, max_size=3)))
 def test_it_is_what_following_each_name_tells(calls: dict[str, set[str]]) -> None:
     def reached(name: str) -> set[str]:

@@ -15,6 +15,7 @@ from assistant.program.contents import all_names, all_of, everywhere, saying, sa
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import records
+from tests.examples import drawn
 from tests.strategies import programs
 
 COUNT = e.Name("count")
@@ -41,7 +42,7 @@ def test_data_of_procedures_belongs_to_what_is_anywhere() -> None:
     assert not says(PROGRAM, p.Message, e.Here)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(programs())
 def test_everything_is_found_once(program: Program) -> None:
     everything = [part for q in program.procedures for part in _all((q.body, q.variables))]

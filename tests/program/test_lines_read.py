@@ -15,6 +15,7 @@ from assistant.compiler.translating import translate
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.lines import LINE_ENDS, TEXT_ENDS, ended_lines, lines_of, odd_characters
 from assistant.program.text import SourceText
+from tests.examples import drawn
 
 PACKAGE = Path(__file__).parent.parent.parent / "assistant"
 ANY_END = re.compile("[\n\r\v\f\x1c-\x1e\x85\u2028\u2029\x00\x03\x04\x1a]")
@@ -50,7 +51,7 @@ def strictly(text: str) -> str:
 
 
 @pytest.mark.parametrize("language", list(PIECES))
-@settings(max_examples=40)
+@settings(max_examples=drawn(40))
 @given(data=st.data())
 def test_an_accepted_text_is_the_same_for_the_strictest_reader(
     language: str, data: st.DataObject

@@ -13,6 +13,7 @@ from assistant.program.diagnostics import Refused, Rule, Unreadable
 from assistant.program.program import Program
 from assistant.program.pseudo import findings, parse, print_program, read
 from assistant.program.text import SourceText
+from tests.examples import drawn
 from tests.strategies import programs
 
 BROKEN = re.findall(
@@ -111,7 +112,7 @@ def test_what_is_no_text_cannot_be_read(tmp_path: FilePath, data: bytes) -> None
     assert refused.value.exit_status == 2
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=drawn(150))
 @given(programs(2), st.data())
 def test_a_damaged_text_is_read_or_refused(program: Program, data: st.DataObject) -> None:
     """Lines lost, doubled or swapped, characters changed: findings, or a program that prints."""
@@ -131,7 +132,7 @@ def test_a_damaged_text_is_read_or_refused(program: Program, data: st.DataObject
     _read_or_refused("\n".join(lines))
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=drawn(200))
 @given(st.text(st.sampled_from("program a end\n\t\"`#|[]()1.-=\\'{}\r\x00é")))
 def test_any_text_is_read_or_refused(text: str) -> None:
     _read_or_refused(text)

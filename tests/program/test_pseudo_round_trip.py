@@ -15,14 +15,15 @@ from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
 from assistant.program.statements import Follow, Motion, MoveJoints, Statement, Trigger
 from tests import strategies
+from tests.examples import drawn
 
 PATIENT = settings(
     deadline=None,
-    max_examples=200,
+    max_examples=drawn(200),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
-BRIEF = settings(PATIENT, max_examples=100)
-THOROUGH = settings(PATIENT, max_examples=1000)
+BRIEF = settings(PATIENT, max_examples=drawn(100))
+THOROUGH = settings(PATIENT, max_examples=drawn(1000))
 
 
 def holding(*body: Statement) -> Program:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.digits_at_offsets import WORD, Slots
+from tests.examples import drawn
 
 NUMBER = st.one_of(
     st.integers(-999, 9999).map(str),
@@ -17,7 +18,7 @@ NUMBER = st.one_of(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=drawn(200), deadline=None)
 @given(st.lists(NUMBER | st.floats().map(repr), min_size=1, max_size=30))
 def test_slots_hold_the_doubles_that_are_written(written: list[str]) -> None:
     finite = [w for w in written if "n" not in w] or ["0"]

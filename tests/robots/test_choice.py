@@ -19,6 +19,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
 from assistant.robots.arms.recognition import recognised
+from tests.examples import drawn
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")
@@ -92,7 +93,7 @@ def test_a_branch_that_keeps_off_the_wrist_singularity_is_taken() -> None:
     assert np.abs(np.diff(joints, axis=0)).max() < 10.0
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(seeds, st.sampled_from([ABB, MELFA, robots.get("irb140-6-0.81")]))
 def test_a_path_touches_the_singularity_only_where_every_branch_does(seed, arm) -> None:
     rng = np.random.default_rng(seed)
@@ -229,7 +230,7 @@ def test_of_a_long_path_too_the_branch_is_taken_whose_turns_suffice() -> None:
     assert np.abs(np.diff(joints, axis=0)).max() < 1.0
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(seeds, st.sampled_from([ABB, MELFA, robots.get("rh-6frh5520"), robots.get("rv-2aj")]))
 def test_what_is_chosen_is_inside_the_limits_and_leads_back_to_the_poses(seed, arm) -> None:
     rng = np.random.default_rng(seed)
@@ -243,7 +244,7 @@ def test_what_is_chosen_is_inside_the_limits_and_leads_back_to_the_poses(seed, a
     assert rotations.angle_between(turned, q).max() < 0.02
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(seed=seeds)
 def test_an_arm_recognised_in_a_chain_takes_the_branches_of_its_closed_form(seed) -> None:
     known = robots.get("irb1600-10-1.45")

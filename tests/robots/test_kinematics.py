@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.program import rotations
 from assistant.robots import Robot
+from tests.examples import drawn
 
 ABB = ("irb1200-7-0.7", "irb1200-5-0.9", "irb120-3-0.58")
 
@@ -150,7 +151,7 @@ def test_wrist_in_line() -> None:
         assert not np.isnan(robot.joints_of(p, q, robot.configuration(joints))).any()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(
     st.sampled_from(robots.names()),
     st.lists(st.floats(-3000, 3000), min_size=3, max_size=3),

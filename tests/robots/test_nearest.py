@@ -15,6 +15,7 @@ from assistant.program import pseudo, rotations
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab
 from assistant.robots.arms.nearest import nearest
+from tests.examples import drawn
 
 ARM = robots.get("rv-2aj")
 FLANGE = Pose()
@@ -33,7 +34,7 @@ def taken(pose: Pose, tip: Pose) -> bool:
     return bool(valid.any())
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=drawn(10), deadline=None)
 @given(seeds, st.sampled_from([FLANGE, HAND]))
 def test_a_pose_that_is_reached_is_its_own(seed: int, tip: Pose) -> None:
     p, q = ARM.fk(reachable(seed, 1))
@@ -44,7 +45,7 @@ def test_a_pose_that_is_reached_is_its_own(seed: int, tip: Pose) -> None:
     assert float(turned) < 0.05
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=drawn(10), deadline=None)
 @given(seeds)
 @example(14129)
 def test_no_pose_of_many_is_nearer(seed: int) -> None:

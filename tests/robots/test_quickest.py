@@ -16,6 +16,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.branches.cheapest import CHANGE
 from assistant.robots.branches.turns import CLEARANCE
+from tests.examples import drawn
 
 ARMS = [
     robots.get(name)
@@ -81,7 +82,7 @@ def seconds(arm, joints: np.ndarray, branched: bool, moves=slice(None)) -> float
     return float(steps[moves].sum())
 
 
-@settings(max_examples=30)
+@settings(max_examples=drawn(30))
 @given(seeds, st.integers(1, 4), arms, st.booleans())
 def test_no_other_branches_and_turns_take_joint_moves_less_time(seed, count, arm, some) -> None:
     rng = np.random.default_rng(seed)
@@ -109,7 +110,7 @@ def test_no_other_branches_and_turns_take_joint_moves_less_time(seed, count, arm
     assert seconds(arm, joints, branched=True) == pytest.approx(best, rel=BEST)
 
 
-@settings(max_examples=25)
+@settings(max_examples=drawn(25))
 @given(seeds, st.integers(2, 4), arms)
 def test_no_other_turns_take_joint_moves_between_lines_less_time(seed, count, arm) -> None:
     rng = np.random.default_rng(seed)

@@ -17,6 +17,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move
 from assistant.robots import Robot, catalogue
 from assistant.robots.arms import Placed, Serial
+from tests.examples import drawn
 
 LIMIT = '<limit lower="-2.5" upper="2.5" velocity="3.0" effort="1"/>'
 
@@ -112,7 +113,7 @@ signs = st.sampled_from([1, -1])
 lengths = st.integers(50, 900)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(st.data())
 def test_any_arm_with_a_spherical_wrist_is_recognised(data) -> None:
     """Joints turned either way and by some zero, on a base and with a flange of any pose."""
@@ -211,6 +212,7 @@ def test_the_flange_is_the_link_of_that_name_else_the_longest_chain() -> None:
     assert robot.fk([[0, 0, 0]])[0][0] == pytest.approx([0, 0, 350])
 
 
+@pytest.mark.slow
 def test_a_file_of_very_many_links_is_read() -> None:
     held = [joint(f"f{i}", f"m{i}", f"m{i + 1}", "fixed", "") for i in range(20000)]
     side = [joint(f"s{i}", "m0", f"t{i}", "fixed", "") for i in range(5000)]

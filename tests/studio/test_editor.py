@@ -222,6 +222,7 @@ def test_a_second_window_reads_only_and_follows_the_disk(
     context.close()
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_read_shows_its_finding_in_place(edited: Any, folder: Path) -> None:
     (folder / "odd.toml").write_bytes(b"name = '\xe4'\n")
     edited.get_by_role("treeitem", name="odd.toml").click()

@@ -124,6 +124,7 @@ def stops(e: Editor, look: str) -> list[str]:
         e.ask("continue", threadId=1)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("point", "stopped"),
     [
@@ -248,6 +249,7 @@ def test_a_program_that_never_ends_can_be_paused_and_left(tmp_path: FilePath) ->
         assert e.process.wait(30) == 0
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("launch", "said"),
     [
@@ -268,6 +270,7 @@ def test_what_cannot_be_launched_is_refused_with_its_reason(
         assert said in answer["message"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "sent",
     [

@@ -220,6 +220,7 @@ OPERANDS = (
 )  # fmt: skip
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("level", [4, 5, 6])
 def test_every_pair_of_operators(level: int) -> None:
     agree([[a, x, b, y, c] for x, y in PAIRS for a, b, c in OPERANDS], level)

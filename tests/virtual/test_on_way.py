@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.virtual.events import OnWay, Run, Switched
+from tests.examples import drawn
 from tests.virtual import melfa_cell, rapid_words
 from tests.virtual.rapid_cell import ran
 from tests.virtual.test_translated_cases import HEAD
@@ -188,7 +189,7 @@ def test_what_melfa_cannot_say_is_an_error(code: str, case: str, tmp_path: FileP
     assert any(reason.startswith(code) for reason in tally.reasons), tally.reasons
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(
     st.sampled_from(["TriggL", "TriggJ"]),
     st.lists(
@@ -280,7 +281,7 @@ def test_what_rapid_cannot_say_is_an_error(move: str, code: str) -> None:
     assert any(reason.startswith(code) for reason in tally.reasons), tally.reasons
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(
     st.sampled_from(["Mvs", "Mov"]),
     st.sampled_from(["M_RDst<", "M_RDst<=", "M_Ratio>", "M_Ratio>=", "Wth"]),

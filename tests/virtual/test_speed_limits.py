@@ -59,6 +59,7 @@ def test_the_next_cycle_begins_with_the_limit_of_the_one_before() -> None:
     assert b"Min(1000," in written
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", BODIES)
 def test_no_move_is_faster_than_the_limit(name: str, tmp_path: Path) -> None:
     text = MODULE.format(body=BODIES[name], unused=w.UNUSED)

@@ -92,6 +92,7 @@ def more_tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
     return tally
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_random_programs_do_the_same(language: str, tmp_path: FilePath) -> None:
     tally = tally_of(language, range(5), tmp_path)

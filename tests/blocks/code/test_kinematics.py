@@ -88,6 +88,7 @@ def agree(robot: Robot, forward: Callable, inverse: Callable, joints: np.ndarray
     return float(max(part.max() for part in off))
 
 
+@pytest.mark.slow
 def test_the_c_of_every_arm_agrees_with_ours(tmp_path: Path, tell: Callable[[str], None]) -> None:
     arms = every_arm()
     prefixes = [f"r{i}_{identifier(robot.name)}" for i, robot in enumerate(arms)]

@@ -11,6 +11,7 @@ from assistant.program.diagnostics import Refused
 from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.program.rotations import angle_between
+from tests.examples import drawn
 
 SPEEDS = (420.0, 336.0, 250.0, 540.0, 623.0, 720.0)
 RISES = (1400.0, 1100.0, 800.0, 1800.0, 2000.0, 2400.0)
@@ -28,7 +29,7 @@ def largest(rows, cycle):
     return speeds.max(initial=0.0), rises.max(initial=0.0)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=drawn(60))
 @given(joints, CYCLES, st.one_of(st.none(), st.floats(0.001, 5.0)))
 def test_no_step_exceeds_a_limit(points, cycle, each):
     times = None if each is None else np.arange(len(points)) * each

@@ -14,6 +14,7 @@ from assistant.controllers.mitsubishi.listing import listed
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
+from tests.examples import drawn
 from tests.wire import Wire
 
 PROGRAM = b"".join(
@@ -233,7 +234,7 @@ def lasting():
         yield controller, client
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=drawn(25))
 @given(st.lists(LINE, max_size=40, unique_by=lambda line: int(line.split()[0])))
 def test_any_comments_come_back_byte_for_byte(lasting, lines):
     controller, client = lasting

@@ -19,6 +19,7 @@ from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Procedure, Program, Signal
+from tests.examples import drawn
 
 LANGUAGES: Final = (*(name for name in languages.names() if name != "toy"), "toy")
 every_language = pytest.mark.parametrize("name", LANGUAGES)
@@ -27,7 +28,7 @@ few = settings(
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
 )
-many = settings(few, max_examples=100)
+many = settings(few, max_examples=drawn(100))
 TESTS: Final = Path(__file__).parents[2]
 
 

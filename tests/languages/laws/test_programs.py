@@ -19,6 +19,7 @@ from assistant.program.geometry import Configuration, Frame, Pose, Target, Tool
 from assistant.program.motion import FINE, FULL_BLEND, Speed
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Signal
+from tests.examples import drawn
 from tests.languages.laws.subjects import (
     PARTS,
     TURNED,
@@ -179,7 +180,7 @@ COMMENTS = st.one_of(
 
 @every_language
 @given(text=COMMENTS)
-@settings(max_examples=25)
+@settings(max_examples=drawn(25))
 def test_a_comment_in_any_script_is_proven(name: str, text: str) -> None:
     program = Program("job", (Procedure("main", (p.Comment(text),)),), comments=(text,))
     compiled = compile(program, language=name)

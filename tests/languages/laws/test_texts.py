@@ -18,6 +18,7 @@ from assistant.program.comparison import compare
 from assistant.program.diagnostics import Unreadable
 from assistant.program.lines import LINE_ENDS
 from assistant.program.program import Program
+from tests.examples import drawn
 from tests.languages.laws.subjects import (
     LANGUAGES,
     TEXTS,
@@ -108,14 +109,14 @@ def nothing_raises(name: str, text: str) -> None:
 @given(
     text=st.text(max_size=200) | st.binary(max_size=200).map(lambda data: data.decode("latin-1"))
 )
-@settings(max_examples=150)
+@settings(max_examples=drawn(150))
 def test_no_text_raises(name: str, text: str) -> None:
     nothing_raises(name, text)
 
 
 @every_language
 @given(data=st.data())
-@settings(max_examples=50)
+@settings(max_examples=drawn(50))
 def test_no_words_raise(name: str, data: st.DataObject) -> None:
     """Words of the language in any order, which comes nearer to it than any text does."""
     words = data.draw(st.lists(st.sampled_from(words_of(name)), max_size=40))

@@ -19,6 +19,7 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.languages.melfa_basic.tree.targets import labelled
 from assistant.program.comparison import compare
+from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
 
 IV, V, VI = "melfa-basic-4", "melfa-basic-5", "melfa-basic-6"
@@ -91,7 +92,7 @@ def _is_first(line: str) -> bool:
     return len(line.encode()) < 120 and not re.search(r"(?i)def act.*,f\b|type .*,2\b", line)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=drawn(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(files(4))
 def test_the_first_dialect_comes_back(tree: s.File) -> None:
     tree = parsed(tree)
@@ -102,7 +103,7 @@ def test_the_first_dialect_comes_back(tree: s.File) -> None:
         assert came == went
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=drawn(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @example(languages.get(V).parse("1 If M1=1 Then\n2 Close\n3 EndIf\n"))
 @example(
     languages.get(V).parse("1 On M1 GoTo *Assembly_Error_1\n2 *Assembly_Error_1 P1=P_CavDir\n")
@@ -123,7 +124,7 @@ def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
     assert compare(*compared([tree], [lower], None), ROUNDING).same
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=drawn(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(files(5))
 def test_a_higher_dialect_takes_the_lower_as_it_stands(tree: s.File) -> None:
     tree = parsed(tree)

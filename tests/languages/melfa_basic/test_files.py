@@ -16,6 +16,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 from assistant.program.text import SourceText
+from tests.examples import drawn
 from tests.languages.melfa_basic.files import files, of_type, position_lists
 from tests.languages.melfa_basic.layouts import scattered
 from tests.languages.melfa_basic.statements import word_node
@@ -23,10 +24,10 @@ from tests.languages.melfa_basic.statements import word_node
 LEVELS = (4, 5, 6)
 PATIENT = settings(
     deadline=None,
-    max_examples=100,
+    max_examples=drawn(100),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
-THOROUGH = settings(PATIENT, max_examples=1_000)
+THOROUGH = settings(PATIENT, max_examples=drawn(1_000))
 SEEDS = st.integers(0, 2**32)
 ANY = st.sampled_from(LEVELS).flatmap(files)
 ENCODINGS = ("utf-8", "utf-8-sig", "cp932", "cp932_ibm", "cp1252")
@@ -108,7 +109,7 @@ def test_position_lists_come_back(tree: s.File, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(PATIENT, max_examples=1_000)
+@settings(PATIENT, max_examples=drawn(1_000))
 @given(LISTS, SEEDS)
 def test_many_position_lists_come_back(tree: s.File, seed: int) -> None:
     holds(tree, seed)

@@ -17,6 +17,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.text import SourceText
+from tests.examples import drawn
 from tests.languages.melfa_basic.files import files, of_type
 from tests.languages.melfa_basic.layouts import scattered
 
@@ -49,7 +50,7 @@ def test_layout(title: str, level: int, before: str, after: str) -> None:
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data(), seed=st.integers(0, 99))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=drawn(20), deadline=None)
 def test_layout_says_the_same_and_is_settled(level: int, data: st.DataObject, seed: int) -> None:
     language = of(level)
     plain = language.render(data.draw(files(level)))
@@ -64,7 +65,7 @@ def test_layout_says_the_same_and_is_settled(level: int, data: st.DataObject, se
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=drawn(20), deadline=None)
 def test_what_is_printed_is_laid_out(level: int, data: st.DataObject) -> None:
     language = of(level)
     text = language.render(data.draw(files(level)))
@@ -137,7 +138,7 @@ def numbered(draw: st.DrawFn) -> str:
 
 
 @given(numbered(), st.integers(1, 40), st.integers(1, 40), st.sampled_from(LEVELS))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=drawn(80), deadline=None)
 def test_renumbering_keeps_what_jumps_where(text: str, first: int, step: int, level: int) -> None:
     language = of(level)
     tree = language.parse(text)

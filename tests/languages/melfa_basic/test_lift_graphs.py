@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from tests.examples import drawn
 
 # PX and PA have no values: what needs them stays as its text, under the settings of its way
 POSITIONS = "PT=(0,0,100,0,0,0)(0,0)\nP1=(300,0,300,180,0,180)(7,0)\n"
@@ -125,14 +126,14 @@ def test_where_a_subroutine_ends_the_next_one_is_not_entered(code: str) -> None:
     reads(code.splitlines())
 
 
-@settings(max_examples=80)
+@settings(max_examples=drawn(80))
 @given(graphs)
 def test_any_flow_is_read(lines: list[str]) -> None:
     reads(lines)
 
 
 @pytest.mark.slow
-@settings(max_examples=1000)
+@settings(max_examples=drawn(1000))
 @given(graphs)
 def test_many_flows_are_read(lines: list[str]) -> None:
     reads(lines)

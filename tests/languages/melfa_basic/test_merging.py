@@ -18,6 +18,7 @@ from assistant.program.comparison import Tolerance, compare
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
 from assistant.program.text import SourceText
+from tests.examples import drawn
 
 FIVE = languages.get("melfa-basic-5")
 FOUR = languages.get("melfa-basic-4")
@@ -181,7 +182,7 @@ simple = st.one_of(
 
 @pytest.mark.parametrize("level", [4, 5, 6])
 @given(data=st.data(), seed=st.integers(0, 9))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=drawn(15), deadline=None)
 def test_any_edit_is_in_the_text_and_nothing_else(
     level: int, data: st.DataObject, seed: int
 ) -> None:

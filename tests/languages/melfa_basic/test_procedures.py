@@ -23,6 +23,7 @@ from assistant.program.program import (
 )
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
+from tests.examples import drawn
 
 from .programs import fitting
 from .test_lower import DIALECTS, program, written
@@ -231,7 +232,7 @@ not_itself = bodies.map(lambda body: tuple(s for s in body if "show" not in repr
 @pytest.mark.parametrize("name", DIALECTS)
 @given(job=st.builds(_program, bodies, not_itself))
 @settings(
-    max_examples=12,
+    max_examples=drawn(12),
     deadline=None,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
@@ -267,7 +268,7 @@ rows = st.sampled_from([e.Name("one"), e.Name("two")])
     body=st.lists(inner_lines, max_size=4).map(tuple),
     type=st.sampled_from(["number", "integer"]),
 )
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=drawn(12), deadline=None)
 def test_random_arrays_are_handed_over(
     name: str, calls: tuple[p.Call, ...], body: tuple[p.Statement, ...], type: ValueType
 ) -> None:

@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip
 from assistant.program.diagnostics import has_errors
+from tests.examples import drawn
 
 FIVE = languages.get("melfa-basic-5")
 
@@ -143,7 +144,7 @@ pieces = st.sampled_from(
 
 
 @given(st.lists(pieces, max_size=25).map("".join))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(300), deadline=None)
 def test_any_line_is_kept_and_placed(line: str) -> None:
     tree = FIVE.parse(line)
     assert FIVE.render(tree) == line

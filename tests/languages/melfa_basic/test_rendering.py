@@ -15,6 +15,7 @@ from assistant import languages
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.diagnostics import has_errors
+from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
 from tests.languages.melfa_basic.layouts import scattered
 from tests.languages.melfa_basic.statements import simple
@@ -99,7 +100,7 @@ def test_of_two_lines_that_say_the_same_the_one_that_is_kept_keeps_its_bytes(
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data(), seed=st.integers(0, 99))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 def test_an_edit_keeps_all_other_bytes(level: int, data: st.DataObject, seed: int) -> None:
     language = of(level)
     text = scattered(language.render(data.draw(files(level))), random.Random(seed))
@@ -139,7 +140,7 @@ def positions(n: int) -> tuple[str, s.File]:
 
 
 @given(st.sets(st.integers(0, 29), max_size=30), st.sets(st.integers(0, 29), max_size=29))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=drawn(50), deadline=None)
 def test_rows_that_stay_keep_their_bytes(changed: set[int], gone: set[int]) -> None:
     text, tree = positions(30)
     (table,) = tree.items

@@ -199,6 +199,7 @@ def in_cell(folder: Path, main: str, to: str) -> Translation:
     return assistant.translate(loaded, to=to)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("to", MELFA)
 @pytest.mark.parametrize("line", ["WaitGI gi1,5;", "WaitUntil gi1=5;"])
 def test_a_wait_for_some_bits_is_one(tmp_path: Path, line: str, to: str) -> None:

@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.recovery.lexemes import Stop
 from assistant.program.text import SourceText
+from tests.examples import drawn
 
 FIXTURES = FilePath(__file__).parent / "fixtures"
 IDENTITY = (FIXTURES / "identity.txt").read_text().splitlines()
@@ -75,7 +76,7 @@ def test_tokenised_file_is_named() -> None:
 
 
 @given(st.lists(st.sampled_from(IDENTITY), max_size=30))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 def test_any_lines_are_checked_and_lifted(lines: list[str]) -> None:
     text = "\r\n".join(lines)
     tree = FIVE.parse(text)
@@ -153,13 +154,13 @@ def rows(draw: st.DrawFn) -> str:
 
 
 @given(rows())
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=drawn(200), deadline=None)
 def test_tables_mean_what_the_grammar_says(text: str) -> None:
     same_as_grammar(text)
 
 
 @given(rows(), st.integers(0, 200), st.sampled_from("(),.=+-PM1 'x\n"))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=drawn(200), deadline=None)
 def test_damaged_tables_mean_what_the_grammar_says(text: str, at: int, mark: str) -> None:
     at = min(at, len(text))
     same_as_grammar(text[:at] + mark + text[at + 1 :])

@@ -23,6 +23,7 @@ from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
+from tests.examples import drawn
 
 from .programs import differences, programs
 
@@ -59,7 +60,7 @@ def comes_back(program: Program, name: str, frames: Frames) -> None:
 
 
 random_programs = settings(
-    max_examples=12,
+    max_examples=drawn(12),
     deadline=None,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
@@ -76,7 +77,7 @@ def test_random_programs_come_back(name: str, program: Program, frames: Frames) 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DIALECTS)
 @given(program=programs, frames=st.sampled_from(get_args(Frames)))
-@settings(random_programs, max_examples=150)
+@settings(random_programs, max_examples=drawn(150))
 def test_many_random_programs_come_back(name: str, program: Program, frames: Frames) -> None:
     comes_back(program, name, frames)
 

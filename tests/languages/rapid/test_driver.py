@@ -18,6 +18,7 @@ from assistant.languages.rapid.reading.nodes import Nodes
 from assistant.languages.rapid.reading.scanner import table_words
 from assistant.languages.rapid.tree import syntax as s
 from assistant.resources import read_grammar
+from tests.examples import drawn
 from tests.languages.lark_trees import everything, node_of
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
@@ -45,7 +46,7 @@ def by_lark(text: str) -> Any:
 
 @settings(
     deadline=None,
-    max_examples=60,
+    max_examples=drawn(60),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 @given(files(), st.integers(0, 2**32))

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from assistant import compiler, languages
 from assistant.languages.rapid.reading.files import listed, newline_of
 from assistant.program.diagnostics import Refused
+from tests.examples import drawn
 
 RAPID = languages.get("rapid")
 MODULE = (
@@ -36,7 +37,7 @@ def test_every_encoding_and_line_end_comes_back(encoding: str, newline: str) -> 
     assert RAPID.recognises(data)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(
     st.lists(st.sampled_from([*MODULE.split("\n"), "a:=1", "é", "! “”", "", "\0", "#"])),
     st.sampled_from(["\n", "\r\n", "\r", "\n\r", "\r\r\n"]),

@@ -14,6 +14,7 @@ from assistant import languages
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.texts.words import Word
 from assistant.program.diagnostics import has_errors
+from tests.examples import drawn
 from tests.languages.rapid.modules import files
 
 RAPID = languages.get("rapid")
@@ -79,13 +80,13 @@ def test_a_changed_tree_is_laid_out_as_it_would_be_written() -> None:
     assert RAPID.format(changed) == ("MODULE c\nENDMODULE\n\nMODULE b\n    VAR num x;\nENDMODULE\n")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(files(), st.randoms(use_true_random=False))
 def test_any_spelling_keeps_its_tree(tree, random) -> None:
     laid_out(spelt_anyhow(RAPID.render(replace(tree, origin=None)), random))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=drawn(40), deadline=None)
 @given(files(), st.randoms(use_true_random=False))
 def test_blanks_and_case_of_words_do_not_matter(tree, random) -> None:
     text = RAPID.render(replace(tree, origin=None))

@@ -12,16 +12,17 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid.tree import syntax as s
+from tests.examples import drawn
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
 
 RAPID = languages.get("rapid")
 PATIENT = settings(
     deadline=None,
-    max_examples=200,
+    max_examples=drawn(200),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
-THOROUGH = settings(PATIENT, max_examples=1_000)
+THOROUGH = settings(PATIENT, max_examples=drawn(1_000))
 SEEDS = st.integers(0, 2**32)
 
 

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from assistant import languages
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Refused
+from tests.examples import drawn
 from tests.languages.rapid.changes import change, settled
 from tests.languages.rapid.modules import files
 
@@ -121,7 +122,7 @@ def at_random(seed: int, *texts: str) -> tuple[Random, s.File]:
 
 
 SEEDS = st.integers(0, 1 << 32)
-QUICK = settings(max_examples=50, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=drawn(50), deadline=None, phases=(Phase.explicit, Phase.generate))
 
 
 @QUICK

@@ -13,6 +13,7 @@ from assistant.languages.rapid.reading.rows import find_runs
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import FEWEST
 from assistant.program.diagnostics import Diagnostic
+from tests.examples import drawn
 
 RAPID = languages.get("rapid")
 
@@ -81,7 +82,7 @@ def alike(text: str) -> None:
     assert [seen(f) for f in fast.findings] == [seen(f) for f in slow.findings]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(rows())
 def test_whole_tables_are_read_alike(table: str) -> None:
     text = placed(table)
@@ -92,7 +93,7 @@ def test_whole_tables_are_read_alike(table: str) -> None:
     assert parse(RAPID.format(tree)) == tree
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=drawn(40), deadline=None)
 @given(rows(), st.sampled_from(["drop", "double", "swap", "cut"]), st.data())
 def test_damaged_tables_are_read_alike(table: str, damage: str, data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(table) - 2))

@@ -14,6 +14,7 @@ from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.recovery.reading import MOST_FINDINGS
+from tests.examples import drawn
 from tests.languages.rapid.mistakes import FURTHER
 
 RAPID = languages.get("rapid")
@@ -219,7 +220,7 @@ def test_columns_and_grammar_mend_alike(before: str) -> None:
 SNIPPETS = st.sampled_from([line for line in WHOLE.split("\n") if line.strip()])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(st.lists(SNIPPETS, max_size=25))
 def test_lines_in_any_order_are_read(lines: list[str]) -> None:
     text = "\r\n".join(lines)

@@ -16,6 +16,7 @@ from assistant.languages.rapid.tables.words import RESERVED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import FEWEST
 from assistant.program.diagnostics import Refused
+from tests.examples import drawn
 
 RAPID = languages.get("rapid")
 LINES = (Path(__file__).parent / "identity.txt").read_text(encoding="utf-8").splitlines()
@@ -104,7 +105,7 @@ def tables(draw: st.DrawFn) -> str:
     return "MODULE m\n" + "\n".join(rows) + "\nENDMODULE\n"
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(tables())
 def test_columns_and_grammar_read_tables_alike(text: str) -> None:
     fast, slow = parse(text), parse(text, runs=False)
@@ -113,7 +114,7 @@ def test_columns_and_grammar_read_tables_alike(text: str) -> None:
     assert RAPID.parse(RAPID.format(fast)) == fast
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(tables(), DAMAGE, st.data())
 def test_columns_and_grammar_see_the_same_damage(
     text: str, damage: str, data: st.DataObject
@@ -150,7 +151,7 @@ MOVE = st.builds(
 BETWEEN = st.sampled_from(["", "IF a\n", "! note\n", "b:=1;\n", "IF a THEN\n", "lab:\n", "Stop\n"])
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=drawn(80), deadline=None)
 @given(
     st.lists(st.tuples(BETWEEN, st.lists(MOVE, min_size=1, max_size=14)), min_size=1, max_size=4)
 )
@@ -217,7 +218,7 @@ WORDS = st.sampled_from(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=drawn(150), deadline=None)
 @given(st.lists(WORDS, max_size=40))
 def test_no_words_raise(words: list[str]) -> None:
     text = "MODULE m PROC p() " + " ".join(words) + " ENDPROC ENDMODULE"

@@ -22,6 +22,7 @@ from assistant.program.motion import FULL_BLEND, MAXIMUM_SPEED, Blend, Speed
 from assistant.program.passes.procedures import units
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, Signal, Variable
+from tests.examples import drawn
 from tests.languages.rapid.programs import full, path
 
 RAPID = languages.get("rapid")
@@ -432,7 +433,7 @@ STATEMENTS = st.recursive(
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(st.lists(STATEMENTS, max_size=6), st.lists(COMMENTS, max_size=3))
 def test_random_programs_come_back(body: list[p.Statement], comments: list[str]) -> None:
     points = {

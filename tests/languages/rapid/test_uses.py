@@ -17,6 +17,7 @@ from assistant.languages.rapid.tables import signatures
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from tests.examples import drawn
 from tests.languages.rapid import modules
 
 RAPID = languages.get("rapid")
@@ -290,7 +291,7 @@ def test_cures_name_what_is_meant() -> None:
 ROUTINE_NAMES = st.sampled_from(sorted(signatures.rows()))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(name=ROUTINE_NAMES, data=st.data())
 def test_a_call_with_what_is_required_is_right(name: str, data: st.DataObject) -> None:
     """Data of unknown modules in every place, of any standard routine, is never an error."""
@@ -312,7 +313,7 @@ def test_a_call_with_what_is_required_is_right(name: str, data: st.DataObject) -
         assert {f.severity for f in found} <= {Severity.INFO}
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=drawn(30), deadline=None)
 @given(st.lists(modules.files(), min_size=1, max_size=2))
 def test_whatever_a_tree_holds_is_judged(files: list[File]) -> None:
     task = Task(files)

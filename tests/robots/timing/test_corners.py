@@ -17,6 +17,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse
 from assistant.program.statements import Follow
 from assistant.robots.timing import Drive, Simulation, drive_of, simulate
+from tests.examples import drawn
 
 ARM = robots.get("irb1200-7-0.7")
 LOOSE = Drive(ARM.speeds * 1e3, ARM.speeds * 1e6, math.inf, math.inf)
@@ -196,7 +197,7 @@ ZONES = st.floats(0.05, 150)
 THERE_AND_BACK = [(320.0, 0.0, 200.0), *[(321.0, 0.0, 200.0)] * 2, (320.0, 0.0, 200.0)]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @example(THERE_AND_BACK, 20.0, 1.0, 2.0, None)
 @given(WAYS, SPEEDS, ZONES, st.floats(1.1, 6), st.sampled_from([None, 500.0, 8000.0]))
 def test_a_larger_zone_is_never_slower_and_none_is_quicker_than_its_way(
@@ -224,7 +225,7 @@ def test_a_larger_zone_is_never_slower_and_none_is_quicker_than_its_way(
         assert seconds(done) >= way / speed * (1 - 1e-4) - 1e-6
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=drawn(15), deadline=None)
 @example(THERE_AND_BACK, 20.0, 0.05)
 @given(WAYS, SPEEDS, st.sampled_from([0.05, 0.5, 4.0, 20.0, 150.0]))
 def test_nothing_passes_its_bounds_in_a_corner(

@@ -16,6 +16,7 @@ from assistant.program.program import Declaration
 from assistant.program.pseudo import parse
 from assistant.program.statements import Opaque
 from assistant.robots.timing import Drive, Simulation, simulate
+from tests.examples import drawn
 
 ARM = robots.get("irb1200-7-0.7")
 LOOSE = Drive(ARM.speeds * 1e3, ARM.speeds * 1e6, math.inf, math.inf)
@@ -323,7 +324,7 @@ BODIES = st.recursive(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(BODIES, BODIES)
 def test_times_fit_together_whatever_the_program_does(body: str, inner: str) -> None:
     inner = inner.replace("call inner(n)", "wait 1 s")

@@ -18,6 +18,7 @@ from assistant.program.pseudo import parse
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
 from assistant.robots.timing import Drive, Simulation, drive_of, simulate
+from tests.examples import drawn
 
 ARM = robots.get("irb1200-7-0.7")
 DOWN = [0.0, 0.0, 1.0, 0.0]
@@ -196,7 +197,7 @@ def along(points: list[tuple[float, float, float]], speed: float, blend: Blend) 
     return simulate(robots.solve_program(program, ARM))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=drawn(40), deadline=None)
 @given(POINTS, st.floats(5, 2000), st.floats(1.01, 5), st.sampled_from([FINE, Blend(5.0)]))
 def test_no_move_is_faster_than_its_speed_nor_slower_for_more(
     points: list[tuple[float, float, float]], speed: float, more: float, blend: Blend
@@ -210,7 +211,7 @@ def test_no_move_is_faster_than_its_speed_nor_slower_for_more(
     assert along(points, speed, FINE).seconds >= slow.seconds - 1e-9
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=drawn(20), deadline=None)
 @given(POINTS, st.floats(50, 5000))
 def test_no_axis_passes_its_speed(points: list[tuple[float, float, float]], speed: float) -> None:
     done = along(points, speed, Blend(10.0))

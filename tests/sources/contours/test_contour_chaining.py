@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from assistant.program.diagnostics import Severity
 from assistant.sources.contours.chaining import chain
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, vector
+from tests.examples import drawn
 
 
 def lines(*points, layer="L"):
@@ -39,7 +40,7 @@ def polylines(draw):
     return [(p, draw(st.booleans())) for p in parts], random
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=drawn(150), deadline=None)
 @given(polylines(), st.sampled_from([0.0, 1e-9, 0.02]))
 def test_shuffled_pieces_come_back(given_, noise):
     parts, random = given_
@@ -245,6 +246,7 @@ def test_gaps_over_the_tolerance_stay_open():
     assert findings == ()
 
 
+@pytest.mark.slow
 def test_a_star_of_ten_thousand_and_a_crowd_of_loose_ends_end_soon():
     turn = np.linspace(0, 2 * np.pi, 10_000, endpoint=False)
     rim = np.c_[np.cos(turn), np.sin(turn), 0 * turn] * 1e4

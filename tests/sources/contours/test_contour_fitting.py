@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.fitting import fit
+from tests.examples import drawn
 
 
 def ellipse(a, b, closed=True, turn=1.0):
@@ -82,7 +83,7 @@ def check(curve, tolerance, count=400):
     return result
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=drawn(25), deadline=None)
 @given(st.floats(2, 500), st.floats(0.05, 1.0), st.sampled_from([0.01, 0.05, 0.5]))
 def test_ellipses(a, ratio, tolerance):
     result = check(ellipse(a, a * ratio), tolerance)
@@ -92,7 +93,7 @@ def test_ellipses(a, ratio, tolerance):
 coordinates = st.floats(-200, 200).map(lambda v: round(v, 3))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=drawn(40), deadline=None)
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=6), st.booleans())
 def test_bezier_curves_in_the_plane_and_in_space(flat, lifted):
     points = np.array([(x, y, (x + y * y / 200 if lifted else 0.0)) for x, y in flat])

@@ -27,6 +27,7 @@ from assistant.program.statements import (
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.layers import contour_program as layer_program
 from assistant.sources.process import Defaults, Layer, Process
+from tests.examples import drawn
 from tests.sources.contours.whole import pose, whole_paths
 
 MOTION = Motion(Speed(50.0), Blend(1.0), "nozzle", "table")
@@ -254,7 +255,7 @@ def test_travel_is_reported():
 directions = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: math.hypot(*v) > 0.05)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=drawn(100), deadline=None)
 @given(directions, st.booleans())
 def test_the_tool_points_along_the_direction(direction, tangential):
     layer = Layer("x", MOTION, direction=direction, tangential=tangential)

@@ -11,6 +11,7 @@ from assistant.program.path import Kind
 from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.moves import moves
+from tests.examples import drawn
 
 
 def rows(*curves, tolerance=0.05, closed=False, **options):
@@ -59,7 +60,7 @@ def test_a_narrower_limit_can_be_asked_for():
     assert len(rows(arc(10, 360), closed=True, widest=120.0)) == 6
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=drawn(200), deadline=None)
 @given(
     st.floats(0.001, 2000),
     st.floats(0.01, 359.9) | st.just(360.0),

@@ -14,6 +14,7 @@ from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.nesting import holders
 from assistant.sources.contours.ordering import ordered, travel
+from tests.examples import drawn
 from tests.sources.contours.whole import whole_paths
 
 DOWN = (0.0, 0.0, -1.0)
@@ -55,7 +56,7 @@ def circles(draw):
     return made, around
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(circles())
 def test_each_comes_before_all_that_are_around_it(drawn):
     made, around = drawn

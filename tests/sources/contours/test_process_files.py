@@ -22,6 +22,7 @@ from assistant.sources.process.file import parse_process, read_process
 from assistant.sources.process.lines import key_spans
 from assistant.sources.process.shaping import Lead, Shaping
 from assistant.sources.process.ways import Above, Instant, Pace, Switching
+from tests.examples import drawn
 
 
 def parse(text):
@@ -351,7 +352,7 @@ def test_keys_are_found_wherever_toml_lets_them_stand():
     assert source.line_column(spans["list", "1", "1", "inner"].start)[0] == 5
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=drawn(300), deadline=None)
 @given(st.text(string.ascii_letters + string.digits + " \n\t.=[]{}\"'#,_-:+", max_size=80))
 def test_no_text_ever_gives_another_error(text):
     try:
@@ -371,7 +372,7 @@ keys = st.sampled_from(
 )
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=drawn(400), deadline=None)
 @given(st.lists(st.tuples(st.lists(keys, min_size=1, max_size=3), values), max_size=5))
 def test_no_value_anywhere_gives_another_error(entries):
     text = "\n".join(f"{'.'.join(key)} = {value}" for key, value in entries)

@@ -17,6 +17,7 @@ from assistant.program.diagnostics import Refused, Severity, Unreadable
 from assistant.sources.contours.curves import Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
+from tests.examples import drawn
 
 Save = Callable[..., Path]
 
@@ -230,7 +231,7 @@ def test_reader_does_not_write_to_the_terminal(
 
 
 @settings(
-    max_examples=60,
+    max_examples=drawn(60),
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

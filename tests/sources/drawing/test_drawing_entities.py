@@ -20,6 +20,7 @@ from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.drawing.findings import shown
 from assistant.sources.process import NO_PROCESS
+from tests.examples import drawn
 
 Save = Callable[..., Path]
 
@@ -214,7 +215,7 @@ def test_smoothed_polyline_leaves_its_frame_out(save: Save, drawing: Drawing) ->
 
 
 @settings(
-    max_examples=40,
+    max_examples=drawn(40),
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

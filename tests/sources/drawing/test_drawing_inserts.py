@@ -20,6 +20,7 @@ from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
+from tests.examples import drawn
 
 Save = Callable[..., Path]
 
@@ -273,7 +274,7 @@ place = st.fixed_dictionaries(
 
 
 @settings(
-    max_examples=40,
+    max_examples=drawn(40),
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

@@ -24,6 +24,7 @@ from assistant.program.program import Program
 from assistant.program.statements import Call, Motion, Move
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS, Defaults, Process
+from tests.examples import drawn
 
 Save = Callable[..., Path]
 
@@ -197,7 +198,7 @@ axis_angle = st.floats(-180, 180).map(lambda v: round(v, 3))
 
 
 @settings(
-    max_examples=40, deadline=None,
+    max_examples=drawn(40), deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )  # fmt: skip
 @given(

@@ -23,6 +23,7 @@ from assistant.sources.placements import of_options
 from assistant.sources.process import NO_PROCESS, Defaults
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.placing import by_marks
+from tests.examples import drawn
 
 MARKS = [[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [40.0, 100.0, 0.0]]
 
@@ -99,7 +100,7 @@ coordinates = st.floats(-500, 500).map(lambda x: round(x, 3))
 points = st.tuples(coordinates, coordinates, coordinates)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(st.tuples(points, points, points), points, st.floats(-180, 180), st.floats(-80, 80))
 def test_marks_that_were_moved_tell_the_move(marks, position, about_z, about_y):
     drawn = np.array(marks)

@@ -14,6 +14,7 @@ from assistant import sources
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Signal
 from assistant.sources.process import Defaults, Process
+from tests.examples import drawn
 from tests.sources.tables.test_csv_tables import CELL, POSE, read
 
 SIGNALS = Process(
@@ -175,7 +176,7 @@ GOOD = ("name," + POSE + ",speed_mm_s,blend_mm,motion,comment\n").encode() + (
         st.tuples(st.integers(0, len(GOOD)), st.integers(0, 3), st.binary(max_size=3)), max_size=4
     )
 )
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=drawn(300))
 def test_damaged_tables_are_read_or_refused_never_crash(
     edits: list[tuple[int, int, bytes]],
 ) -> None:
@@ -192,7 +193,7 @@ def test_damaged_tables_are_read_or_refused_never_crash(
 
 
 @given(st.binary(max_size=60))
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=drawn(200))
 def test_any_bytes_are_read_or_refused(data: bytes) -> None:
     try:
         read(data)

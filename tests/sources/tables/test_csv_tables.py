@@ -32,6 +32,7 @@ from assistant.program.statements import (
 )
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables import csv_tables
+from tests.examples import drawn
 
 POSE = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 CELL = Process(
@@ -265,7 +266,7 @@ def tables_of_poses(draw: st.DrawFn) -> tuple[str, np.ndarray, np.ndarray]:
 
 
 @given(tables_of_poses())
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=drawn(150))
 def test_written_poses_are_read_back(case: tuple[str, np.ndarray, np.ndarray]) -> None:
     text, positions, quaternions = case
     program = read(text).program

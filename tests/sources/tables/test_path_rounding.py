@@ -13,6 +13,7 @@ from assistant.program.statements import Follow, Move
 from assistant.sources import waypoints
 from assistant.sources.process import Defaults, Process
 from assistant.sources.rounding import SIZES, radii
+from tests.examples import drawn
 
 TURN = (1.0, 0.0, 0.0, 0.0)
 HEADER = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
@@ -40,7 +41,7 @@ def to_lines(points, corners):
     return np.linalg.norm(points[:, None] - (a + t[..., None] * along), axis=2).min(axis=1)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=drawn(60), deadline=None)
 @given(st.integers(0, 2**32), st.floats(0.01, 2.0))
 def test_a_rounded_way_stays_within_the_tolerance(seed, tolerance):
     random = np.random.default_rng(seed)

@@ -28,6 +28,7 @@ from assistant.program.text import SourceText
 from assistant.sources import Reading
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables.taught import read_taught
+from tests.examples import drawn
 
 CELL = Process(
     defaults=Defaults(speed=Speed(70.0), blend=Blend(3.0)),
@@ -131,7 +132,7 @@ def test_inline_tables_and_names_that_are_no_identifiers() -> None:
     ("key", "order"), [("euler_zyx", "ZYX"), ("euler_xyz", "XYZ"), ("euler_zyz", "ZYZ")]
 )
 @given(angles=st.tuples(*[st.floats(-179, 179)] * 3))
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=drawn(40))
 def test_orientations(key: str, order: rotations.EulerOrder, angles: tuple[float, ...]) -> None:
     program = read(
         f'[[targets]]\nname = "p"\nposition = [1, 2, 3]\n{key} = {list(angles)}\n'
@@ -198,7 +199,7 @@ GOOD = P + POSE + 'kind = "joint"\n[[targets]]\nname = "q"\njoints = [1, 2]\nset
 
 
 @given(st.lists(st.tuples(st.integers(0, len(GOOD)), st.integers(0, 5), st.text(max_size=3))))
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=drawn(150))
 def test_damaged_lists_are_read_or_refused_never_crash(edits: list[tuple[int, int, str]]) -> None:
     text = GOOD
     for at, gone, put in edits:

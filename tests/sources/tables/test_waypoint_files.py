@@ -25,6 +25,7 @@ from assistant.program.program import Program
 from assistant.program.statements import Follow, Move
 from assistant.sources import waypoints
 from assistant.sources.process import NO_PROCESS, Defaults, Process
+from tests.examples import drawn
 
 RNG = np.random.default_rng(3)
 POSITIONS = RNG.uniform(-400, 400, (9, 3))
@@ -278,7 +279,7 @@ def test_lines_of_json_are_told_as_those_of_the_file(read: Any) -> None:
 
 
 @given(at=st.integers(0, 10_000), put=st.binary(max_size=4), gone=st.integers(0, 4))
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=drawn(200))
 def test_damaged_arrays_are_read_or_refused_never_crash(at: int, put: bytes, gone: int) -> None:
     for whole, read in ((npy(SEVENS), waypoints._read_npy), (npz(s=SEVENS), waypoints._read_npz)):
         at %= len(whole)
@@ -298,7 +299,7 @@ def test_damaged_arrays_are_read_or_refused_never_crash(at: int, put: bytes, gon
     | st.dictionaries(st.sampled_from(["poses", "paths", "unit", "position"]), inner, max_size=3),
     max_leaves=20,
 ))  # fmt: skip
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=drawn(200))
 def test_any_json_is_read_or_refused(document: Any) -> None:
     try:
         waypoints._read_json(json.dumps(document).encode(), "a", "a", NO_PROCESS)
