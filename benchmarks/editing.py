@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
-from assistant.program.without_gc import keep_what_is_there
+from assistant.program.without_gc import freeze_loaded_objects
 from benchmarks.code import code
 
 LINES: Final = 5000
@@ -43,7 +43,7 @@ def measured(language: str, lines: int, places: int) -> tuple[float, list[float]
     start = time.perf_counter()
     service.settled(document)
     whole = time.perf_counter() - start
-    keep_what_is_there()  # as the language server does
+    freeze_loaded_objects()  # as the language server does
     times = []
     for change in keys(text, places):
         document = workspace.change(document.path, [change], document.version + 1)

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable
 
 from assistant.program.system.budgets import (
+    FACTOR_VARIABLE,
     FACTORS,
     FILE,
     MEGABYTE,
@@ -16,7 +17,6 @@ from assistant.program.system.budgets import (
     SETTINGS_FILE,
     STAGES,
     UNPACKED,
-    VARIABLE,
 )
 from assistant.sources.drawing.traversal import MOST_ENTITIES, MOST_NESTED
 
@@ -82,7 +82,7 @@ def page() -> str:
         _table(("what", "most"), (f"| {what} | {size} |" for what, size in sizes)),
         BUDGETS.format(part=PART_OF_MACHINE),
         _table(("stage", "a million of", "processor time", "memory"), rows),
-        RAISING.format(variable=VARIABLE, least=least, most=most),
+        RAISING.format(variable=FACTOR_VARIABLE, least=least, most=most),
     )
     return "\n".join(parts)
 

@@ -12,7 +12,7 @@ from assistant.compiler.compiling import Compiled
 from assistant.compiler.loading import Loaded
 from assistant.compiler.scenes import in_cell
 from assistant.findings.fail_on import FailOn
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.lazy import pictured
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
@@ -85,5 +85,5 @@ def check(
         checked.texts |= more.texts
         checked.paths += more.paths
         checked.unreadable |= more.unreadable
-    settled = settle(checked.findings, checked.texts)
+    settled = apply_severities(checked.findings, checked.texts)
     return Check(settled.left, settled.ignored, tuple(checked.paths), checked.unreadable)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.program.column_pages import columns_html, text
+from assistant.program.column_pages import columns_html, html_text
 from assistant.program.path import Kind
 
 if TYPE_CHECKING:
@@ -36,15 +36,15 @@ def robot_html(robot: Robot) -> str:
     told.append(f"languages {', '.join(robot.languages)}")
     head = "".join(f"<th>{one}</th>" for one in ("", "from", "to", "home", "speed a second", "in"))
     rows = "".join(
-        f"<tr><td>{text(name)}</td><td>{low:g}</td><td>{high:g}</td><td>{home:g}</td>"
+        f"<tr><td>{html_text(name)}</td><td>{low:g}</td><td>{high:g}</td><td>{home:g}</td>"
         f"<td>{speed:g}</td><td>{unit}</td></tr>"
         for name, (low, high), home, speed, unit in zip(
             *(robot.axes, robot.limits, robot.home, robot.speeds, robot.units), strict=True
         )
     )
-    lines = "".join(f"<p>{text(line)}</p>" for line in told)
+    lines = "".join(f"<p>{html_text(line)}</p>" for line in told)
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    return f"<div><b>{text(robot.name)}</b>{lines}{table}{_standing(robot)}</div>"
+    return f"<div><b>{html_text(robot.name)}</b>{lines}{table}{_standing(robot)}</div>"
 
 
 def path_html(path: Path) -> str:

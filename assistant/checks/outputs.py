@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from assistant.program.analysis.lengths import lengths
+from assistant.program.analysis.lengths import straight_lengths
 from assistant.program.diagnostics import Diagnostic, error, warning
 from assistant.program.expressions import Number
-from assistant.program.passes.places import constants, plain, sets_on_way
+from assistant.program.passes.places import constant_numbers, constant_value, sets_on_way
 from assistant.program.program import Program, walk
 from assistant.program.statements import Measure, MoveStatement
 
@@ -30,12 +30,12 @@ def outputs(program: Program) -> Iterator[Diagnostic]:
     """Places before the start, and behind the end of straight moves of known length."""
     if not sets_on_way(program):
         return
-    known = lengths(program)
+    known = straight_lengths(program)
     for procedure in program.procedures:
-        numbers = constants(program, procedure)
+        numbers = constant_numbers(program, procedure)
         moves = [x for x in walk(procedure.body) if isinstance(x, MoveStatement)]
         for move, one in [(x, one) for x in moves for one in x.triggers]:
-            stated = plain(one.amount, numbers)
+            stated = constant_value(one.amount, numbers)
             if isinstance(stated, Number):
                 amount, length = float(stated.value), known.get(id(move))
                 if amount < 0 or (one.measure == "share" and amount > 100):

@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import used_names
+from assistant.program.analysis.signals import used_signal_names
 from assistant.program.diagnostics import Diagnostic, Severity, warning
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import head, records
@@ -42,7 +42,7 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
         key = (signal.kind, signal.direction, signal.number)
         other = found.setdefault(key, name)
         if other != name:
-            used = used_names(program) if used is None else used
+            used = used_signal_names(program) if used is None else used
             both = {name.lower(), other.lower()} <= used
             if signal.direction == "input" and signal.bits != program.signals[other].bits:
                 both = False

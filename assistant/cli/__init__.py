@@ -12,9 +12,13 @@ from contextvars import copy_context
 from typing import Final
 
 from assistant.program.diagnostics import Refused, error
-from assistant.program.failing import details_wanted, failure
-from assistant.program.system.budgets import VARIABLE
-from assistant.program.system.ending import BY_SIGNAL, ORDINARY, told_to_end
+from assistant.program.failing import internal_error, traceback_wanted
+from assistant.program.system.budgets import FACTOR_VARIABLE
+from assistant.program.system.ending import (
+    ORDINARY_SIGNALS,
+    SIGNAL_EXIT_STATUS,
+    raise_on_termination,
+)
 from assistant.program.system.watchdog import Reached
 
 NOT_PRINTED = error(
@@ -34,9 +38,9 @@ def main(arguments: list[str] | None = None) -> None:
     """
     if arguments is None:
         _settle_in()
-    before = os.environ.get(VARIABLE)
+    before = os.environ.get(FACTOR_VARIABLE)
     status: str | int | None = INTERRUPTED
-    with suppress(KeyboardInterrupt), told_to_end(signals=ORDINARY) as ending:
+    with suppress(KeyboardInterrupt), raise_on_termination(signals=ORDINARY_SIGNALS) as ending:
         try:
             # In a context of its own: what one command was asked for, the next one was not.
             copy_context().run(_run, arguments)
@@ -45,11 +49,11 @@ def main(arguments: list[str] | None = None) -> None:
         finally:
             ending.hold()
             if before is None:
-                os.environ.pop(VARIABLE, None)
+                os.environ.pop(FACTOR_VARIABLE, None)
             else:
-                os.environ[VARIABLE] = before
+                os.environ[FACTOR_VARIABLE] = before
     if ending.number is not None and status:
-        status = BY_SIGNAL + ending.number
+        status = SIGNAL_EXIT_STATUS + ending.number
         with suppress(OSError):  # the terminal may be what was closed
             sys.stderr.write(f"ended by {signal.Signals(ending.number).name}\n")
             sys.stderr.flush()
@@ -81,17 +85,17 @@ def _run(arguments: list[str] | None) -> None:
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
     from assistant.cli.secrets import check_arguments
-    from assistant.program.system.leftovers import told_by
+    from assistant.program.system.leftovers import reporting_leftovers
 
     try:
         check_arguments(sys.argv[1:] if arguments is None else arguments)
-        with told_by(lambda finding: print_findings([finding])):
+        with reporting_leftovers(lambda finding: print_findings([finding])):
             app(args=arguments, prog_name="robot-assistant")
     except Refused as refused:
         print_refused(refused.findings)
         sys.exit(refused.exit_status)
     except Reached as reached:  # between two stages
-        print_refused([failure(reached)])
+        print_refused([internal_error(reached)])
         sys.exit(2)
     except BrokenPipeError:
         _discard_output()  # the reader went away, as `head` does; its end is not our error
@@ -107,9 +111,9 @@ def _run(arguments: list[str] | None) -> None:
             _discard_output()
         sys.exit(2)
     except Exception as error:
-        if details_wanted():
+        if traceback_wanted():
             raise
-        print_refused([failure(error)])
+        print_refused([internal_error(error)])
         sys.exit(2)
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 from assistant.program.diagnostics import Diagnostic, Refused, info
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 from assistant.program.program import identifier
-from assistant.program.system.writing import place_of, write_all
+from assistant.program.system.writing import file_in_folder, write_all
 
 SAME_FILE: Final = info(
     "CL001",
@@ -39,9 +39,9 @@ class Answers:
         except OSError:
             raise
         except Exception as error:
-            if details_wanted():
+            if traceback_wanted():
                 raise
-            self.refusals.append(failure(error).within(program))
+            self.refusals.append(internal_error(error).within(program))
             self.status = 2
 
 
@@ -106,7 +106,7 @@ def places(
 ) -> dict[Path, bytes]:
     """The files of one source by where they are written."""
     folder = Path(output) / folders.get(source, "")
-    return {place_of(name, folder): data for name, data in files.items()}
+    return {file_in_folder(name, folder): data for name, data in files.items()}
 
 
 def paths_of(

@@ -12,7 +12,7 @@ import typer
 
 from assistant.cli.options import CellOption, RobotOption
 from assistant.cli.presentation import print_findings, say
-from assistant.program.system.ending import by_hand
+from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.program.geometry import Pose
@@ -77,7 +77,7 @@ def run_answer(given: Given, process: Path | None, robot: str | None, cell: Path
         return _answered(given, trust, base)
     except KeyboardInterrupt as caught:
         say("ended")
-        if not by_hand(caught):
+        if not is_ctrl_c(caught):
             raise
     return 0
 

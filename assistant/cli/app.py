@@ -106,12 +106,12 @@ app: Final = typer.Typer(
 
 def _budget(text: str | None) -> None:
     """For this command, and for the processes that it starts."""
-    from assistant.program.system.budgets import VARIABLE, factor, factor_of
+    from assistant.program.system.budgets import FACTOR_VARIABLE, budget_factor, read_budget_factor
 
     if text is not None:
-        factor_of(text)
-        os.environ[VARIABLE] = text
-    factor()  # what the environment states is looked at before anything is done
+        read_budget_factor(text)
+        os.environ[FACTOR_VARIABLE] = text
+    budget_factor()  # what the environment states is looked at before anything is done
 
 
 def _version(wanted: bool) -> None:

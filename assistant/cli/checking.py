@@ -45,12 +45,12 @@ def run_check(
     fail_on: FailOn,
     asked: Asked = NOBODY,
 ) -> int:
-    from assistant.findings.project_severities import settle
+    from assistant.findings.project_severities import apply_severities
 
     asked.only_page()
     with working(f"checking {', '.join(sources)}"):
         checked = _checked(sources, options, keep=bool(asked))
-        settled = settle(checked.findings, checked.texts)
+        settled = apply_severities(checked.findings, checked.texts)
         left = list(settled.left)
         written = _page(sources, options, checked, left, asked) if asked else []
     if format is not FindingFormat.TEXT:

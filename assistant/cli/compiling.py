@@ -103,7 +103,7 @@ def run_compile(
     from assistant.compiler.loading import language_of
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.together import together as joined
-    from assistant.findings.project_severities import settle
+    from assistant.findings.project_severities import apply_severities
     from assistant.project.stated import Stated
 
     if list(sources).count(STANDARD) > 1:
@@ -164,7 +164,7 @@ def run_compile(
     findings = [*stands.findings, *answers.refusals]
     files: dict[str, dict[str, bytes]] = {}
     for source, compiled in done:
-        settled = settle([f.within(source) for f in compiled.findings]).left
+        settled = apply_severities([f.within(source) for f in compiled.findings]).left
         findings += settled
         if compiled.ok and not has_errors(settled):
             files[source] = compiled.files
@@ -182,7 +182,7 @@ def run_compile(
         keep_sources(sources, paths_of(files, folders, output))
         keeper = Keeper(language, robot, stands if cell else None, wishes or Wishes())
         kept = write_kept(files, folders, output, keeper)
-        findings += settle(kept.findings).left
+        findings += apply_severities(kept.findings).left
         ok, written, diffs = ok and not has_errors(kept.findings), kept.written, kept.diffs
     if page is not None:
         with working("drawing the page"):

@@ -18,7 +18,7 @@ NOT_DRAWN = error(
 
 def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
     """0; 1 if something of the drawing is not in order."""
-    from assistant.findings.project_severities import settle
+    from assistant.findings.project_severities import apply_severities
     from assistant.report import drawings as report
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
@@ -40,7 +40,7 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     with working(f"reading {drawing}"):
         found = survey(drawing, chosen, stated)
     told = [finding.within(str(drawing)) for finding in (*left, *chosen.findings, *found.findings)]
-    findings = settle(told).left
+    findings = apply_severities(told).left
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 

@@ -21,7 +21,7 @@ from assistant.cli.moving import BEGINNING, moving
 from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.teaching import ENDS, keys
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand
+from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.compiler.exploring import Asked, Ready
@@ -212,7 +212,7 @@ def run_manual(cell: str, asked: Asked, live: Live) -> int:
             while not watched.is_over(live.seconds) and not ended():
                 watched.look(contacts)
         except KeyboardInterrupt as caught:
-            if not by_hand(caught):
+            if not is_ctrl_c(caught):
                 raise
         finally:
             done = _saved(begun, watched.log, live)

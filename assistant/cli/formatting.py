@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, error, has_errors
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 from assistant.program.lines import ended_lines
 from assistant.program.text import read_input
 from assistant.program.visible import visible
@@ -61,9 +61,9 @@ def run_fmt(
             except OSError:
                 raise
             except Exception as error:
-                if details_wanted():
+                if traceback_wanted():
                     raise
-                print_findings([failure(error).within(str(name))])
+                print_findings([internal_error(error).within(str(name))])
                 status = 2
                 continue
             files, changed = files + 1, changed + done.changed

@@ -9,7 +9,7 @@ import typer
 
 from assistant.cli.presentation import say
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand
+from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.controllers.gateway import Gateway
@@ -82,7 +82,7 @@ def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) 
         raise Refused(NOT_STARTED(port=at[1], reason=reason)) from None
     except KeyboardInterrupt as caught:
         say("ended")
-        if not by_hand(caught):
+        if not is_ctrl_c(caught):
             raise
     return 0
 

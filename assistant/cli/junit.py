@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from assistant.deploy import CellState, FileState, Outcome, Rollout
-from assistant.findings.junit import case, document, failed, skipped
+from assistant.findings.junit import junit_case, junit_document, mark_failed, mark_skipped
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.visible import visible
 
@@ -22,7 +22,9 @@ THERE: Final = (FileState.SAME, FileState.INSTALLED)
 
 def junit(rollout: Rollout) -> bytes:
     """The report, whole; well-formed whatever names and messages hold."""
-    return document(NAME, [_suite(one) for one in rollout.outcomes], _seconds(rollout.outcomes))
+    return junit_document(
+        NAME, [_suite(one) for one in rollout.outcomes], _seconds(rollout.outcomes)
+    )
 
 
 def _suite(one: Outcome) -> ET.Element:
@@ -35,15 +37,15 @@ def _suite(one: Outcome) -> ET.Element:
         ET.SubElement(properties, "property", {"name": key, "value": visible(value)})
     for program in one.plan.files if one.plan else ():
         state = one.deployment.states.get(program.name) if one.deployment else None
-        test = case(suite, program.name)
+        test = junit_case(suite, program.name)
         if one.state is CellState.NOT_BEGUN or (state is None and one.deployment is None):
-            skipped(test, str(CellState.NOT_BEGUN))
+            mark_skipped(test, str(CellState.NOT_BEGUN))
         elif state not in THERE:
             about = [f for f in one.findings if f.place == program.name]
             _failed(test, "failure", str(state), about)
-    test = case(suite, WHOLE)
+    test = junit_case(suite, WHOLE)
     if one.state is CellState.NOT_BEGUN:
-        skipped(test, "; ".join(finding.message for finding in one.findings))
+        mark_skipped(test, "; ".join(finding.message for finding in one.findings))
     elif one.state is CellState.FAILED:
         errors = [f for f in one.findings if f.severity is Severity.ERROR]
         said = errors[0].message if errors else str(one.state)
@@ -53,7 +55,7 @@ def _suite(one: Outcome) -> ET.Element:
 
 def _failed(test: ET.Element, kind: str, said: str, findings: Sequence[Diagnostic]) -> None:
     codes = [f.code for f in findings if f.severity is Severity.ERROR]
-    failed(test, kind, codes[0] if codes else "deployment", said, findings)
+    mark_failed(test, kind, codes[0] if codes else "deployment", said, findings)
 
 
 def _seconds(outcomes: Iterable[Outcome]) -> str:

@@ -310,13 +310,13 @@ def _files(
     """What is wanted beside the map."""
     import numpy as np
 
-    from assistant.program.arrays import evenly
+    from assistant.program.arrays import evenly_spaced
     from assistant.report import learned_map as report
     from assistant.report.figures import format_of
 
     files: dict[Path, bytes] = {}
     if outputs.picture is not None:
-        chosen = evenly(len(stages), STAGES)
+        chosen = evenly_spaced(len(stages), STAGES)
         some, kind = [stages[at] for at in chosen], format_of(outputs.picture.name)
         drawn = report.lattice_picture(some, net.shape, tests.pixels, cameras, kind)
         files[outputs.picture] = drawn

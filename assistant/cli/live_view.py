@@ -13,7 +13,7 @@ import numpy as np
 from assistant.cli.cells import Cell, reached, robot_of_cell, state_lines
 from assistant.cli.presentation import Format, print_json, say
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand
+from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.controllers.states import Position, Sample
@@ -63,7 +63,7 @@ def run_live(
             _began(name, served, answer, format)
             _told(there, robot, served)
         except KeyboardInterrupt as caught:
-            if not by_hand(caught):
+            if not is_ctrl_c(caught):
                 raise
         except Refused as refused:
             served.tell("lost", {"text": refused.findings[0].message})

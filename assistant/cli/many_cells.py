@@ -68,14 +68,14 @@ def ended_in_order() -> Iterator[Halt]:
     over within the time-outs of its connection. Asking twice makes no difference.
     """
     from assistant.deploy import Halt
-    from assistant.program.system.ending import handled
+    from assistant.program.system.ending import signals_handled
 
     halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
 
     def asked(_number: int, _frame: object) -> None:
         halt.asked = True
 
-    with handled(asked):
+    with signals_handled(asked):
         yield halt
 
 

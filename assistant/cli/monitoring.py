@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.cells import joints_line, pose_line, reached, record, state_lines
 from assistant.cli.presentation import Format, say
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand
+from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -64,7 +64,7 @@ def run_monitor(cell: str, options: Options) -> int:
                 if options.seconds is not None and sample.seconds >= options.seconds:
                     break
         except KeyboardInterrupt as caught:
-            if not by_hand(caught):
+            if not is_ctrl_c(caught):
                 raise
     return 0
 

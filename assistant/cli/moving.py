@@ -74,11 +74,11 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     """
     from assistant.controllers import Controller
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
-    from assistant.program.system.ending import told_to_end
+    from assistant.program.system.ending import raise_on_termination
 
     motion: Moving | None = None
     try:
-        with told_to_end(), reached(text, command) as there:
+        with raise_on_termination(), reached(text, command) as there:
             motion = Moving(there)
             with _stopped(motion):
                 yield motion

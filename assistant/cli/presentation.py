@@ -184,9 +184,9 @@ def print_for_programs(
     elif format is FindingFormat.GITLAB:
         print_json(gitlab(findings, Path.cwd()))
     elif format is FindingFormat.JUNIT:
-        from assistant.findings.junit import findings_report
+        from assistant.findings.junit import junit_report
 
-        say(findings_report(findings, files, fail_on, "robot-assistant").decode().rstrip())
+        say(junit_report(findings, files, fail_on, "robot-assistant").decode().rstrip())
     elif format is FindingFormat.SARIF:
         print_json(sarif(findings, ignored, Path.cwd()))
     else:

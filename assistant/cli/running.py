@@ -234,19 +234,19 @@ class _Running:
 
         So do SIGTERM and SIGHUP; a second one ends the command at once.
         """
-        from assistant.program.system.ending import ORDINARY, Ended, handled
+        from assistant.program.system.ending import ORDINARY_SIGNALS, Terminated, signals_handled
         from assistant.virtual.kernel import Ending
 
         def interrupt(number: int, _frame: object) -> None:
             if self.interrupted:
-                raise Ended(number)
+                raise Terminated(number)
             self.interrupted = True
             self.kernel.watch = lambda task: self.kernel.halt(task, Ending("until"))
 
         if self.options.step or self.points or self.options.ask:
             yield  # A person is asked there, who can end the run.
             return
-        with handled(interrupt, ORDINARY):
+        with signals_handled(interrupt, ORDINARY_SIGNALS):
             yield
 
     # ------------------------------------------------------------------------------- stops

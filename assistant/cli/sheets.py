@@ -42,10 +42,10 @@ def compiled_sheet(
 ) -> Sheet:
     """A compiled program as it is written; one that is not written as it was to be said."""
     from assistant.compiler.source_map import Places
-    from assistant.findings.project_severities import settle
+    from assistant.findings.project_severities import apply_severities
 
     lifted = compiled.proof.lifted
-    found = fold(settle([finding.within(source) for finding in compiled.found]).left)
+    found = fold(apply_severities([finding.within(source) for finding in compiled.found]).left)
     arm = robot or _arm(compiled.program.robot, scene)
     sheet = Sheet(
         f"{named(source)} in {compiled.language}" + ("" if arm is None else f" for {arm.name}"),

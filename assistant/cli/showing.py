@@ -86,10 +86,10 @@ def _on_the_way(loaded: Loaded, wanted: Wanted) -> Program:
             raise Refused(NO_LANGUAGE(), exit_status=2)
         return loaded.program
     from assistant.compiler import compile
-    from assistant.program.passes.watching import watched
+    from assistant.program.passes.watching import pass_trace
 
     seen: dict[str, Program] = {}
-    with watched(seen.__setitem__):
+    with pass_trace(seen.__setitem__):
         compiled = compile(loaded, language=wanted.to, robot=wanted.robot)
     if wanted.after is None:
         return compiled.program

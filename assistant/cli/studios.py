@@ -37,12 +37,16 @@ def studio(
 
 def run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
     from assistant.cli.presentation import print_findings, print_json, say
-    from assistant.program.system.ending import by_hand, told_to_end, wait_for_end
+    from assistant.program.system.ending import (
+        is_ctrl_c,
+        raise_on_termination,
+        wait_for_termination,
+    )
     from assistant.studio.server import serving
 
     studio: Studio | None = None
     try:
-        with told_to_end() as ending, serving(project, host, port) as served:
+        with raise_on_termination() as ending, serving(project, host, port) as served:
             studio = served.studio
             if format is Format.JSON:
                 print_json({"folder": str(served.studio.folder), "address": served.address})
@@ -52,13 +56,13 @@ def run_studio(project: Path, host: str | None, port: int, opened: bool, format:
             if opened:  # a browser of the terminal would come back only when it is closed
                 Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
             try:
-                wait_for_end()
+                wait_for_termination()
             finally:
                 ending.hold()  # an arm is let go of, whatever else comes
     except KeyboardInterrupt as caught:
         left_on = () if studio is None else studio.left_on
         print_findings(left_on)
-        if not by_hand(caught):
+        if not is_ctrl_c(caught):
             raise
         return 1 if left_on else 0
     return 0

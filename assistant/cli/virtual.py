@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import by_hand, held, wait_for_end
+from assistant.program.system.ending import defer_termination, is_ctrl_c, wait_for_termination
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -250,13 +250,13 @@ def _run(
         if password is not None:
             say(f"password: {password} (set {PASSWORD} to choose one)")
         sys.stdout.flush()
-        wait_for_end()
+        wait_for_termination()
     except KeyboardInterrupt as caught:
         say("ended")
-        if not by_hand(caught):
+        if not is_ctrl_c(caught):
             raise
     finally:
-        with held():
+        with defer_termination():
             controller.stop()
 
 

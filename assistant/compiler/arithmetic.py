@@ -14,10 +14,10 @@ from assistant.languages.answers import (
 )
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import saying
+from assistant.program.contents import statements_with
 from assistant.program.diagnostics import Diagnostic, error, warning
 from assistant.program.program import Procedure, Program
-from assistant.program.wholes import Numbers
+from assistant.program.wholes import NumberFacts
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -99,7 +99,7 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
         bound = "the last value" if end is None else f"{end:g}"
         return INEXACT(name=name, step=f"{abs(step):g}", bound=bound, span=span)
 
-    for statement, parts in saying(program, p.For, p.Assign, e.Binary):
+    for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
         match statement:
             case p.For(variable, first, last, step=each):
                 step, end = number(each), number(last)
@@ -135,13 +135,13 @@ def _meets(first: float | None, last: float | None, step: float) -> bool:
 
 def _met(program: Program) -> Iterator[tuple[str, Any]]:
     """What matters in each statement, with its span."""
-    numbers: Numbers | None = None
+    numbers: NumberFacts | None = None
     for procedure in program.procedures:
-        for statement, parts in saying(procedure, e.Binary, e.Apply):
+        for statement, parts in statements_with(procedure, e.Binary, e.Apply):
             asked = [part for part in parts if _asks(part)]
             if not asked:
                 continue
-            numbers = numbers or Numbers(program)
+            numbers = numbers or NumberFacts(program)
             for key in dict.fromkeys(_key(part, procedure, numbers) for part in asked):
                 if key is not None:
                     yield key, statement.span
@@ -153,7 +153,7 @@ def _asks(part: Any) -> bool:
     )
 
 
-def _key(part: Any, procedure: Procedure, numbers: Numbers) -> str | None:
+def _key(part: Any, procedure: Procedure, numbers: NumberFacts) -> str | None:
     """What of ARITHMETIC a division or rounding depends on, None if its operands rule it out."""
     match part:
         case e.Apply("round", (value,)):

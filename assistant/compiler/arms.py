@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Refused, error
-from assistant.program.near import meant
+from assistant.program.near import did_you_mean
 from assistant.program.program import Program
 from assistant.program.wanted import SAME_ARM
 from assistant.sources.sights import NOTHING_SEEN, Seeing
@@ -72,7 +72,7 @@ def known_robot(name: str | None) -> Robot | None:
     except KeyError:
         known = robots.names()
         other = f"choose one of {', '.join(known)}, or name a robot file (TOML or URDF)"
-        finding = UNKNOWN_ROBOT(name=name, cure=meant(name, known, other))
+        finding = UNKNOWN_ROBOT(name=name, cure=did_you_mean(name, known, other))
         raise Refused(finding, exit_status=2) from None
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.diagnostics import Diagnostic, Refused, error, info, warning
 from assistant.program.passes.asking import is_operators
 from assistant.program.program import Program, Signal
@@ -108,7 +108,7 @@ def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
     return replace(program, signals=_with(program.signals, stated))
 
 
-def with_lines(program: Program, lines: Mapping[int, Line]) -> Program:
+def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:
     """A program with what the cell knows of communication lines in place of their numbers."""
 
     def stated(part: Any) -> Any:

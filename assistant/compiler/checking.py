@@ -33,7 +33,7 @@ from assistant.compiler.turning import with_turns
 from assistant.compiler.unplaced import unplaced
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 from assistant.program.program import Program
 from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.sources.lengths import unit_stated
@@ -223,9 +223,9 @@ class _collecting:  # noqa: N801 (used as a `with` word)
     def __enter__(self) -> None: ...
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
-        expected = isinstance(error, Refused | OSError) or details_wanted()
+        expected = isinstance(error, Refused | OSError) or traceback_wanted()
         if isinstance(error, Exception) and not expected:
-            self.checked.findings.append(failure(error).within(self.path))
+            self.checked.findings.append(internal_error(error).within(self.path))
             self.checked.unreadable = True
             return True
         if not isinstance(error, Refused):

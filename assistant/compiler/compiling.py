@@ -32,7 +32,7 @@ from assistant.compiler.turning import has_free_turns, with_turns
 from assistant.compiler.uncalled import is_of, without_uncalled
 from assistant.compiler.unplaced import unplaced
 from assistant.lazy import pictured
-from assistant.program.contents import saying
+from assistant.program.contents import statements_with
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -44,7 +44,7 @@ from assistant.program.diagnostics import (
     warning,
 )
 from assistant.program.expressions import Verbatim
-from assistant.program.passes.watching import passed
+from assistant.program.passes.watching import traced
 from assistant.program.program import Origin, Program
 from assistant.program.statements import Opaque
 from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
@@ -260,7 +260,7 @@ def compile_program(
     unlike = tuple[Diagnostic, ...]()
     if source.origin is not None:
         said = language_of(source.origin.language).exported(program, target, arm)
-        program, findings = passed("exported", said.program), [*findings, *said.findings]
+        program, findings = traced("exported", said.program), [*findings, *said.findings]
         findings += (f for f in group_values(program) if f not in findings)  # of questions as well
         unlike = said.findings
     taught = taught_on(program, arms)
@@ -274,15 +274,15 @@ def compile_program(
     if arm is not None:
         program, changed = for_arm(program, taught, arm)
         findings += changed
-        passed("for-the-arm", program)
+        traced("for-the-arm", program)
     if has_free_turns(program):
         program, changed = with_turns(program, arm, arms.scene)
         findings += changed
-        source = before = passed("with-turns", program)
+        source = before = traced("with-turns", program)
     if travels(program):
         ways = travelled(program, arm, arms.scene, places)
         findings += ways.findings
-        source = before = program = passed("travelled", ways.program)
+        source = before = program = traced("travelled", ways.program)
         if has_errors(ways.findings):
             compiled = Compiled(program, target.name, Proof(None), source, places)
             return replace(compiled, found=tuple(findings))
@@ -302,9 +302,9 @@ def compile_program(
         from assistant import robots
 
         solution = robots.solve_program(program, arm)
-        passed("with-configurations", solution.program)
+        traced("with-configurations", solution.program)
         program, changed = at_the_pace(solution, before, taught, target.joint_percent)
-        passed("at-the-pace", program)
+        traced("at-the-pace", program)
         solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
         told = unplaced(program, arm, at_moves(solved, solution.program, places))
         findings += (*told, *changed)
@@ -405,7 +405,7 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
     """
     kept = {
         node.span: part.text
-        for node, parts in saying(program, Verbatim)
+        for node, parts in statements_with(program, Verbatim)
         if node.span is not None
         for part in parts
     }

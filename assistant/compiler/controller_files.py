@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.cell_file import with_lines, with_signals
 from assistant.languages.tasks import Configured
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.diagnostics import Diagnostic, Refused, info, warning
 from assistant.program.text import decode, read_bytes
 
@@ -93,7 +93,9 @@ def as_configured(program: Program, language: Language[Any], given: Configured) 
     if names:
         program = _holding(program, language, names)
     program = with_signals(program, given.signals)
-    program = with_lines(program, {number: Line(*line) for number, line in given.lines.items()})
+    program = with_lines(
+        program, {number: ChannelLine(*line) for number, line in given.lines.items()}
+    )
     found: list[Diagnostic] = []
     if names:
         found.append(TAKEN(what=_named([one.name for one, _ in names])))

@@ -12,7 +12,7 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere, saying
+from assistant.program.contents import records_in_procedures, statements_with
 from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.kept import effect_of
@@ -134,7 +134,7 @@ def _named(program: Program) -> set[str]:
     found: set[str] = set()
     kinds = e.Name, p.Opaque, e.Verbatim
     others = records((program.declarations, program.variables))
-    for part in chain(everywhere(program, *kinds), others):
+    for part in chain(records_in_procedures(program, *kinds), others):
         if isinstance(part, e.Name):
             found.add(part.name.lower())
         elif isinstance(part, p.Opaque | e.Verbatim | Declaration):
@@ -185,7 +185,7 @@ def unsaid(
     elif source is not None and arm is not None and arm.name != source.name:
         names = {one.name for one in _stated(program)}
         others = records((program.declarations, program.variables))
-        for part in chain(everywhere(program, p.Opaque, e.Verbatim), others):
+        for part in chain(records_in_procedures(program, p.Opaque, e.Verbatim), others):
             if isinstance(part, p.Opaque | e.Verbatim | Declaration):
                 spoken = language_of(part.language)
                 named = not names.isdisjoint(effect_of(part).names)
@@ -224,7 +224,7 @@ class _Stated:
 def _uses(program: Program) -> Uses:
     uses: dict[tuple[str, str], tuple[Span, ...]] = {}
     for procedure in program.procedures:
-        for statement, parts in saying(procedure, e.Name):
+        for statement, parts in statements_with(procedure, e.Name):
             names = {part.name.lower() for part in parts}
             if statement.span is not None:
                 for name in names:
@@ -249,7 +249,7 @@ def _stated(program: Program) -> Iterator[_Stated]:
         for name, variable in procedure.variables.items():
             about = Declared(name, "variables", procedure.name, in_full=True)
             yield from _held(name, variable, about, alone)
-        for statement, parts in saying(procedure, JointTarget):
+        for statement, parts in statements_with(procedure, JointTarget):
             where: dict[str, Any] = {"span": statement.span}
             if statement.span is None:
                 where = {"about": Declared(procedure.name, "procedures", in_full=True)}
@@ -269,7 +269,7 @@ def _held(
 
 def _worked_out(program: Program) -> Iterator[tuple[str, Any]]:
     """What is called by a finding, and the span, of each statement that works with the angles."""
-    for statement, parts in saying(program, e.Member):
+    for statement, parts in statements_with(program, e.Member):
         for part in parts:
             if JOINT.fullmatch(part.field.lower()):
                 value = part.value

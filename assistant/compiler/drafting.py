@@ -21,13 +21,13 @@ from assistant.compiler.uncalled import NOT_CALLED
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Severity, Span, error, over
+from assistant.program.diagnostics import Diagnostic, Severity, Span, error, span_over
 from assistant.program.kept import effect_of
 from assistant.program.lines import lines_of
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
-from assistant.program.subjects import DATA, Declared, Inner
+from assistant.program.subjects import DATA_TABLES, Declared, Inner
 
 LEFT_OUT = error(
     "CO007", "`{name}` is declared by what cannot be said there", "see to its declaration first"
@@ -107,7 +107,7 @@ def _without_uncalled(program: Program, told: Collection[Diagnostic]) -> Program
 
 def _declared_names(program: Program) -> set[str]:
     """Names in lower case of what is declared, or what a declaration as text speaks of."""
-    names = {name.lower() for table in DATA for name in getattr(program, table)}
+    names = {name.lower() for table in DATA_TABLES for name in getattr(program, table)}
     for declaration in program.declarations:
         names.update(effect_of(declaration).names)
     return names
@@ -161,7 +161,7 @@ def _declared(finding: Diagnostic) -> Declared | None:
     match finding.about:
         case Inner() as inner:
             return inner.declared
-        case Declared(table=table) as declared if table is None or table in DATA:
+        case Declared(table=table) as declared if table is None or table in DATA_TABLES:
             return declared
     return None
 
@@ -180,7 +180,7 @@ def _without(program: Program, spans: Collection[Span], names: Names, places: Pl
     tables: dict[str, Any] = {}
     inner_first = sorted(places.parts(), key=lambda part: not part.owner)
     parts = {part.name.lower(): part for part in inner_first if part.name}
-    for table in DATA:
+    for table in DATA_TABLES:
         given = getattr(program, table)
         gone = [n for n, v in given.items() if ("", n.lower()) in names or _stands_in(v, alone)]
         if gone:
@@ -291,7 +291,7 @@ def _piece(follow: p.Follow, start: int, stop: int) -> p.Follow:
     name = follow.path.name if not start else f"{follow.path.name}_from_{start + 1}"
     path = follow.path.rows(start, stop, name)
     moved = None if path.places is None else path.places - path.places[0, 0]
-    return p.Follow(replace(path, places=moved), span=over(first, last))
+    return p.Follow(replace(path, places=moved), span=span_over(first, last))
 
 
 def _stopped(span: Span, places: Places) -> Iterator[p.Statement]:

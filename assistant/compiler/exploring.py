@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assistant.compiler.turning import has_free_turns
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.expressions import Number
 from assistant.program.kept import effect_of
@@ -227,15 +227,15 @@ def one_way(program: Program, simulation: Simulation) -> None:
 
 def _doubts(program: Program) -> Iterator[object]:
     """What makes a program go one way now and another way then, or where its scene says."""
-    yield from everywhere(program, If, Switch, While, Goto, Interrupt, Travel)
-    for loop in everywhere(program, For):
+    yield from records_in_procedures(program, If, Switch, While, Goto, Interrupt, Travel)
+    for loop in records_in_procedures(program, For):
         step = () if loop.step is None else (loop.step,)
         if not all(isinstance(one, Number) for one in (loop.first, loop.last, *step)):
             yield loop
-    for move in everywhere(program, Move, MoveCircular, MoveJoints):
+    for move in records_in_procedures(program, Move, MoveCircular, MoveJoints):
         if isinstance(move, Move | MoveCircular | MoveJoints) and move.until is not None:
             yield move
-    for kept in everywhere(program, Opaque):
+    for kept in records_in_procedures(program, Opaque):
         effect = effect_of(kept)
         if effect.jumps or effect.moves or effect.calls:
             yield kept

@@ -20,7 +20,7 @@ from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.motion import ComputedSpeed, Speed
 from assistant.program.program import Program, Signal
@@ -28,15 +28,15 @@ from assistant.program.rewriting import records
 from assistant.program.text import SourceText
 from assistant.program.wanted import (
     JOINT_SPEED,
-    LINE,
+    LINE_NAME,
+    NEUTRAL_LINE,
     ROUTINES,
     SAME_ARM,
-    SLOWLY,
-    SOME_LINE,
+    SLOW_SPEED,
     TAUGHT_ON,
-    Value,
+    SuppliedValue,
     Wanted,
-    neutral,
+    neutral_value,
 )
 from assistant.sources.cell import (
     NO_CELL,
@@ -128,7 +128,9 @@ def in_cell(
     told = _told(program, language)
     program = replace(program, signals=told.signals | program.signals)
     program, findings = equipped(program, cell.process, str(path), sharing=True)
-    missing = [one for one in declared if cell.value(one) is None and neutral(one) is not None]
+    missing = [
+        one for one in declared if cell.value(one) is None and neutral_value(one) is not None
+    ]
     program, unnumbered = _numbered(program, wanted)
     arm = Wanted(TAUGHT_ON, "arm")
     joints = not taught and program.robot is None and (has_joints(program) or has_joints(told))
@@ -137,11 +139,11 @@ def in_cell(
     if to is None or to.family != language.family:
         open_ends = _lines(told)  # without those whose other end the program states itself
         numbers = [number for number in _lines(program) if number in open_ends]
-        missing += [Wanted(LINE.format(number), "line") for number in numbers]
-        program = with_lines(program, dict.fromkeys(numbers, SOME_LINE))
+        missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
+        program = with_lines(program, dict.fromkeys(numbers, NEUTRAL_LINE))
         if joint_speed is None and not taught and _slows_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
-            joint_speed = SLOWLY.tcp
+            joint_speed = SLOW_SPEED.tcp
     return replace(
         loaded,
         program=program,
@@ -149,7 +151,7 @@ def in_cell(
         joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
         wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
-        arm=str(neutral(arm) if stated is None else stated) if joints else loaded.arm,
+        arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
 
 
@@ -162,7 +164,7 @@ def _lines(program: Program) -> list[int]:
     """The communication lines that the program opens by their numbers alone."""
     return sorted({
         int(number)
-        for one in everywhere(program, p.Attach)
+        for one in records_in_procedures(program, p.Attach)
         for number in (e.plain_number(part) for part in one.place[:1])
         if one.kind == "line" and number is not None
     })  # fmt: skip
@@ -170,7 +172,9 @@ def _lines(program: Program) -> list[int]:
 
 def _slows_joints(program: Program) -> bool:
     """True if a percentage, and nothing else, slows joint moves down."""
-    slowed = any(one.percent != e.Number(100) for one in everywhere(program, p.SetOverride))
+    slowed = any(
+        one.percent != e.Number(100) for one in records_in_procedures(program, p.SetOverride)
+    )
     for one in records(program):
         if isinstance(one, ComputedSpeed) and one.joint is not None:
             return True
@@ -218,8 +222,8 @@ def neutral_cell(loaded: Loaded) -> str:
     wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
     origin = loaded.program.origin
     percents = origin is not None and language_of(origin.language).joint_percent
-    head = f"joint_speed = {SLOWLY.tcp:g}\n" if percents else ""
-    return with_entries(head, [(one, neutral(one)) for one in wanting])
+    head = f"joint_speed = {SLOW_SPEED.tcp:g}\n" if percents else ""
+    return with_entries(head, [(one, neutral_value(one)) for one in wanting])
 
 
 def in_neutral_cell(loaded: Loaded) -> Loaded:
@@ -269,8 +273,8 @@ def _typed(one: Wanted, cell: Cell) -> Wanted:
     )
 
 
-def _value(one: Wanted, cell: Cell) -> Value | None:
-    value, least = cell.value(one), neutral(one)
+def _value(one: Wanted, cell: Cell) -> SuppliedValue | None:
+    value, least = cell.value(one), neutral_value(one)
     if value is None:
         return least
     if one.kind == "data" and _typed(one, cell).type == one.type and not _is_like(value, least):
@@ -282,7 +286,7 @@ def _value(one: Wanted, cell: Cell) -> Value | None:
     return value
 
 
-def _sized(one: Wanted, value: Value | None) -> Wanted:
+def _sized(one: Wanted, value: SuppliedValue | None) -> Wanted:
     """An array with the extents that its value has."""
     extents: list[int] = []
     inner: Any = value

@@ -13,7 +13,7 @@ from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.program.kept import with_effects
-from assistant.program.near import meant
+from assistant.program.near import did_you_mean
 from assistant.program.program import Program, Signal
 from assistant.program.text import SourceText, decode, folders_of, read_bytes
 from assistant.sources.lengths import unit_stated
@@ -188,7 +188,7 @@ def language_of(name: str) -> Language[Any]:
         return languages.get(name)
     except KeyError:
         known = languages.names()
-        cure = meant(name, known, f"choose one of {', '.join(known)}")
+        cure = did_you_mean(name, known, f"choose one of {', '.join(known)}")
         finding = UNKNOWN_LANGUAGE(name=name, cure=cure)
         raise Refused(finding, exit_status=2) from None
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
-from assistant.program.analysis.uses import base
+from assistant.program.analysis.uses import base_variable
 from assistant.program.calls import Call
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.expressions import Apply
-from assistant.program.passes.cycles import repeats
+from assistant.program.passes.cycles import repeats_cycle
 from assistant.program.program import Program, Signal, Variable
-from assistant.program.wanted import STANDS
+from assistant.program.wanted import BASE_FRAME_SUFFIX
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -93,7 +93,7 @@ def sides(pair: Pair, trees: Sequence[Any], arms: Arms, entry: str | None) -> tu
     start = home(here) or home(there) or PLAIN_START
     joints = None if here or there else PLAIN_JOINTS
     signals = {name.lower(): signal for name, signal in pair.signals.items()}
-    again = repeats(first), repeats(pair.second)
+    again = repeats_cycle(first), repeats_cycle(pair.second)
     shared = _shared_data(pair, trees)
     arm = here if spoken else here or there
 
@@ -142,13 +142,13 @@ def _shared_data(pair: Pair, trees: Sequence[Any]) -> tuple[dict[str, str], dict
 def _by_reference(program: Program) -> set[str]:
     """Names in lower case that calls give for `inout` parameters."""
     modes = {q.name.lower(): [one.mode for one in q.parameters] for q in program.procedures}
-    calls = [(node.procedure, node.arguments) for node in everywhere(program, Call)]
-    calls += [(node.function, node.arguments) for node in everywhere(program, Apply)]
+    calls = [(node.procedure, node.arguments) for node in records_in_procedures(program, Call)]
+    calls += [(node.function, node.arguments) for node in records_in_procedures(program, Apply)]
     return {
-        base(given)
+        base_variable(given)
         for called, arguments in calls
         for mode, given in zip(modes.get(called.lower(), ()), arguments, strict=False)
-        if mode == "inout" and given is not None and base(given)
+        if mode == "inout" and given is not None and base_variable(given)
     }
 
 
@@ -207,7 +207,7 @@ def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
     cell = Cell(
         {name.lower(): tip for name, tip in tools.items()},
         {name.lower(): frame for name, frame in frames.items()},
-        {n.lower(): f.pose for n, f in program.frames.items() if n.endswith(STANDS)},
+        {n.lower(): f.pose for n, f in program.frames.items() if n.endswith(BASE_FRAME_SUFFIX)},
     )
     if not cell:
         return list(origin.trees), []

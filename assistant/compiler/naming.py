@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.cell_file import NOT_OF_PROGRAMS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.interface import ALONE, Interface
+from assistant.program.interface import STANDALONE, Interface
 from assistant.program.kept import effect_of
 from assistant.program.path import Path
 from assistant.program.program import IDENTIFIER, Declaration, Procedure, Program, identifier
-from assistant.program.rewriting import records, renamed, rewrite
+from assistant.program.rewriting import records, rewrite, with_names_replaced
 
 if TYPE_CHECKING:
     from assistant.compiler.loading import Loaded
@@ -77,7 +77,7 @@ TABLES: Final = ("targets", "joint_targets", "variables", "tools", "frames", "sp
 
 def wished(given: Interface | None, called: str | None, main: bool | None) -> Interface:
     """What is asked of the names of a program, of which a run may say other things."""
-    stated = given or ALONE
+    stated = given or STANDALONE
     if called is not None:
         stated = replace(stated, called=called)
     return stated if main is None else replace(stated, main=main)
@@ -89,7 +89,7 @@ def without_names(loaded: Loaded, process: object) -> Loaded:
     What the controller has is named and not written all the same.
     """
     stands = loaded.program.interface
-    if stands is None or replace(stands, there={}) == ALONE:
+    if stands is None or replace(stands, there={}) == STANDALONE:
         return loaded
     finding = NOT_OF_PROGRAMS(keys="`program`", path=None if process is None else str(process))
     program = replace(loaded.program, interface=Interface(there=stands.there))
@@ -98,7 +98,7 @@ def without_names(loaded: Loaded, process: object) -> Loaded:
 
 def named(program: Program, wishes: Interface, language: Language[Any]) -> Program:
     """The program with the names that are asked of it; raises Refused where it cannot have them."""
-    if wishes == ALONE:
+    if wishes == STANDALONE:
         return program
     _look_at(program, wishes, language)
     begins = program.procedure(program.entry or "")
@@ -142,7 +142,7 @@ def _only_calls(procedure: Procedure) -> bool:
 def kept_text(program: Program, name: str | None) -> str | None:
     """The first text of a robot language that the program keeps; that says a name, if given."""
     others = records((program.declarations, program.variables))
-    for part in (*everywhere(program, p.Opaque, e.Verbatim), *others):
+    for part in (*records_in_procedures(program, p.Opaque, e.Verbatim), *others):
         if isinstance(part, p.Opaque | e.Verbatim | Declaration):
             if name is None or name.lower() in effect_of(part).names:
                 return part.text
@@ -172,7 +172,7 @@ def _called(program: Program, name: str, language: Language[Any]) -> Program:
 def entry_called(program: Program, name: str) -> Program:
     """The program whose entry has a name that is free."""
     names = {(program.entry or "").lower(): name}
-    procedures = tuple(renamed(one, names) for one in program.procedures)
+    procedures = tuple(with_names_replaced(one, names) for one in program.procedures)
     return replace(program, procedures=procedures, entry=name)
 
 

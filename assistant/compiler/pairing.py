@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_names, everywhere
+from assistant.program.contents import names_in_procedures, records_in_procedures
 from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.program import Program
 from assistant.program.system.budgets import SETTINGS_FILE
@@ -107,7 +107,10 @@ def _unknown(first: Program, second: Program, stated: Mapping[str, str]) -> Iter
 
 
 def _names(program: Program) -> set[str]:
-    return {name.lower() for name in (*program.signals, *program.variables, *all_names(program))}
+    return {
+        name.lower()
+        for name in (*program.signals, *program.variables, *names_in_procedures(program))
+    }
 
 
 def _alone(program: Program, other: Program, stated: set[str]) -> dict[str, list[str]]:
@@ -135,6 +138,8 @@ def _numbered(program: Program, names: list[str]) -> bool:
 
 def _used(program: Program) -> Iterator[str]:
     """Names of signals, in order of the text."""
-    used: Iterator[Any] = everywhere(program, p.WaitSignal, p.SetSignal, p.Trigger, e.Name)
+    used: Iterator[Any] = records_in_procedures(
+        program, p.WaitSignal, p.SetSignal, p.Trigger, e.Name
+    )
     for part in used:
         yield part.name if isinstance(part, e.Name) else part.signal

@@ -18,7 +18,7 @@ from assistant.compiler.motion_sides import Pair
 from assistant.compiler.source_map import Place, Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.geometry import BASE, FLANGE, Pose, Target
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.pseudo.printer import block_text
@@ -125,7 +125,7 @@ class _Telling:
     def _in_order(self) -> Sequence[Procedure]:
         """The procedure that begins, then the others as they are called."""
         entry = self.program.procedure(self.program.entry) if self.program.entry else None
-        calls = [one.procedure.lower() for one in everywhere(self.program, p.Call)]
+        calls = [one.procedure.lower() for one in records_in_procedures(self.program, p.Call)]
         order = {name: at for at, name in enumerate(dict.fromkeys(calls))}
         others = [one for one in self.program.procedures if one is not entry]
         others.sort(key=lambda one: order.get(one.name.lower(), len(order)))

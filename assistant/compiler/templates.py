@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, error
 from assistant.program.near import near_names
-from assistant.program.system.budgets import TEMPLATE, factor, within
+from assistant.program.system.budgets import TEMPLATE, budget_factor, within
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
 
 
 def _within_limit(template: SourceText, pieces: Iterator[str]) -> Iterator[str]:
-    most = MOST * max(1, factor())
+    most = MOST * max(1, budget_factor())
     length, at = 0, 1
     for piece in pieces:
         if marks := _MARKS.findall(piece):

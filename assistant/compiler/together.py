@@ -11,7 +11,7 @@ from assistant.compiler.loading import Loaded
 from assistant.compiler.naming import TABLES, entry_called, kept_text, prefixed
 from assistant.compiler.opening import load
 from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.interface import ALONE, Interface
+from assistant.program.interface import STANDALONE, Interface
 from assistant.program.program import Procedure, Program, identifier
 from assistant.program.statements import Call
 
@@ -77,7 +77,7 @@ def together(
 
 def _part(source: FilePath, program: Program) -> Program:
     """A program under names of its own, so that it can stand beside the others."""
-    stands = program.interface or ALONE
+    stands = program.interface or STANDALONE
     called = stands.called or identifier(source.stem)
     common = (*program.tools, *program.frames)
     made = prefixed(program, stands.prefix or f"{called}_", {one.lower() for one in common})
@@ -95,7 +95,7 @@ def _joined(parts: Sequence[tuple[str, Program]], name: str) -> Program:
     procedures = list(_apart(parts, "procedures").values())
     calls: list[Call] = []
     for program in programs:
-        stands, begins = program.interface or ALONE, program.procedure(program.entry or "")
+        stands, begins = program.interface or STANDALONE, program.procedure(program.entry or "")
         if begins is None:
             continue
         if stands.main:
@@ -138,7 +138,7 @@ def _common(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
     """What all say of the same names, each of which is said only once."""
     found: dict[str, tuple[str, str, Any]] = {}
     for source, program in parts:
-        stands = program.interface or ALONE
+        stands = program.interface or STANDALONE
         for name, value in getattr(program, table).items():
             key, said = name.lower(), (value, _there(stands.there, name))
             first, _, known = found.setdefault(key, (source, name, said))

@@ -36,9 +36,9 @@ from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
-from assistant.program.subjects import Declared, PathRow, Subject, Table
+from assistant.program.subjects import Declared, PathRow, ProgramTable, Subject
 from assistant.program.system.budgets import DRAFTING, REPORTING, within
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 from assistant.sources.cell import said
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
@@ -141,7 +141,7 @@ class Translation:
         return self.rows.totals
 
 
-@uncollected()
+@without_gc()
 def translate(
     source: str | FilePath | Loaded,
     *,
@@ -219,7 +219,7 @@ def translate(
     )
 
 
-_Name: TypeAlias = tuple[Table | None, str, str]
+_Name: TypeAlias = tuple[ProgramTable | None, str, str]
 """Procedures or paths, None for any table; the procedure whose own it is, empty if that is not
 known; and a name, both in lower case."""
 
@@ -498,7 +498,7 @@ def _said(program: Program) -> Iterator[_Part]:
             yield _Part(declaration.span, head=True)
 
 
-def _names(table: Table, name: str) -> tuple[_Name, ...]:
+def _names(table: ProgramTable, name: str) -> tuple[_Name, ...]:
     return (None, "", name.lower()), (table, "", name.lower())
 
 

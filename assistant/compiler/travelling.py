@@ -22,7 +22,7 @@ from assistant.compiler.travel_rules import (
     START_UNKNOWN,
     UNDECLARED,
 )
-from assistant.program.analysis.uses import base
+from assistant.program.analysis.uses import base_variable
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, has_errors
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import IDENTITY, Pose, Tool
@@ -230,7 +230,9 @@ class _Planning:
                 raise Refused(_said(UNDECLARED, statement, what=what, name=name))
         if arrival.goal is None and isinstance(target, Name) and self.nowhere(target.name):
             raise Refused(_said(UNDECLARED, statement, what="target", name=target.name))
-        changed = {base(s.target) for s in self.program.statements() if isinstance(s, Assign)}
+        changed = {
+            base_variable(s.target) for s in self.program.statements() if isinstance(s, Assign)
+        }
         if arrival.goal is None or {motion.tool.lower(), motion.frame.lower()} & changed:
             raise Refused(_said(GOAL_UNKNOWN, statement))
         if arrival.external:

@@ -13,16 +13,16 @@ from typing import Final, TypeVar
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import texts_in
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Diagnostic, Severity, Span, warning
 from assistant.program.kept import effect_of
 from assistant.program.lines import lines_of
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import records
-from assistant.program.subjects import Declared, Table
+from assistant.program.subjects import Declared, ProgramTable
 
 T = TypeVar("T")
-_TABLES: Final[tuple[Table, ...]] = ("tools", "frames", "targets", "joint_targets")
+_TABLES: Final[tuple[ProgramTable, ...]] = ("tools", "frames", "targets", "joint_targets")
 """Data without a place in the text."""
 
 NOT_CALLED: Final = warning(
@@ -237,7 +237,7 @@ def _may_call_any(program: Program, named: Mapping[str, Set[str]]) -> bool:
     """True if a kept statement calls what is no routine of the program, and may go on anywhere."""
     return any(
         effect.jumps and not effect.calls <= named.keys()
-        for part in everywhere(program, p.Opaque)
+        for part in records_in_procedures(program, p.Opaque)
         if isinstance(part, p.Opaque)
         for effect in (effect_of(part),)
     )

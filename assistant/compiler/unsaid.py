@@ -11,14 +11,7 @@ from collections.abc import Iterator, Mapping, Set
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Severity,
-    Span,
-    error,
-    has_errors,
-    warning,
-)
+from assistant.program.diagnostics import Diagnostic, Severity, Span, error, has_errors, warning
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
 

@@ -35,7 +35,7 @@ def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
     if target.exists():
         raise Refused(rules.BACKUP_EXISTS(folder=target, path=str(target)))
     try:
-        with writing.appearing(target) as under_way:
+        with writing.new_folder(target) as under_way:
             yield under_way
             _seal(under_way, kind)
     except OSError as error:

@@ -16,7 +16,7 @@ import numpy as np
 from assistant.lazy import pictured
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, error
-from assistant.program.system.writing import put
+from assistant.program.system.writing import write_or_raise
 
 NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"
@@ -119,7 +119,7 @@ def save_columns(
     is_table = target.suffix.lower() == ".csv"
     data = _csv(columns) if is_table else _npz(columns if arrays is None else arrays)
     try:
-        put({target: data})
+        write_or_raise({target: data})
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)
         raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None

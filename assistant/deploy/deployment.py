@@ -23,7 +23,7 @@ from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.ending import Ending, told_to_end
+from assistant.program.system.ending import Termination, raise_on_termination
 
 
 def deploy(
@@ -156,7 +156,7 @@ def carry_out(
     Refused if nothing could be begun.
     """
     stood = tasks(site)
-    with told_to_end(once=True) as ending:
+    with raise_on_termination(once=True) as ending:
         site.waiting = partial(_waiting, ending, leave or (lambda: False))
         journal = _begun(site, place, record, entries, check, patience, ending)
         carrying = Carrying(site, journal, patience)
@@ -187,7 +187,7 @@ def carry_out(
 
 
 @contextmanager
-def _waiting(ending: Ending, leave: Callable[[], bool]) -> Iterator[None]:
+def _waiting(ending: Termination, leave: Callable[[], bool]) -> Iterator[None]:
     """While a lost line is tried again, which may be interrupted."""
     if leave():
         raise KeyboardInterrupt
@@ -202,7 +202,7 @@ def _begun(
     entries: Sequence[Entry],
     check: Callable[[], None],
     patience: float,
-    ending: Ending,
+    ending: Termination,
 ) -> Journal:
     """Everything that is written down before a program is touched, here and there."""
     try:

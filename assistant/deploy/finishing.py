@@ -39,7 +39,7 @@ from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
-from assistant.program.system.ending import told_to_end
+from assistant.program.system.ending import raise_on_termination
 
 
 def resume(
@@ -118,7 +118,7 @@ def _finish(
     claim(site, journal.record, patience)
     carrying.states = dict.fromkeys((e.name for e in journal.entries), FileState.UNKNOWN)
     # All of them, also back: a step that was on its way when the line was cut may have been done.
-    with told_to_end(once=True):
+    with raise_on_termination(once=True):
         try:
             if back:
                 take_back(carrying, connected=True)

@@ -166,10 +166,10 @@ def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
             fill(new)
             for folder in (*(new / part for part in PARTS), new):
                 if folder.is_dir():
-                    durably.settle(folder)
+                    durably.sync_folder(folder)
             new.chmod(0o755)
             folder = _numbered(new, place)
-            durably.settle(place)
+            durably.sync_folder(place)
         finally:
             shutil.rmtree(new, ignore_errors=True)
     return folder

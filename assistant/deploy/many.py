@@ -22,7 +22,7 @@ from assistant.deploy.journal import Entry
 from assistant.deploy.outcome import Deployment
 from assistant.deploy.plan import Plan
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 
 PARALLEL: Final = 4
 """Controllers that are deployed to at the same time."""
@@ -264,10 +264,10 @@ class _Rollout:
 def _failed(outcome: Outcome, error: Exception) -> Outcome:
     if isinstance(error, Refused):
         findings, status = error.findings, error.exit_status
-    elif details_wanted():
+    elif traceback_wanted():
         raise error
     else:
-        findings, status = (failure(error),), 2
+        findings, status = (internal_error(error),), 2
     return replace(outcome, state=CellState.FAILED, findings=findings, status=status)
 
 

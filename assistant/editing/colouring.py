@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.editing.answers import SORTS, Tokens
 from assistant.editing.workspace import Document
-from assistant.program.editing import Declaration, Editable, Facts, Known
+from assistant.program.editing import Declaration, Editable, KnownWord, LineFacts
 
 _SORT: Final = {name: number for number, name in enumerate(SORTS)}
 _PLAIN: Final = {
@@ -66,7 +66,10 @@ def _packed(one: Declaration) -> int:
 
 
 def _line(
-    editable: Editable, facts: Facts, declared: Mapping[str, int], known: Mapping[str, Known]
+    editable: Editable,
+    facts: LineFacts,
+    declared: Mapping[str, int],
+    known: Mapping[str, KnownWord],
 ) -> list[tuple[int, int, int, int]]:
     here = {one.start: one for one in facts.declares}
     found = []
@@ -85,7 +88,7 @@ def _line(
     return found
 
 
-def _of_known(known: Known | None) -> int:
+def _of_known(known: KnownWord | None) -> int:
     if known is None:
         return _SORT["variable"] << 3
     return _SORT[known.sort] << 3 | PREDEFINED

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from assistant.editing.structure import Piece, Structure
-from assistant.program.editing import Facts
+from assistant.program.editing import LineFacts
 from assistant.program.text import SomeLines, SourceText
 
 MOST_LINES: Final = 200
@@ -53,7 +53,7 @@ def newline_of(text: str) -> str:
 def excerpt(
     text: str,
     starts: Sequence[int],
-    facts: Sequence[Facts],
+    facts: Sequence[LineFacts],
     made_of: Structure,
     changed: Iterable[int],
     names: frozenset[str] = frozenset(),
@@ -106,7 +106,7 @@ def _holding(made_of: Structure, wanted: set[int]) -> set[int]:
 
 
 def _using(
-    facts: Sequence[Facts], made_of: Structure, names: frozenset[str], kept: set[int]
+    facts: Sequence[LineFacts], made_of: Structure, names: frozenset[str], kept: set[int]
 ) -> set[int]:
     """Pieces that name something, as long as there are not too many lines of them."""
     found: set[int] = set()
@@ -138,7 +138,7 @@ def _beside(made_of: Structure, kept: set[int]) -> set[int]:
 
 
 def _witnesses(
-    facts: Sequence[Facts], made_of: Structure, names: set[str], kept: set[int]
+    facts: Sequence[LineFacts], made_of: Structure, names: set[str], kept: set[int]
 ) -> set[int]:
     """For each name the first other piece that names it: it is used, or has a value, there."""
     found: set[int] = set()
@@ -163,7 +163,7 @@ def _frame(made_of: Structure, number: int) -> list[int]:
 
 
 def _with_needed(
-    facts: Sequence[Facts],
+    facts: Sequence[LineFacts],
     made_of: Structure,
     kept: set[int],
     routines: set[int],
@@ -205,7 +205,7 @@ def _between(made_of: Structure, count: int) -> tuple[list[list[int]], set[int]]
 
 
 def _declaring(
-    facts: Sequence[Facts], made_of: Structure, kept: set[int], routines: set[int]
+    facts: Sequence[LineFacts], made_of: Structure, kept: set[int], routines: set[int]
 ) -> dict[str, list[int]]:
     """Lines that declare each name: a statement of one line by itself, else its whole piece."""
     found: dict[str, list[int]] = {}

@@ -23,14 +23,14 @@ from assistant.editing.places import LINE_END
 from assistant.languages import Language
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.editing import Editable, Remembered
+from assistant.program.editing import CachedLineFacts, Editable
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.lines import lines_of
 from assistant.program.motion import FINE, Speed
 from assistant.program.program import Program, walk
 from assistant.program.pseudo.editing import EditablePseudo
 from assistant.program.text import SourceText
-from assistant.program.wanted import Value, Wanted
+from assistant.program.wanted import SuppliedValue, Wanted
 from assistant.robots import Robot
 
 PSEUDO: Final = "pseudo"
@@ -46,7 +46,7 @@ class Spoken(abc.ABC):
     mark: str
     suffixes: tuple[str, ...]
     editable: Editable | None
-    remembered: Remembered | None
+    remembered: CachedLineFacts | None
 
     @abc.abstractmethod
     def syntax(self, text: SourceText) -> tuple[Diagnostic, ...]:
@@ -133,7 +133,7 @@ class _Pseudo(Spoken):
 
     def __init__(self) -> None:
         self.editable = EditablePseudo()
-        self.remembered = Remembered(self.editable)
+        self.remembered = CachedLineFacts(self.editable)
 
     def syntax(self, text: SourceText) -> tuple[Diagnostic, ...]:
         try:
@@ -210,7 +210,7 @@ class _Vendor(Spoken):
         self.name, self.title = language.name, language.title
         self.mark, self.suffixes = language.comment_mark, language.suffixes
         self.editable = language.editable()
-        self.remembered = None if self.editable is None else Remembered(self.editable)
+        self.remembered = None if self.editable is None else CachedLineFacts(self.editable)
 
     def syntax(self, text: SourceText) -> tuple[Diagnostic, ...]:
         found = self._language.parse(text).findings
@@ -311,13 +311,13 @@ def _as_pseudo(program: Program, text: SourceText) -> Translated:
     return Translated({f"{program.name}{pseudo.SUFFIX}": printed.encode()}, rows, ())
 
 
-def _least(wanted: Wanted) -> Value | None:
+def _least(wanted: Wanted) -> SuppliedValue | None:
     """What says least of a name."""
     made = _LEAST.get(wanted.kind)
     return wanted.nothing if made is None else made
 
 
-_LEAST: Final[Mapping[str, Value]] = {
+_LEAST: Final[Mapping[str, SuppliedValue]] = {
     "tool": Tool(),
     "frame": Frame(),
     "speed": Speed(100.0),

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.program.editing import Declaration, Facts
+from assistant.program.editing import Declaration, LineFacts
 
 Fold = Callable[[str], str]
 MOST_LINES: Final = 40
@@ -53,7 +53,9 @@ class Structure:
         return at if at >= 0 and line <= self.pieces[at].last else None
 
 
-def structure(facts: Sequence[Facts], folded: Fold, borders: Set[int] = frozenset()) -> Structure:
+def structure(
+    facts: Sequence[LineFacts], folded: Fold, borders: Set[int] = frozenset()
+) -> Structure:
     """Routines and pieces, in their order.
 
     folded: how names are compared. borders: last lines of pieces as they were known before; a block
@@ -63,7 +65,7 @@ def structure(facts: Sequence[Facts], folded: Fold, borders: Set[int] = frozense
 
 
 class _Building:
-    def __init__(self, facts: Sequence[Facts], folded: Fold, borders: Set[int]) -> None:
+    def __init__(self, facts: Sequence[LineFacts], folded: Fold, borders: Set[int]) -> None:
         self._facts, self._folded, self._borders = facts, folded, borders
         self._routines: list[Routine] = []
         self._pieces: list[Piece] = []
@@ -95,7 +97,7 @@ class _Building:
         self._end(len(self._facts) - 1)
         return Structure(tuple(self._routines), tuple(self._pieces), self._folded)
 
-    def _piece(self, line: int, facts: Facts) -> None:
+    def _piece(self, line: int, facts: LineFacts) -> None:
         if self._first < 0:
             self._first = line
         self._depth += facts.opens
@@ -131,7 +133,7 @@ class _Building:
         self._open = None
 
 
-def declarations(facts: Sequence[Facts]) -> Iterator[tuple[int, Declaration]]:
+def declarations(facts: Sequence[LineFacts]) -> Iterator[tuple[int, Declaration]]:
     """Every declaration with its line."""
     for line, one in enumerate(facts):
         for declared in one.declares:

@@ -18,7 +18,7 @@ from assistant.editing.excerpts import Excerpt, excerpt
 from assistant.editing.places import Lines
 from assistant.editing.structure import Structure, declarations, structure
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.editing import Facts, Remembered
+from assistant.program.editing import CachedLineFacts, LineFacts
 
 Quick = Callable[[Excerpt], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
 """Of an excerpt: errors of what cannot be read, and all findings."""
@@ -30,7 +30,7 @@ SMALL: Final = 300
 class State:
     """A text, and what each of its lines says by itself."""
 
-    def __init__(self, text: str, remembered: Remembered, before: State | None = None) -> None:
+    def __init__(self, text: str, remembered: CachedLineFacts, before: State | None = None) -> None:
         """before: another state of the text; what did not change is taken from there."""
         self.text = text
         self.lines = Lines(text)
@@ -39,7 +39,7 @@ class State:
         self._before = before
 
     @cached_property
-    def facts(self) -> list[Facts]:
+    def facts(self) -> list[LineFacts]:
         before = self._before  # once: another thread may let go of it
         if before is None:
             return self._remembered.all(self.said)
@@ -109,7 +109,7 @@ class Seen:
 class Watch:
     """One text that is typed."""
 
-    def __init__(self, remembered: Remembered, quick: Quick, whole: Whole) -> None:
+    def __init__(self, remembered: CachedLineFacts, quick: Quick, whole: Whole) -> None:
         self._remembered, self._quick, self._whole = remembered, quick, whole
         self._base: Shown | None = None
         self._last: Shown | None = None

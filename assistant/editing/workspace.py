@@ -19,12 +19,12 @@ from assistant.editing.places import Lines
 from assistant.editing.speaking import Spoken, name_of, spoken
 from assistant.editing.structure import Structure, structure
 from assistant.editing.watching import Seen, Unseen, Watch
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
-from assistant.program.editing import Facts
-from assistant.program.failing import failure
+from assistant.program.editing import LineFacts
+from assistant.program.failing import internal_error
 from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 from assistant.project.layout import project_of
 from assistant.project.stated import Stated, completed
 
@@ -63,13 +63,13 @@ class Document:
         return spoken(self.language)
 
     @cached_property
-    def facts(self) -> list[Facts]:
+    def facts(self) -> list[LineFacts]:
         """What each line says by itself; empty lines for a language that does not tell."""
         speaks = self.spoken
         lines = self.lines
         said = [lines.line(number) for number in range(len(lines))]
         if speaks is None or speaks.remembered is None:
-            return [Facts() for _ in said]
+            return [LineFacts() for _ in said]
         return speaks.remembered.all(said)
 
     @cached_property
@@ -214,7 +214,7 @@ class Workspace:
             return self._guarded(lambda: self._whole(document, document.text)), True
         if whole:
             self._settle(document, speaks)
-        with self.lock, uncollected():
+        with self.lock, without_gc():
             watch = self._watch(document, speaks)
             found = self._guarded(lambda: watch.findings(document.text))
             return found, watch.is_settled(document.text)
@@ -233,7 +233,7 @@ class Workspace:
         except (OSError, MemoryError):
             raise
         except Exception as error:  # noqa: BLE001 - told as a finding
-            found = error.findings if isinstance(error, Refused) else (failure(error),)
+            found = error.findings if isinstance(error, Refused) else (internal_error(error),)
             return Seen(unseen.text, found)
 
     def _settle(self, document: Document, speaks: Spoken) -> None:
@@ -295,7 +295,7 @@ class Workspace:
 
         text = Text(source, speaks.mark, complete=False)
         placed = [one.within(document.path) for one in found]
-        left = settle(placed, {document.path: text}).left
+        left = apply_severities(placed, {document.path: text}).left
         return tuple(one for one in left if one.path == document.path)
 
     def _whole(self, document: Document, text: str) -> tuple[Diagnostic, ...]:
@@ -306,7 +306,7 @@ class Workspace:
         texts = [source_of(one.text, one.path) for one in others]
         stands, given, said = self._stated(document)
         checked = speaks.whole(source_of(text, document.path), texts, **given, cell=stands)
-        left = settle(checked.findings, checked.texts).left
+        left = apply_severities(checked.findings, checked.texts).left
         here = (one for one in left if one.path in (document.path, None))
         return tuple(dict.fromkeys((*said, *(one.within(document.path) for one in here))))
 
@@ -347,7 +347,7 @@ class Workspace:
         except (OSError, MemoryError):
             raise
         except Exception as error:  # noqa: BLE001 - told as a finding
-            return (failure(error),)
+            return (internal_error(error),)
         return found
 
     def _forget_others(self, path: str) -> None:

@@ -11,7 +11,9 @@ from assistant.findings.suppression import Sifted, sift
 from assistant.program.diagnostics import Diagnostic
 
 
-def settle(findings: Sequence[Diagnostic], texts: Mapping[str, Text] | None = None) -> Sifted:
+def apply_severities(
+    findings: Sequence[Diagnostic], texts: Mapping[str, Text] | None = None
+) -> Sifted:
     """The findings as the project wants them, in their order, and the ignored ones.
 
     texts: of the checked programs by path. Raises Unreadable or Refused for broken settings.

@@ -14,7 +14,7 @@ from assistant.languages.answers import (
 )
 from assistant.languages.language import Language
 from assistant.program.effects import Effect
-from assistant.program.kept import Kept, kind_of
+from assistant.program.kept import VendorText, vendor_text_kind
 
 ROOMS: Final = {
     "rapid": "assistant.languages.rapid",
@@ -45,9 +45,13 @@ def _of_room(name: str) -> Language[Any]:
     return language
 
 
-def effect(kept: Kept) -> Effect | None:
+def effect(kept: VendorText) -> Effect | None:
     """What a kept text does, None if there is no such language."""
-    return get(kept.language).effect(kept.text, kind_of(kept)) if kept.language in ROOMS else None
+    return (
+        get(kept.language).effect(kept.text, vendor_text_kind(kept))
+        if kept.language in ROOMS
+        else None
+    )
 
 
 def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:

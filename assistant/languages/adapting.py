@@ -11,7 +11,7 @@ from assistant.languages.answers import (
 )
 from assistant.languages.language import Language
 from assistant.program.diagnostics import Findings, Refused
-from assistant.program.passes.legalising import Capabilities, Legalising, Pass, legalised
+from assistant.program.passes.legalising import Capabilities, Legalisation, Pass, legalise
 from assistant.program.program import Program
 from assistant.robots import Robot
 
@@ -30,7 +30,7 @@ def adapted(
     For a language whose programs are one unit.
     """
     findings = Findings()
-    program = legalised(Legalising(program, can, findings), passes)
+    program = legalise(Legalisation(program, can, findings), passes)
     trees: dict[str | None, T] = {}
     try:
         trees[None] = language.build(program, robot)

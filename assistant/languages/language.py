@@ -27,7 +27,7 @@ from assistant.languages.budgeted import budgeted
 from assistant.languages.tasks import Loading, Surroundings
 from assistant.program.arrays import Rows
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.program.effects import Effect, KeptKind, unknown
+from assistant.program.effects import Effect, VendorTextKind, unknown_effect
 from assistant.program.lines import lines_of
 from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
@@ -172,9 +172,9 @@ class Language(abc.ABC, Generic[T]):
         program = self.lift_trees(listed, robot)
         return replace(program, origin=Origin(self.name, listed, program, robot))
 
-    def effect(self, text: str, kind: KeptKind) -> Effect:  # noqa: ARG002
+    def effect(self, text: str, kind: VendorTextKind) -> Effect:  # noqa: ARG002
         """What a text does that a program keeps as it is; anything if it cannot be read."""
-        return unknown(text)
+        return unknown_effect(text)
 
     def declares(self, text: str) -> str:  # noqa: ARG002
         """What a kept text declares, as a table of constructs names it; empty if nothing."""

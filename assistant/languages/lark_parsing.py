@@ -20,7 +20,7 @@ from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.lines import with_line_feeds
 from assistant.program.system.budgets import READING, within
 from assistant.program.text import SourceText
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -56,7 +56,7 @@ class Parsed:
         return f"{self.lines:,}{of} line{'s' * (self.total != 1)} parsed"
 
 
-@uncollected()
+@without_gc()
 def parse(
     language: Language[Any], trees: Iterable[Any], refusal: Rule, sampling: Sampling
 ) -> Parsed | None:

@@ -28,7 +28,7 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
-from assistant.program.passes.legalising import Legalising, Loads, Mounts, Positions
+from assistant.program.passes.legalising import Legalisation, Loads, Mounts, Positions
 from assistant.program.passes.path_tables import has_half_arcs, with_whole_arcs
 from assistant.program.path import UNSTATED, Path, configuration_of, configuration_row
 from assistant.program.subjects import Declared, Subject
@@ -46,7 +46,7 @@ LEAST_NORM: Final = 0.5
 class Written:
     """Parts of a program as a language writes them. unstated: targets without an arm branch."""
 
-    def __init__(self, job: Legalising, can: Positions) -> None:
+    def __init__(self, job: Legalisation, can: Positions) -> None:
         self.job, self.can, self.five_axes = job, can, job.can.five_axes
         self.unstated = 0
 
@@ -233,7 +233,7 @@ class Written:
         return made
 
 
-def _least(job: Legalising, can: Loads, name: str, load: Load | None) -> Load:
+def _least(job: Legalisation, can: Loads, name: str, load: Load | None) -> Load:
     """A load that the controller takes, with the decimals that are written."""
     about, least = Declared(name, "tools"), can.least
     if load is None:

@@ -14,7 +14,7 @@ from typing import Any, Final, Literal, TypeAlias
 from assistant.program import lines
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Signal
-from assistant.program.wanted import Value, WantedKind
+from assistant.program.wanted import SuppliedValue, WantedKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Configured:
     told: str = ""
     entry: str | None = None
     called: Mapping[str, str] = field(default_factory=dict)
-    values: Mapping[tuple[WantedKind, str], Value] = field(default_factory=dict)
+    values: Mapping[tuple[WantedKind, str], SuppliedValue] = field(default_factory=dict)
     lines: Mapping[int, CommunicationLine] = field(default_factory=dict)
     source: FilePath | None = None
     findings: tuple[Diagnostic, ...] = ()

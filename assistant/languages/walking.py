@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from assistant.program.parts import parts_of
+from assistant.program.parts import record_fields
 
 
 class Walk:
@@ -25,7 +25,7 @@ class Walk:
         if kind not in self._inside:
             found = None
             if self._is_node(kind):
-                parts = parts_of(kind)
+                parts = record_fields(kind)
                 said = () if parts is None else reversed(parts.names)
                 found = tuple(name for name in said if name != "span")
             self._inside[kind] = found

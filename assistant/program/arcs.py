@@ -33,11 +33,14 @@ class ArcMeasures:
         area = np.linalg.norm(np.cross(to_via, to_end), axis=1)
         # the angle at the via point stands on the part of the circle that is left out
         return ArcMeasures(
-            lengths, area, between(to_via, to_end), 360.0 - 2.0 * between(-to_via, rest)
+            lengths,
+            area,
+            angles_between(to_via, to_end),
+            360.0 - 2.0 * angles_between(-to_via, rest),
         )
 
 
-def between(a: Floats, b: Floats) -> Floats:
+def angles_between(a: Floats, b: Floats) -> Floats:
     """(n,) degrees between vectors (n, 3)."""
     sine = np.linalg.norm(np.cross(a, b), axis=1)
     angles: Floats = np.degrees(np.arctan2(sine, (a * b).sum(axis=1)))

@@ -82,7 +82,7 @@ def number_of(value: object, what: str) -> float:
     raise Refused(NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
 
 
-def as_many(one: Floats, other: Floats, what: str, others: str) -> None:
+def require_same_length(one: Floats, other: Floats, what: str, others: str) -> None:
     """Raises Refused for columns of different lengths."""
     if len(one) != len(other):
         finding = UNEVEN(what=what, other=others, count=len(one), others=len(other))
@@ -96,7 +96,7 @@ def _check_real(given: NDArray[np.generic]) -> None:
         raise ValueError("it holds truth values")
 
 
-def evenly(count: int, most: int) -> Rows:
+def evenly_spaced(count: int, most: int) -> Rows:
     """At most so many of `count` places, as far from each other as can be, both ends among them.
 
     most: at least 2, or only the first one is taken.

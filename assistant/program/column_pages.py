@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.program.visible import visible
 
-MOST_ROWS: Final = 8
+MOST_SHOWN_ROWS: Final = 8
 """Rows of a table that are shown, half of them from its end."""
-MOST_COLUMNS: Final = 40
+MOST_SHOWN_COLUMNS: Final = 40
 
 
 def columns_html(told: str, columns: Mapping[str, ArrayLike]) -> str:
@@ -21,33 +21,34 @@ def columns_html(told: str, columns: Mapping[str, ArrayLike]) -> str:
 
     told: what stands above it. Names are shown as they are, never taken as markup.
     """
-    single = dict(_single(columns))
-    some = dict(list(single.items())[:MOST_COLUMNS])
+    single = dict(_single_columns(columns))
+    some = dict(list(single.items())[:MOST_SHOWN_COLUMNS])
     count = max((len(column) for column in some.values()), default=0)
-    shown = _rows(count)
-    head = "".join(f"<th>{text(name)}</th>" for name in some)
+    shown = _shown_rows(count)
+    head = "".join(f"<th>{html_text(name)}</th>" for name in some)
     body = "".join(
         f"<tr><td>{'…' if row is None else row}</td>"
         + "".join(
-            f"<td>{'' if row is None else _number(column, row)}</td>" for column in some.values()
+            f"<td>{'' if row is None else _number_html(column, row)}</td>"
+            for column in some.values()
         )
         + "</tr>"
         for row in shown
     )
-    ranges = "".join(f"<td>{_range(column)}</td>" for column in some.values())
+    ranges = "".join(f"<td>{_range_html(column)}</td>" for column in some.values())
     more = len(single) - len(some)
     rest = f"<p>and {more} more columns</p>" if more > 0 else ""
     table = f"<table><thead><tr><th></th>{head}</tr></thead><tbody>{body}"
     last = f"<tr><td><small>from … to</small></td>{ranges}</tr>" if count else ""
-    return f"<div><p>{text(told)}</p>{table}{last}</tbody></table>{rest}</div>"
+    return f"<div><p>{html_text(told)}</p>{table}{last}</tbody></table>{rest}</div>"
 
 
-def text(given: str) -> str:
+def html_text(given: str) -> str:
     """A text as a page shows it, on one line, nothing in it that a page obeys."""
     return escape(visible(given))
 
 
-def _single(columns: Mapping[str, ArrayLike]) -> list[tuple[str, NDArray[np.generic]]]:
+def _single_columns(columns: Mapping[str, ArrayLike]) -> list[tuple[str, NDArray[np.generic]]]:
     """Columns (n,), those of a wider one by number."""
     found: list[tuple[str, NDArray[np.generic]]] = []
     for name, given in columns.items():
@@ -60,21 +61,21 @@ def _single(columns: Mapping[str, ArrayLike]) -> list[tuple[str, NDArray[np.gene
     return found
 
 
-def _rows(count: int) -> list[int | None]:
-    if count <= MOST_ROWS:
+def _shown_rows(count: int) -> list[int | None]:
+    if count <= MOST_SHOWN_ROWS:
         return list(range(count))
-    half = MOST_ROWS // 2
+    half = MOST_SHOWN_ROWS // 2
     return [*range(half), None, *range(count - half, count)]
 
 
-def _number(column: NDArray[np.generic], row: int) -> str:
+def _number_html(column: NDArray[np.generic], row: int) -> str:
     if row >= len(column):
         return ""
     value = column[row]
-    return f"{value:.5g}" if np.issubdtype(column.dtype, np.floating) else text(str(value))
+    return f"{value:.5g}" if np.issubdtype(column.dtype, np.floating) else html_text(str(value))
 
 
-def _range(column: NDArray[np.generic]) -> str:
+def _range_html(column: NDArray[np.generic]) -> str:
     if not np.issubdtype(column.dtype, np.number):
         return ""
     finite = column[np.isfinite(column)]

@@ -22,7 +22,7 @@ Mask = NDArray[np.bool_]
 CHUNK: Final = 8192
 """Rows set at a time: the matrices of one chunk fit the processor's cache."""
 
-LARGEST: Final = 2**53
+LARGEST_EXACT: Final = 2**53
 """Scaled values at or above this have no exact digits in a double."""
 
 
@@ -149,7 +149,7 @@ def _decimal(piece: Decimal, values: NDArray[np.float64]) -> _Field:
     if absent.any() and piece.missing is None:
         raise ValueError("not a number")
     scaled = np.rint(np.abs(np.where(absent, 0.0, values)) * 10.0**piece.places)
-    if not (scaled < LARGEST).all():
+    if not (scaled < LARGEST_EXACT).all():
         raise ValueError("a number has more digits than can be written")
     whole = scaled.astype(np.int64)
     negative = (values < 0) & (whole > 0)  # never "-0.00"
@@ -237,7 +237,7 @@ _PART: Final = 1 << 18
 """Bytes read at a time, for the same reason as `CHUNK`."""
 
 
-def numbers(data: bytes) -> NDArray[np.float64]:
+def read_numbers(data: bytes) -> NDArray[np.float64]:
     """All numbers of a text in which brackets, commas, semicolons and blanks separate.
 
     Each is the double nearest to what is written, as `float` would give it.

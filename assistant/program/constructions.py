@@ -10,15 +10,15 @@ import numpy as np
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose, Target
 
-STRAIGHT: Final = 1e-6
+COLLINEAR_SINE: Final = 1e-6
 """Sine of an angle below which three points are on a line."""
 
 
-def halfway_across(start: Floats, end: Floats, other: Floats) -> Floats | None:
+def arc_middle_across(start: Floats, end: Floats, other: Floats) -> Floats | None:
     """The middle of the arc on the other side of a point of its circle; None on a line."""
     chord, aside = end - start, other - start
     normal = np.cross(chord, aside)
-    if np.linalg.norm(normal) <= STRAIGHT * np.linalg.norm(chord) * np.linalg.norm(aside):
+    if np.linalg.norm(normal) <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
         return None
     centre = start + (
         (aside @ aside) * np.cross(normal, chord) + (chord @ chord) * np.cross(aside, normal)
@@ -28,7 +28,7 @@ def halfway_across(start: Floats, end: Floats, other: Floats) -> Floats | None:
     return middle
 
 
-def halfway_around(start: Floats, end: Floats, centre: Floats, most: float) -> Floats | None:
+def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -> Floats | None:
     """The middle of the arc of less than half a turn about a centre; None where there is none.
 
     most: mm that start and end may differ in their distance from the centre.
@@ -37,14 +37,14 @@ def halfway_around(start: Floats, end: Floats, centre: Floats, most: float) -> F
     radii = np.linalg.norm(one), np.linalg.norm(two)
     between = one + two
     length = np.linalg.norm(between)
-    turned = np.linalg.norm(np.cross(one, two)) > STRAIGHT * radii[0] * radii[1]
+    turned = np.linalg.norm(np.cross(one, two)) > COLLINEAR_SINE * radii[0] * radii[1]
     if abs(radii[0] - radii[1]) > most or not turned:
         return None
     middle: Floats = centre + between * (radii[0] + radii[1]) / 2 / length
     return middle
 
 
-def between(first: Target, last: Target, middle: Floats) -> Target:
+def target_between(first: Target, last: Target, middle: Floats) -> Target:
     """A point on the way between two targets: turned halfway, in the branch of the first."""
     one, two = np.array(first.pose.quaternion), np.array(last.pose.quaternion)
     turned = one + (two if one @ two >= 0 else -two)
@@ -52,7 +52,7 @@ def between(first: Target, last: Target, middle: Floats) -> Target:
     return Target(pose, first.configuration, first.external)
 
 
-def grid(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
+def grid_points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
     """The points of a grid, row by row.
 
     corners: (3 or 4, 3) start, end of the first row, end of the first column, and the corner
@@ -70,7 +70,7 @@ def grid(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Flo
             yield (1 - down) * near + down * far
 
 
-def along_arc(places: Floats, count: int) -> Iterator[Floats]:
+def points_on_arc(places: Floats, count: int) -> Iterator[Floats]:
     """Points at equal angles on an arc, its ends among them; at equal distances on a line.
 
     places: (3, 3) its start, a point on its way, and its end.
@@ -80,7 +80,7 @@ def along_arc(places: Floats, count: int) -> Iterator[Floats]:
     normal = np.cross(aside, chord)
     size = float(np.linalg.norm(normal))
     shares = [k / (count - 1) if count > 1 else 0.0 for k in range(count)]
-    if size <= STRAIGHT * np.linalg.norm(chord) * np.linalg.norm(aside):
+    if size <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
         yield from (start + share * chord for share in shares)
         return
     centre = start + (

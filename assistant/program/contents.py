@@ -20,7 +20,7 @@ from assistant.program.statements import Opaque, Statement
 T = TypeVar("T")
 
 
-class Contents:
+class StatementIndex:
     """What a body says, in order of the text.
 
     heads: each statement with the records of it without the bodies that it holds; the statement
@@ -45,15 +45,15 @@ class Contents:
         return sorted({at for some in found for at in some}) if len(found) > 1 else chain(*found)
 
 
-def contents(procedure: Procedure) -> Contents:
+def statement_index(procedure: Procedure) -> StatementIndex:
     """What the body of a procedure says, worked out when it is asked for the first time."""
     if not procedure.known:
-        procedure.known.append(Contents(procedure.body))
-    found: Contents = procedure.known[0]
+        procedure.known.append(StatementIndex(procedure.body))
+    found: StatementIndex = procedure.known[0]
     return found
 
 
-def once(work: Callable[[Program], T]) -> Callable[[Program], T]:
+def once_per_program(work: Callable[[Program], T]) -> Callable[[Program], T]:
     """What is worked out of a program, once for the one that was asked about last."""
     last: list[tuple[ReferenceType[Program], T]] = []
 
@@ -68,55 +68,59 @@ def once(work: Callable[[Program], T]) -> Callable[[Program], T]:
     return remembered
 
 
-def saying(where: Program | Procedure, *kinds: type[T]) -> Iterator[tuple[Statement, list[T]]]:
+def statements_with(
+    where: Program | Procedure, *kinds: type[T]
+) -> Iterator[tuple[Statement, list[T]]]:
     """Statements whose heads have records of the kinds, in order of the text, with those.
 
     kinds: as they are, not what they are derived from.
     """
     for procedure in where.procedures if isinstance(where, Program) else (where,):
-        known = contents(procedure)
+        known = statement_index(procedure)
         for at in known.at(kinds):
             statement, said = known.heads[at]
             yield statement, [part for part in said if type(part) in kinds]
 
 
-def keeping(where: Program | Procedure) -> Iterator[tuple[Statement, list[Opaque | Verbatim]]]:
+def statements_with_vendor_text(
+    where: Program | Procedure,
+) -> Iterator[tuple[Statement, list[Opaque | Verbatim]]]:
     """Statements that keep text of a vendor's language, in order of the text, with all of it."""
-    for statement, said in saying(where, Opaque, Verbatim):
+    for statement, said in statements_with(where, Opaque, Verbatim):
         yield statement, [part for part in said if isinstance(part, Opaque | Verbatim)]
 
 
-def all_of(procedure: Procedure, *kinds: type[T]) -> Iterator[T]:
+def records_in_body(procedure: Procedure, *kinds: type[T]) -> Iterator[T]:
     """Records of the kinds in the body of a procedure, in order of the text.
 
     Statements are as they stand, branches and cases have no bodies. kinds: see `saying`.
     """
-    for statement, said in saying(procedure, *kinds):
+    for statement, said in statements_with(procedure, *kinds):
         for part in said:
             yield statement if isinstance(statement, type(part)) else part
 
 
-def everywhere(program: Program, *kinds: type[T]) -> Iterator[T]:
+def records_in_procedures(program: Program, *kinds: type[T]) -> Iterator[T]:
     """Records of the kinds in the procedures of a program: their bodies, and their own data.
 
     kinds: see `saying`.
     """
     for procedure in program.procedures:
-        yield from all_of(procedure, *kinds)
+        yield from records_in_body(procedure, *kinds)
         for part in records(procedure.variables) if procedure.variables else ():
             if type(part) in kinds:
                 yield part
 
 
-def all_names(program: Program) -> Iterator[str]:
+def names_in_procedures(program: Program) -> Iterator[str]:
     """Every name in the procedures of a program; those of kept text in lower case."""
-    for part in everywhere(program, Name, Opaque, Verbatim):
+    for part in records_in_procedures(program, Name, Opaque, Verbatim):
         if isinstance(part, Name):
             yield part.name
         elif isinstance(part, Opaque | Verbatim):
             yield from sorted(effect_of(part).names)
 
 
-def says(program: Program, *kinds: type) -> bool:
+def has_record(program: Program, *kinds: type) -> bool:
     """Whether a record of one of the kinds is anywhere in the procedures of a program."""
-    return any(True for _ in everywhere(program, *kinds))
+    return any(True for _ in records_in_procedures(program, *kinds))

@@ -19,7 +19,7 @@ from typing import Any, Final, Self
 from assistant.lazy import pictured
 from assistant.program.subjects import Repeated, Subject
 
-MOST_TOLD: Final = 5
+MOST_IN_EXCEPTION: Final = 5
 """Findings that the text of an exception tells; the rest is counted."""
 LONGEST_EXCERPT: Final = 240
 """Characters of a source line that are shown with a finding."""
@@ -44,7 +44,7 @@ class Span:
         return Span(self.start + by, self.end + by)
 
 
-def over(first: Span | None, last: Span | None) -> Span | None:
+def span_over(first: Span | None, last: Span | None) -> Span | None:
     """From the begin of one to the end of the other, None if one of them is not known."""
     return Span(first.start, last.end) if first and last else None
 
@@ -201,8 +201,11 @@ class Refused(ValueError):
     exit_status: int = 1
 
     def __init__(self, *findings: Diagnostic, exit_status: int | None = None) -> None:
-        more = len(findings) - MOST_TOLD
-        told = [*map(str, findings[:MOST_TOLD]), *([f"and {more} more"] if more > 0 else [])]
+        more = len(findings) - MOST_IN_EXCEPTION
+        told = [
+            *map(str, findings[:MOST_IN_EXCEPTION]),
+            *([f"and {more} more"] if more > 0 else []),
+        ]
         super().__init__("; ".join(told))
         self.findings: Final = findings
         if exit_status is not None:

@@ -51,7 +51,7 @@ class Declaration:
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
+class LineFacts:
     """A line by itself.
 
     names: that it uses or declares, as `folded`. begins, ends: a routine. opens: how many blocks it
@@ -70,7 +70,7 @@ class Facts:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class KnownWord:
     """A word that every program of a language may use.
 
     sort: `keyword`, `type`, `instruction`, `function`, `variable` or `target`. detail: how it is
@@ -98,11 +98,11 @@ class Editable(abc.ABC):
         return name.lower() if self.folds else name
 
     @abc.abstractmethod
-    def facts(self, line: str) -> Facts:
+    def facts(self, line: str) -> LineFacts:
         """What a line says by itself; of any text, also of one that is no program."""
 
     @abc.abstractmethod
-    def known(self) -> Mapping[str, Known]:
+    def known(self) -> Mapping[str, KnownWord]:
         """Words that mean something in every program, as `folded`."""
 
     @abc.abstractmethod
@@ -133,7 +133,7 @@ class Editable(abc.ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class Remembered:
+class CachedLineFacts:
     """Facts of lines that were asked before: most lines of a text stay as they are."""
 
     language: Editable
@@ -142,10 +142,10 @@ class Remembered:
     def __post_init__(self) -> None:
         object.__setattr__(self, "_ask", lru_cache(maxsize=1 << 16)(self.language.facts))
 
-    def all(self, lines: Iterable[str]) -> list[Facts]:
+    def all(self, lines: Iterable[str]) -> list[LineFacts]:
         return list(map(self._ask, lines))
 
 
-def names_of(words: Iterable[Word], folded: Any) -> frozenset[str]:
+def names_among(words: Iterable[Word], folded: Any) -> frozenset[str]:
     """The names among words, as a language folds them."""
     return frozenset(folded(word.text) for word in words if word.kind in ("name", "label"))

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 from assistant.program.text import words_of
 
-KeptKind = Literal["statement", "expression", "declaration"]
+VendorTextKind = Literal["statement", "expression", "declaration"]
 """What a kept text is."""
 
 
@@ -44,7 +44,7 @@ class Effect:
 
 
 @dataclass(slots=True)
-class Collected:
+class EffectBuilder:
     """An effect as it is put together; names in any case."""
 
     reads: set[str] = field(default_factory=set)
@@ -67,10 +67,10 @@ class Collected:
         return Effect(reads, writes, calls, self.moves, self.jumps, self.waits)
 
 
-NONE: Final = Effect()
+NO_EFFECT: Final = Effect()
 
 
-def together(effects: Iterable[Effect]) -> Effect:
+def combined_effect(effects: Iterable[Effect]) -> Effect:
     """What several do."""
     each = list(effects)
     return Effect(
@@ -83,7 +83,7 @@ def together(effects: Iterable[Effect]) -> Effect:
     )
 
 
-def unknown(text: str) -> Effect:
+def unknown_effect(text: str) -> Effect:
     """Of a text that nobody can read: it may do anything with whatever its words name."""
     words = frozenset(words_of(text))
     return Effect(words, words, words, moves=True, jumps=True, waits=True)

@@ -24,5 +24,5 @@ class Interface:
     there: Mapping[str, int | None] = field(default_factory=dict)
 
 
-ALONE = Interface()
+STANDALONE = Interface()
 """Of a program that nobody has asked anything of."""

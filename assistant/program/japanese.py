@@ -12,11 +12,11 @@ import re
 from functools import cache
 from typing import Final
 
-CODEC: Final = "cp932_ibm"
+CP932_IBM: Final = "cp932_ibm"
 
 
 @cache
-def _rows() -> tuple[re.Pattern[str], dict[str, bytes]]:
+def _ibm_rows() -> tuple[re.Pattern[str], dict[str, bytes]]:
     codes = [bytes((row, cell)) for row in (0xFA, 0xFB, 0xFC) for cell in range(0x40, 0xFD)]
     known = {code.decode("cp932", "ignore"): code for code in codes}
     twice = {c: code for c, code in known.items() if len(c) == 1 and _is_of_nec(c)}
@@ -27,18 +27,18 @@ def _is_of_nec(character: str) -> bool:
     return character.encode("cp932")[0] in (0xED, 0xEE)
 
 
-def _encode(text: str, errors: str = "strict") -> tuple[bytes, int]:
-    pattern, rows = _rows()
+def _encode_ibm(text: str, errors: str = "strict") -> tuple[bytes, int]:
+    pattern, rows = _ibm_rows()
     parts = pattern.split(text)
     return b"".join(rows.get(part) or part.encode("cp932", errors) for part in parts), len(text)
 
 
-def _decode(data: bytes, errors: str = "strict") -> tuple[str, int]:
+def _decode_ibm(data: bytes, errors: str = "strict") -> tuple[str, int]:
     return codecs.decode(data, "cp932", errors), len(data)
 
 
-def _search(name: str) -> codecs.CodecInfo | None:
-    return codecs.CodecInfo(_encode, _decode, name=CODEC) if name == CODEC else None  # type: ignore[arg-type]
+def _find_cp932_ibm(name: str) -> codecs.CodecInfo | None:
+    return codecs.CodecInfo(_encode_ibm, _decode_ibm, name=CP932_IBM) if name == CP932_IBM else None  # type: ignore[arg-type]
 
 
-codecs.register(_search)
+codecs.register(_find_cp932_ibm)

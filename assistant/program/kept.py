@@ -6,31 +6,31 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
-from assistant.program.effects import Effect, KeptKind, unknown
+from assistant.program.effects import Effect, VendorTextKind, unknown_effect
 from assistant.program.expressions import Verbatim
 from assistant.program.program import Declaration, Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Opaque
 from assistant.program.text import words_of
 
-Kept = Opaque | Verbatim | Declaration
+VendorText = Opaque | Verbatim | Declaration
 """Records that hold text of a vendor's language."""
 K = TypeVar("K", Opaque, Verbatim)
 
-_KINDS: Final[dict[type, KeptKind]] = {
+_VENDOR_TEXT_KINDS: Final[dict[type, VendorTextKind]] = {
     Opaque: "statement",
     Verbatim: "expression",
     Declaration: "declaration",
 }
 
 
-def kind_of(kept: Kept) -> KeptKind:
-    return _KINDS[type(kept)]
+def vendor_text_kind(kept: VendorText) -> VendorTextKind:
+    return _VENDOR_TEXT_KINDS[type(kept)]
 
 
-def effect_of(kept: Kept) -> Effect:
+def effect_of(kept: VendorText) -> Effect:
     """What a kept text does: anything, if nobody has read it."""
-    return unknown(kept.text) if kept.effect is None else kept.effect
+    return unknown_effect(kept.text) if kept.effect is None else kept.effect
 
 
 def respelled(kept: K, text: str, old: str, new: str) -> K:
@@ -41,14 +41,14 @@ def respelled(kept: K, text: str, old: str, new: str) -> K:
     return replace(kept, text=text, effect=kept.effect.renamed(old, {new, old} if stays else {new}))
 
 
-def with_effects(program: Program, read: Callable[[Kept], Effect | None]) -> Program:
+def with_effects(program: Program, read: Callable[[VendorText], Effect | None]) -> Program:
     """The program whose kept texts carry their effects; those that do already keep them.
 
     read: gives the effect of one, None if there is nobody who can read it.
     """
 
     def visit(record: Any) -> Any:
-        if isinstance(record, Kept) and record.effect is None:
+        if isinstance(record, VendorText) and record.effect is None:
             effect = read(record)
             return record if effect is None else replace(record, effect=effect)
         return record

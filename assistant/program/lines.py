@@ -35,7 +35,7 @@ LONE_RETURNS = error(
     "the lines end at a carriage return alone: for a controller all may be one line",
     "save it with CR LF",
 )
-WIDE = error(
+UTF_16 = error(
     "IN024",
     "the file is written in UTF-16, which no controller reads",
     "save it as ISO 8859-1, or as UTF-8",
@@ -80,11 +80,11 @@ order mark, may begin a text.
 REST: Final = r"[^\r\n]*+(?:\r++(?!\n|\Z)[^\r\n]*+)*+"
 """What is left of a line, as a regular expression, for texts whose lines end at line feeds."""
 
-_ODD: Final = {**LINE_ENDS, **TEXT_ENDS, **MISLEADS}
-_OTHER: Final = "".join(_ODD.keys() - {"\r"})
+_ODD_NAMES: Final = {**LINE_ENDS, **TEXT_ENDS, **MISLEADS}
+_ODD_CHARACTERS: Final = "".join(_ODD_NAMES.keys() - {"\r"})
 _MAY_BE_ODD: Final = {
-    "\n": re.compile(rf"[{re.escape(_OTHER)}]|\r(?!\r*(?:\n|\Z))"),
-    "\r": re.compile(rf"[{re.escape(_OTHER)}]"),
+    "\n": re.compile(rf"[{re.escape(_ODD_CHARACTERS)}]|\r(?!\r*(?:\n|\Z))"),
+    "\r": re.compile(rf"[{re.escape(_ODD_CHARACTERS)}]"),
 }
 """What is looked at more closely, by what ends the lines of the text."""
 _NO_ENDS: Final = dict.fromkeys(map(ord, (LINE_ENDS.keys() | TEXT_ENDS.keys()) - {"\r"}))
@@ -142,7 +142,7 @@ def odd_characters(text: str) -> Iterator[tuple[str, int]]:
     Once a line each: what may end the line and has something before and behind it there, what
     may end the text and has something behind it, and what misleads people.
     """
-    if not any(one in text for one in _OTHER) and _LONE_RETURN.search(text) is None:
+    if not any(one in text for one in _ODD_CHARACTERS) and _LONE_RETURN.search(text) is None:
         return  # nearly no text has one, and most are long
     end, last = line_end(text), len(text.rstrip(_BLANK))
     pattern, at = _MAY_BE_ODD[end], 0

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Final
 
-ALIKE: Final = 0.7
+LEAST_SIMILARITY: Final = 0.7
 """How alike names have to be, as `difflib` counts: one letter in three may differ."""
-SHORTEST: Final = 3
+SHORTEST_PREFIX: Final = 3
 """Letters and digits of a beginning by which names are told."""
-MOST: Final = 6
+MOST_SUGGESTIONS: Final = 6
 """Names that are told."""
 
 
@@ -21,14 +21,14 @@ def near_names(given: str, known: Iterable[str]) -> tuple[str, ...]:
     """
     plain: dict[str, list[str]] = {}
     for name in known:
-        plain.setdefault(_plain(name), []).append(name)
-    wanted = _plain(given)
-    begun = [one for one in plain if len(wanted) >= SHORTEST and one.startswith(wanted)]
-    close = begun or get_close_matches(wanted, plain, n=MOST, cutoff=ALIKE)
-    return tuple(name for one in close for name in plain[one])[:MOST]
+        plain.setdefault(_letters_and_digits(name), []).append(name)
+    wanted = _letters_and_digits(given)
+    begun = [one for one in plain if len(wanted) >= SHORTEST_PREFIX and one.startswith(wanted)]
+    close = begun or get_close_matches(wanted, plain, n=MOST_SUGGESTIONS, cutoff=LEAST_SIMILARITY)
+    return tuple(name for one in close for name in plain[one])[:MOST_SUGGESTIONS]
 
 
-def meant(given: str, known: Iterable[str], otherwise: str) -> str:
+def did_you_mean(given: str, known: Iterable[str], otherwise: str) -> str:
     """A cure: `did you mean ...?` where names are near, else what to do otherwise."""
     near = near_names(given, known)
     if not near:
@@ -40,5 +40,5 @@ def meant(given: str, known: Iterable[str], otherwise: str) -> str:
     )
 
 
-def _plain(name: str) -> str:
+def _letters_and_digits(name: str) -> str:
     return "".join(c for c in name.casefold() if c.isalnum())

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, get_args, get_origin, get_type_hints
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class RecordFields:
     """What of a kind of record is to be entered.
 
     names: of its fields in their order, without those that compare nothing and those whose types
@@ -21,32 +21,32 @@ class Parts:
     of: Callable[[Any], tuple[Any, ...]]
 
 
-def parts_of(kind: type) -> Parts | None:
+def record_fields(kind: type) -> RecordFields | None:
     """Parts of a kind of record, None for what is no record."""
-    if kind not in _KNOWN:
-        _KNOWN[kind] = _parts(kind) if is_dataclass(kind) else None
-    return _KNOWN[kind]
+    if kind not in _FIELDS_BY_KIND:
+        _FIELDS_BY_KIND[kind] = _read_record_fields(kind) if is_dataclass(kind) else None
+    return _FIELDS_BY_KIND[kind]
 
 
-_KNOWN: Final[dict[type, Parts | None]] = {}
-_PLAIN: Final = (str, int, float, bool, bytes, NoneType, EllipsisType, ...)
+_FIELDS_BY_KIND: Final[dict[type, RecordFields | None]] = {}
+_PLAIN_TYPES: Final = (str, int, float, bool, bytes, NoneType, EllipsisType, ...)
 
 
-def _parts(kind: Any) -> Parts:
+def _read_record_fields(kind: Any) -> RecordFields:
     said = tuple(f.name for f in fields(kind) if f.compare)
     try:
         hints = get_type_hints(kind)
     except NameError:  # of a type that only type checkers import
         hints = {}
-    names = tuple(name for name in said if not _is_plain(hints.get(name, Any)))
+    names = tuple(name for name in said if not _holds_no_record(hints.get(name, Any)))
     if not names:
-        return Parts((), lambda _: ())
+        return RecordFields((), lambda _: ())
     several = attrgetter(*names)
-    return Parts(names, several if len(names) > 1 else lambda record: (several(record),))
+    return RecordFields(names, several if len(names) > 1 else lambda record: (several(record),))
 
 
-def _is_plain(hint: Any) -> bool:
+def _holds_no_record(hint: Any) -> bool:
     """Whether what has a type surely is no record, and holds none."""
-    if get_origin(hint) is Literal or hint in _PLAIN:
+    if get_origin(hint) is Literal or hint in _PLAIN_TYPES:
         return True
-    return bool(get_args(hint)) and all(map(_is_plain, get_args(hint)))
+    return bool(get_args(hint)) and all(map(_holds_no_record, get_args(hint)))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.lazy import pictured
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, as_many, rows_of
+from assistant.program.arrays import Floats, Rows, require_same_length, rows_of
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -92,7 +92,7 @@ class Path:
         position = np.ascontiguousarray(rows_of(positions, 3, "positions"))
         n = len(position)
         quaternion = np.ascontiguousarray(rows_of(quaternions, 4, "quaternions"))
-        as_many(position, quaternion, "positions", "quaternions")
+        require_same_length(position, quaternion, "positions", "quaternions")
         unstated = np.array([UNSTATED, 0, 0, 0, 0, 0], dtype=np.int8)
         column = {
             "speed": (speed, speeds),

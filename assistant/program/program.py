@@ -15,15 +15,7 @@ from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.interface import Interface
 from assistant.program.letters import plain_letters
 from assistant.program.motion import Blend, Speed
-from assistant.program.statements import (
-    Follow,
-    For,
-    If,
-    Spanned,
-    Statement,
-    Switch,
-    While,
-)
+from assistant.program.statements import Follow, For, If, Spanned, Statement, Switch, While
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 MANGLED = info(

@@ -9,7 +9,7 @@ from typing import Any, Final, TypeVar
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
-from assistant.program.parts import parts_of
+from assistant.program.parts import record_fields
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, bodies, walk
 
@@ -42,7 +42,9 @@ def map_bodies(statement: Any, body: Callable[[Body], Body]) -> Any:
     return statement
 
 
-def exchanged(program: Program, made: Callable[[p.Opaque], Iterable[p.Statement]]) -> Program:
+def with_vendor_statements_replaced(
+    program: Program, made: Callable[[p.Opaque], Iterable[p.Statement]]
+) -> Program:
     """The program with what is made of each statement that is kept as its text."""
 
     def body(statements: Body) -> Body:
@@ -70,7 +72,7 @@ def map_spans(body: Body, change: Callable[[Span], Span | None]) -> Body:
     )
 
 
-def counted_on(procedure: Procedure, start: int) -> Procedure:
+def with_spans_from(procedure: Procedure, start: int) -> Procedure:
     """A procedure with its spans counted on, its text beginning at `start`, see `starts_of`."""
     if not start:
         return procedure
@@ -78,7 +80,7 @@ def counted_on(procedure: Procedure, start: int) -> Procedure:
     return replace(procedure, body=body, span=procedure.span and procedure.span.moved(start))
 
 
-def renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
+def with_names_replaced(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
     """A procedure with other names for some, its own and in calls. names: by lower-case name."""
 
     def named(part: Any) -> Any:
@@ -134,7 +136,7 @@ def records(value: Any) -> Iterator[Any]:
         if kind is tuple:
             pending += item
             continue
-        parts = parts_of(kind)
+        parts = record_fields(kind)
         if parts is not None:
             if kind is not Path:
                 yield item
@@ -190,7 +192,7 @@ def _rewritten(value: Any, visit: Callable[[Any], Any], whole: tuple[type, ...])
     if _is_table(type(value)):
         table = {key: _rewritten(item, visit, whole) for key, item in value.items()}
         return value if all(table[key] is value[key] for key in table) else table
-    parts = parts_of(type(value))
+    parts = record_fields(type(value))
     if parts is None:
         return value
     if isinstance(value, whole):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, as_many, reals, rows_of
+from assistant.program.arrays import Floats, reals, require_same_length, rows_of
 from assistant.program.geometry import Pose
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def se3_of(positions: ArrayLike, quaternions: ArrayLike, *, unit: Unit) -> SE3:
     from spatialmath import SE3
 
     p, q = rows_of(positions, 3, "positions"), rows_of(quaternions, 4, "quaternions")
-    as_many(p, q, "positions", "quaternions")
+    require_same_length(p, q, "positions", "quaternions")
     made = np.tile(np.eye(4), (len(p), 1, 1))
     made[:, :3, :3] = rotations.to_matrix(rotations.canonical(q))
     made[:, :3, 3] = p / METRE[unit]

@@ -316,11 +316,11 @@ class Message(Spanned):
     parts: tuple[Expression, ...]
 
 
-Place = Literal["line", "serial", "server", "client", "file"]
+ChannelKind = Literal["line", "serial", "server", "client", "file"]
 """What a channel leads to: a communication line of the controller by its number, whatever it is; a
 serial port by its number; whoever connects to a port of it (the port, and its own address where
 that is known); a port of another computer (its address and the port); a file by its name."""
-Mode = Literal["both", "read", "write", "append"]
+ChannelMode = Literal["both", "read", "write", "append"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,9 +331,9 @@ class Attach(Spanned):
     """
 
     channel: str
-    kind: Place
+    kind: ChannelKind
     place: tuple[Expression, ...]
-    mode: Mode = "both"
+    mode: ChannelMode = "both"
 
 
 @dataclass(frozen=True, slots=True)

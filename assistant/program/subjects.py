@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
-Table: TypeAlias = Literal[
+ProgramTable: TypeAlias = Literal[
     "procedures",
     "paths",
     "variables",
@@ -24,7 +24,7 @@ Table: TypeAlias = Literal[
 ]
 """The tables of names of a program; paths are those of its statements."""
 
-ONE_OF: Final[Mapping[Table, str]] = MappingProxyType(
+TABLE_NOUNS: Final[Mapping[ProgramTable, str]] = MappingProxyType(
     {
         "procedures": "procedure",
         "paths": "path",
@@ -39,7 +39,7 @@ ONE_OF: Final[Mapping[Table, str]] = MappingProxyType(
     }
 )
 """Table → what one entry of it is called."""
-DATA: Final[tuple[Table, ...]] = (
+DATA_TABLES: Final[tuple[ProgramTable, ...]] = (
     "variables",
     "targets",
     "joint_targets",
@@ -60,7 +60,7 @@ class Declared:
     """
 
     name: str
-    table: Table | None = None
+    table: ProgramTable | None = None
     owner: str = ""
     in_full: bool = False
 
@@ -68,7 +68,7 @@ class Declared:
         if self.table is None or not self.in_full:
             return self.name
         of = f"procedure {self.owner} " if self.owner else ""
-        return f"{of}{ONE_OF[self.table]} {self.name}"
+        return f"{of}{TABLE_NOUNS[self.table]} {self.name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +164,7 @@ class Inner:
             case ("procedure", owner, "variables", name, *_):
                 return Declared(name, "variables", owner)
             case (field, name, *_):
-                table = next((table for table in DATA if table == field), None)
+                table = next((table for table in DATA_TABLES if table == field), None)
                 return Declared(name, table) if table is not None else None
         return None
 

@@ -54,7 +54,7 @@ UNWRITABLE = error(
     "write it in other characters, or save the file as UTF-8 before the change",
 )
 _WORD: Final = re.compile(r"\w+")
-SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
+SEVERAL_CODES: Final = ("cp932", japanese.CP932_IBM)
 """Encodings that have characters twice, so that a text need not give its bytes back."""
 
 
@@ -120,7 +120,7 @@ class SourceText:
     def odd_characters(self) -> Iterator[Diagnostic]:
         """Findings for what other readers take for an end of a line or of the text: see `lines`."""
         for character, at in lines.odd_characters(self.text):
-            rule, names = next(row for row in _ODD if character in row[1])
+            rule, names = next(row for row in _ODD_RULES if character in row[1])
             yield self.finding(rule, Span(at, at + 1), character=names[character])
 
 
@@ -148,7 +148,7 @@ class SomeLines(SourceText):
         return super().line_text(at + 1) if there else ""
 
 
-_ODD: Final = (
+_ODD_RULES: Final = (
     (lines.LINE_END_INSIDE, lines.LINE_ENDS),
     (lines.TEXT_END_INSIDE, lines.TEXT_ENDS),
     (lines.MISLEADING, lines.MISLEADS),
@@ -273,7 +273,7 @@ def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     by_line: each line is sent by itself, whatever ends it here.
     """
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise Refused(lines.WIDE(path=path))
+        raise Refused(lines.UTF_16(path=path))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -8,20 +8,20 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import keeping, saying
+from assistant.program.contents import statements_with, statements_with_vendor_text
 from assistant.program.program import Program
 
 
 def timers(program: Program) -> tuple[str, ...]:
     """Names as they are spelled first, in order of the text."""
     found: dict[str, str] = {}
-    for _, parts in saying(program, *_TIMED):
-        for name in sorted(part.timer for part in parts if isinstance(part, _TIMED)):
+    for _, parts in statements_with(program, *_TIMER_RECORDS):
+        for name in sorted(part.timer for part in parts if isinstance(part, _TIMER_RECORDS)):
             found.setdefault(name.lower(), name)
     return tuple(found.values())
 
 
-def numbered(
+def numbered_timers(
     program: Program, numbers: Sequence[int], kept: re.Pattern[str]
 ) -> tuple[dict[str, int], int]:
     """A number for each timer by lower-case name, and one that no timer has, 0 if there is none.
@@ -30,10 +30,10 @@ def numbered(
     Timers beyond the numbers have none. kept: finds the number of a timer in kept text.
     """
     texts = [declaration.text for declaration in program.declarations]
-    texts += [part.text for _, parts in keeping(program) for part in parts]
+    texts += [part.text for _, parts in statements_with_vendor_text(program) for part in parts]
     taken = {int(n) for text in texts for n in kept.findall(text)}
     wanted = [name.lower() for name in timers(program)]
-    said = ((name, _NUMBERED.fullmatch(name)) for name in wanted)
+    said = ((name, _NUMBERED_TIMER.fullmatch(name)) for name in wanted)
     given = {name: int(match[1]) for name, match in said if match and int(match[1]) in numbers}
     taken.update(given.values())
     free = [n for n in (*numbers[1:], numbers[0]) if n not in taken]
@@ -43,7 +43,7 @@ def numbered(
     return given, next((n for n in numbers if n not in taken), 0)
 
 
-def in_seconds(
+def timer_in_seconds(
     operator: str, left: e.Expression, right: e.Expression, parts: int
 ) -> e.Binary | e.Elapsed:
     """An operation; a timer that counts parts of seconds becomes seconds beside a number.
@@ -63,5 +63,5 @@ def in_seconds(
     return e.Binary(operator, left, right)  # type: ignore[arg-type]
 
 
-_NUMBERED: Final = re.compile(r"timer_(0|[1-9][0-9]{0,3})")
-_TIMED: Final = (p.StartTimer, e.Elapsed)
+_NUMBERED_TIMER: Final = re.compile(r"timer_(0|[1-9][0-9]{0,3})")
+_TIMER_RECORDS: Final = (p.StartTimer, e.Elapsed)

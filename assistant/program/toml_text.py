@@ -20,20 +20,20 @@ LONG_KEY: Final = error(
 )
 
 _PART: Final = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
-_LONG: Final = re.compile(
+_LONG_KEY_PATTERN: Final = re.compile(
     rf"(?:^|[{{,])[ \t]*+\[{{0,2}}+[ \t]*+{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}",
     re.MULTILINE,
 )
 """Such a key at the begin of a line, of a table's name or of an entry of an inline table."""
 
 
-def toml(text: str, path: str | None = None) -> dict[str, Any]:
+def parse_toml(text: str, path: str | None = None) -> dict[str, Any]:
     """What a TOML text says.
 
     Raises ValueError and RecursionError as `tomllib` does, Unreadable for a key of too many parts
     and Refused for what takes more than its budget.
     """
-    if found := _LONG.search(text):
+    if found := _LONG_KEY_PATTERN.search(text):
         line = text.count("\n", 0, found.end()) + 1
         raise Unreadable(LONG_KEY(path=path, line=line, most=MOST_PARTS))
     with within(READING, path, len(text)):

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
@@ -31,19 +31,19 @@ WantedKind = Literal[
 number."""
 Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
 """A value as its language writes it: a number, truth, text, or values in brackets."""
-Value: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | Line | Plain
+SuppliedValue: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | ChannelLine | Plain
 """What a cell says of a wanted name; of a routine one of ROUTINES, or the name of its file."""
 ROUTINES: Final = ("stop", "empty")
 """What may stand for a routine that was not read: it stops there, or does nothing."""
 SAME_ARM: Final = "same"
 """What may be said of the arm that joint angles were taught on: the one that runs the program."""
-STANDS: Final = "_stands"
+BASE_FRAME_SUFFIX: Final = "_stands"
 """Follows the name of a mechanical unit in that of the frame where it stands."""
 TAUGHT_ON: Final = "taught_on"
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class CallArgument:
     """One argument of a call of a routine that was not read.
 
     type: as its language names it. option: the name that the call gives it, empty for one by its
@@ -70,41 +70,41 @@ class Wanted:
     kind: WantedKind
     type: str = ""
     size: tuple[int, ...] = ()
-    arguments: tuple[Argument, ...] = ()
+    arguments: tuple[CallArgument, ...] = ()
     signal: Signal | None = None
     uses: tuple[str, ...] = ()
     assigned: bool = False
     nothing: Plain | None = None
 
 
-Supplied: TypeAlias = Sequence[tuple[Wanted, Value | None]]
+Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]
 """Names with what a cell says of each, None for data whose type has no values."""
 
 JOINT_SPEED: Final = "joint_speed"
 """Name of the speed that joint moves have which state no more than a percentage."""
-LINE: Final = "line_{}"
+LINE_NAME: Final = "line_{}"
 """Name of a line by its number."""
-SLOWLY: Final = Speed(100.0)
-ABOVE: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
+SLOW_SPEED: Final = Speed(100.0)
+TOOL_DOWN: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
 """A place that most arms reach: mm in the frame of the move, the tool down."""
-FOLDED: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
-SOME_LINE: Final = Line("client", 10000, "127.0.0.1")
-_NEUTRAL: Final[Mapping[WantedKind, Value]] = {
-    "tool": Tool(), "frame": Frame(), "speed": SLOWLY, "blend": FINE, "position": ABOVE,
-    "joints": FOLDED, "routine": "stop", "arm": SAME_ARM,
-    "line": SOME_LINE,
+FOLDED_ARM: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
+NEUTRAL_LINE: Final = ChannelLine("client", 10000, "127.0.0.1")
+_NEUTRAL: Final[Mapping[WantedKind, SuppliedValue]] = {
+    "tool": Tool(), "frame": Frame(), "speed": SLOW_SPEED, "blend": FINE, "position": TOOL_DOWN,
+    "joints": FOLDED_ARM, "routine": "stop", "arm": SAME_ARM,
+    "line": NEUTRAL_LINE,
 }  # fmt: skip
 
 
-STATE: Final = "state"
+STATE_TYPE: Final = "state"
 """Type of a position that is what something measures, and no place that a robot goes to."""
 
 
-def neutral(wanted: Wanted) -> Value | None:
+def neutral_value(wanted: Wanted) -> SuppliedValue | None:
     """What stands for a name until the cell says it: the flange, the base, 100 mm/s, a stop.
 
     None of data whose type has no values.
     """
-    if wanted.kind == "position" and wanted.type == STATE:
+    if wanted.kind == "position" and wanted.type == STATE_TYPE:
         return Target(Pose())
     return _NEUTRAL.get(wanted.kind, wanted.nothing)

@@ -23,30 +23,30 @@ _WORD: Final = re.compile(r"\w+")
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class NumberFact:
     """What is known of a number. positive: 0 or more."""
 
     whole: bool
     positive: bool
 
 
-NOTHING: Final = Known(whole=False, positive=False)
-ALL: Final = Known(whole=True, positive=True)
+NOTHING_KNOWN: Final = NumberFact(whole=False, positive=False)
+ALL_KNOWN: Final = NumberFact(whole=True, positive=True)
 
 Key = tuple[str, str]
 """A variable: its procedure in lower case, "" if it is one of the program, and its own name."""
 
 
-Given = tuple[e.Expression, str] | tuple[p.For, str] | Known
+Given = tuple[e.Expression, str] | tuple[p.For, str] | NumberFact
 """What a variable is given: a value or the counting of a loop, with its procedure."""
 
 
 @dataclass
-class Numbers:
+class NumberFacts:
     """What is known of the numbers of a program."""
 
     program: Program
-    found: dict[Key, Known] = field(default_factory=dict)
+    found: dict[Key, NumberFact] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         program = self.program
@@ -57,21 +57,21 @@ class Numbers:
             for q in program.procedures
         }
         for name, variable in program.variables.items():
-            self.found["", name.lower()] = _first(variable)
+            self.found["", name.lower()] = _initial_fact(variable)
         for procedure in program.procedures:
             owner = procedure.name.lower()
             for name, variable in procedure.variables.items():
-                self.found[owner, name.lower()] = _first(variable)
+                self.found[owner, name.lower()] = _initial_fact(variable)
             for parameter in procedure.parameters:
                 whole = parameter.type == "integer"
-                self.found[owner, parameter.name.lower()] = Known(whole, positive=False)
+                self.found[owner, parameter.name.lower()] = NumberFact(whole, positive=False)
             for name in self._counted[owner]:  # one that is declared nowhere is the loop's own
                 if ("", name) not in self.found:
-                    self.found.setdefault((owner, name), ALL)
+                    self.found.setdefault((owner, name), ALL_KNOWN)
         self._integers = frozenset(self._typed())
         given = list(self._given())
         for key in self._left_alone({key for key, _ in given}):
-            self._give(key, NOTHING)
+            self._give(key, NOTHING_KNOWN)
         while True:
             before = dict(self.found)
             for key, value in given:
@@ -79,7 +79,7 @@ class Numbers:
             if self.found == before:
                 break
 
-    def of(self, x: e.Expression, procedure: Procedure) -> Known:
+    def of(self, x: e.Expression, procedure: Procedure) -> NumberFact:
         """What is known of an expression in a procedure."""
         return self._of(x, procedure.name.lower())
 
@@ -105,13 +105,13 @@ class Numbers:
         if known is None:
             return
         match value:
-            case Known():
+            case NumberFact():
                 given = value
             case p.For() as loop, owner:
                 given = self._count(loop, owner)
             case x, owner:
                 given = self._of(x, owner)
-        self.found[key] = Known(
+        self.found[key] = NumberFact(
             known.whole and (given.whole or key in self._integers),
             known.positive and given.positive,
         )
@@ -124,7 +124,7 @@ class Numbers:
             for statement in walk(procedure.body):
                 match statement:
                     case p.Assign(target, value):
-                        if (name := _written(target)) is not None:
+                        if (name := _written_variable(target)) is not None:
                             yield self._key(name, owner), (value, owner)
                     case p.For():
                         yield self._key(statement.variable, owner), (statement, owner)
@@ -132,22 +132,22 @@ class Numbers:
                         texts.append(text)
                     case p.Call(called, arguments):
                         for name in self._changed(called, arguments):
-                            yield self._key(name, owner), NOTHING
+                            yield self._key(name, owner), NOTHING_KNOWN
                 for part in records(head(statement)):
                     if isinstance(part, e.Apply) and part.function not in e.FUNCTIONS:
                         for name in self._changed(part.function, part.arguments):
-                            yield self._key(name, owner), NOTHING
+                            yield self._key(name, owner), NOTHING_KNOWN
                     elif isinstance(part, e.Verbatim):
                         texts.append(part.text)
         told = {word.lower() for text in texts for word in _WORD.findall(text)}
-        yield from ((key, NOTHING) for key in list(self.found) if key[1] in told)
+        yield from ((key, NOTHING_KNOWN) for key in list(self.found) if key[1] in told)
 
-    def _count(self, loop: p.For, owner: str) -> Known:
+    def _count(self, loop: p.For, owner: str) -> NumberFact:
         first, last = self._of(loop.first, owner), self._of(loop.last, owner)
-        step = ALL if loop.step is None else self._of(loop.step, owner)
+        step = ALL_KNOWN if loop.step is None else self._of(loop.step, owner)
         # without a stated step it goes down as well, but not below the last one
         positive = first.positive and (last.positive if loop.step is None else step.positive)
-        return Known(first.whole and step.whole, positive)
+        return NumberFact(first.whole and step.whole, positive)
 
     def _changed(self, called: str, arguments: tuple[e.Expression, ...]) -> Iterator[str]:
         """Variables that a call may change."""
@@ -156,36 +156,36 @@ class Numbers:
             copied = callee is not None and at < len(callee.parameters)
             if copied and callee is not None and callee.parameters[at].mode == "in":
                 continue
-            if (name := _written(argument)) is not None:
+            if (name := _written_variable(argument)) is not None:
                 yield name
 
     def _key(self, name: str, owner: str) -> Key:
         inner = owner, name.lower()
         return inner if inner in self.found else ("", name.lower())
 
-    def _of(self, x: e.Expression, owner: str) -> Known:
+    def _of(self, x: e.Expression, owner: str) -> NumberFact:
         match x:
             case e.Number(value):
-                return Known(float(value).is_integer(), value >= 0)
+                return NumberFact(float(value).is_integer(), value >= 0)
             case e.Name(name) | e.Index(e.Name(name)):
                 signal = self._signals.get(name.lower())
                 if signal is not None and isinstance(x, e.Name):
-                    return _signal(signal)
-                return self.found.get(self._key(name, owner), NOTHING)
+                    return _signal_fact(signal)
+                return self.found.get(self._key(name, owner), NOTHING_KNOWN)
             case e.Unary("-", operand):
-                return Known(self._of(operand, owner).whole, positive=False)
+                return NumberFact(self._of(operand, owner).whole, positive=False)
             case e.Binary(operator, left, right):
-                return _joined(operator, self._of(left, owner), self._of(right, owner))
+                return _fact_of_operation(operator, self._of(left, owner), self._of(right, owner))
             case e.Apply(function, given):
                 return self._applied(function, [self._of(a, owner) for a in given])
             case e.Elapsed():
-                return Known(whole=False, positive=True)
-        return NOTHING
+                return NumberFact(whole=False, positive=True)
+        return NOTHING_KNOWN
 
-    def _applied(self, function: str, given: list[Known]) -> Known:
+    def _applied(self, function: str, given: list[NumberFact]) -> NumberFact:
         if function not in e.FUNCTIONS:
             callee = self._callees.get(function.lower())
-            return Known(callee is not None and callee.result == "integer", positive=False)
+            return NumberFact(callee is not None and callee.result == "integer", positive=False)
         whole = function in _WHOLE
         positive = function in _NOT_BELOW
         if function in ("min", "max", "abs"):
@@ -194,7 +194,7 @@ class Numbers:
             positive = all(one.positive for one in given)
         if function == "max":
             positive = any(one.positive for one in given)
-        return Known(whole, positive)
+        return NumberFact(whole, positive)
 
 
 def without_needless_rounding(program: Program) -> Program:
@@ -206,7 +206,7 @@ def without_needless_rounding(program: Program) -> Program:
     )
     if not rounds:
         return program
-    numbers = Numbers(program)
+    numbers = NumberFacts(program)
 
     def plain(procedure: Procedure) -> Procedure:
         def change(x: e.Expression) -> e.Expression:
@@ -220,42 +220,44 @@ def without_needless_rounding(program: Program) -> Program:
     return replace(program, procedures=tuple(map(plain, program.procedures)))
 
 
-def _first(variable: Variable) -> Known:
+def _initial_fact(variable: Variable) -> NumberFact:
     """What is known before anything is assigned; a persistent one is changed from elsewhere."""
     whole = variable.type == "integer"
     if variable.storage == "persistent" or variable.type not in ("number", "integer"):
-        return Known(whole, positive=False)
+        return NumberFact(whole, positive=False)
     values = [part.value for part in records(variable.initial) if isinstance(part, e.Number)]
     others = [part for part in records(variable.initial) if not isinstance(part, _PLAIN)]
     if others:
-        return Known(whole, positive=False)
-    return Known(whole or all(float(v).is_integer() for v in values), min(values, default=0) >= 0)
+        return NumberFact(whole, positive=False)
+    return NumberFact(
+        whole or all(float(v).is_integer() for v in values), min(values, default=0) >= 0
+    )
 
 
 _PLAIN: Final = (e.Number, e.Aggregate)
 
 
-def _signal(signal: Signal) -> Known:
-    return Known(signal.kind != "analog", signal.kind != "analog")
+def _signal_fact(signal: Signal) -> NumberFact:
+    return NumberFact(signal.kind != "analog", signal.kind != "analog")
 
 
-def _joined(operator: str, left: Known, right: Known) -> Known:
+def _fact_of_operation(operator: str, left: NumberFact, right: NumberFact) -> NumberFact:
     whole, positive = left.whole and right.whole, left.positive and right.positive
     match operator:
         case "+" | "*":
-            return Known(whole, positive)
+            return NumberFact(whole, positive)
         case "-":
-            return Known(whole, positive=False)
+            return NumberFact(whole, positive=False)
         case "/":
-            return Known(whole=False, positive=positive)
+            return NumberFact(whole=False, positive=positive)
         case "div" | "mod":
-            return Known(whole=True, positive=positive)
+            return NumberFact(whole=True, positive=positive)
         case "^":
-            return Known(whole=False, positive=left.positive)
-    return NOTHING
+            return NumberFact(whole=False, positive=left.positive)
+    return NOTHING_KNOWN
 
 
-def _written(x: Any) -> str | None:
+def _written_variable(x: Any) -> str | None:
     """The variable that holds what is written, None for a component, which is no number's own."""
     match x:
         case e.Name(name) | e.Index(e.Name(name)):

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def uncollected() -> Iterator[None]:
+def without_gc() -> Iterator[None]:
     """Keeps the cycle collector still: it would look through a growing tree again and again.
 
     Without this the time to read a text of n lines grows faster than n.
@@ -22,7 +22,7 @@ def uncollected() -> Iterator[None]:
             gc.enable()
 
 
-def keep_what_is_there() -> None:
+def freeze_loaded_objects() -> None:
     """Has the cycle collector leave alone what is there now: tables, grammars, whole programs.
 
     It would look through all of that again and again in the middle of an answer. For processes

@@ -11,10 +11,10 @@ from typing import Any
 
 from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
 from assistant.findings.formats import finding_record
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import place_of, write_all
+from assistant.program.system.writing import file_in_folder, write_all
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe
@@ -203,12 +203,15 @@ class _Run:
     def _with_edits(self, target: str, order: Order, made: Made) -> Kept:
         """What was made, with what was edited in the files that are there; none if that fails."""
         files = {
-            place_of(n, self.project.folder / BUILT / target): d for n, d in made.files.items()
+            file_in_folder(n, self.project.folder / BUILT / target): d
+            for n, d in made.files.items()
         }
         cell = None if order.recipe.cell is None else str(order.recipe.cell)
         keeper = Keeper(made.language, order.arm, cell, self.wishes, self.edits)
         done = keeper.kept(files, self.project.kept / WRITTEN.name / target)
-        found = [one for one in settle(list(done.findings)).left if one not in self.findings]
+        found = [
+            one for one in apply_severities(list(done.findings)).left if one not in self.findings
+        ]
         self.findings += found
         return replace(done, files=done.files if done.ok else {}, findings=tuple(found))
 

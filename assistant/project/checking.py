@@ -13,9 +13,9 @@ from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
 
 from assistant.compiler.checking import check_files
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.program.system.writing import scratch
+from assistant.program.system.writing import scratch_folder
 from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes
 from assistant.project.inputs import digest_of
@@ -90,7 +90,7 @@ def _folder(project: Project) -> Iterator[FilePath]:
     """
     with contextlib.ExitStack() as stack:
         try:
-            folder = stack.enter_context(scratch(project.kept))
+            folder = stack.enter_context(scratch_folder(project.kept))
         except OSError:
             folder = FilePath(stack.enter_context(TemporaryDirectory())).resolve()
             shutil.copyfile(project.file, folder / project.file.name)
@@ -112,7 +112,7 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
         with _folder(project) as folder:
             paths = _written(folder, files)
             checked = check_files(list(paths), robot=arm)
-            settled = settle(checked.findings, checked.texts)
+            settled = apply_severities(checked.findings, checked.texts)
     except OSError as error:
         reason = error.strerror or str(error)
         finding = rules.NOT_KEPT(file=error.filename or project.kept, reason=reason)

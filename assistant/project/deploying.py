@@ -47,12 +47,12 @@ def planned(
 def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
     """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
     from assistant.compiler.checking import check_files
-    from assistant.findings.project_severities import settle
+    from assistant.findings.project_severities import apply_severities
 
     if one.robot is None or not files:
         return ()
     checked = check_files(files, robot=one.robot)
-    found = fold(settle(checked.findings, checked.texts).left)
+    found = fold(apply_severities(checked.findings, checked.texts).left)
     if has_errors(found):
         raise Refused(*found)
     return tuple(found)

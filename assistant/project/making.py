@@ -16,10 +16,10 @@ from assistant.compiler.motion import Proving
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.style import style_of
 from assistant.compiler.together import together
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 from assistant.program.text import read_bytes
 from assistant.project import rules
 from assistant.project.inputs import Digests, digests, watched
@@ -90,7 +90,7 @@ def make(order: Order) -> Made:
         made = _made(order, name)
     # What the project's own file says of the style is in the digest of what is wanted.
     inputs = digests(order.folder, (opened | set(_asked_for(order))) - set(FILES))
-    found = settle([finding.within(name) for finding in made.findings]).left
+    found = apply_severities([finding.within(name) for finding in made.findings]).left
     files = {} if has_errors(found) else made.files
     return replace(made, inputs=inputs, findings=found, files=files)
 
@@ -122,9 +122,9 @@ def _made(order: Order, name: str) -> Made:
         finding = rules.NOT_KEPT(file=error.filename or name, reason=reason)
         return Made(findings=(finding,), unreadable=True)
     except Exception as error:
-        if details_wanted():
+        if traceback_wanted():
             raise
-        return Made(findings=(failure(error),), unreadable=True)
+        return Made(findings=(internal_error(error),), unreadable=True)
 
 
 def _spoken(recipe: Recipe) -> str | None:

@@ -19,7 +19,7 @@ from assistant.controllers import Credentials, Named, Programs, connect
 from assistant.program.diagnostics import Refused
 from assistant.program.system.bounded import read_file
 from assistant.program.system.durably import write_whole
-from assistant.program.system.ending import held
+from assistant.program.system.ending import defer_termination
 from assistant.project import rules
 
 if TYPE_CHECKING:
@@ -93,10 +93,10 @@ def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterato
             yield partial(_client, controller, virtual.rws_port, timeout, login)
         finally:
             # What programs have made of their data since a module was last taken in.
-            with held():
+            with defer_termination():
                 virtual.cabinet.do(lambda memory: _keep(memory, folder / MEMORY))
     finally:
-        with held():
+        with defer_termination():
             virtual.stop()
 
 
@@ -113,7 +113,7 @@ def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[
     try:
         yield partial(_client, controller, virtual.port, timeout)
     finally:
-        with held():
+        with defer_termination():
             virtual.stop()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.arrays import evenly
+from assistant.program.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots.timing import Simulation
 
@@ -15,7 +15,7 @@ MOST_POINTS: Final = 4000
 def motion_plot(simulation: Simulation, title: str, format: str = "png") -> bytes:
     """Five diagrams over the time in seconds, as `png` or `svg`."""
     robot, samples = simulation.robot, simulation.samples
-    some = evenly(len(samples), MOST_POINTS)
+    some = evenly_spaced(len(samples), MOST_POINTS)
     t = samples.t[some]
     figure = figures.figure(9.0, 11.0)
     place, turn, speed, joints, velocity = figure.subplots(5, 1, sharex=True)

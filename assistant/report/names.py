@@ -14,7 +14,7 @@ from assistant.compiler.translating import Translation
 from assistant.program.diagnostics import Span
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
-from assistant.program.subjects import ONE_OF
+from assistant.program.subjects import TABLE_NOUNS
 from assistant.report.translation import Translated
 
 HEAD: Final = ("program", "kind", "routine", "old", "new", "file", "line")
@@ -97,7 +97,7 @@ def _rows(
     for one, other in zip(here, there, strict=True):
         for row in range(len(one.path) if one.path.original is not None else 0):
             span = one.row_span(row)
-            old = Named(ONE_OF["targets"], "", one.path.row_name(row), span)
+            old = Named(TABLE_NOUNS["targets"], "", one.path.row_name(row), span)
             new = f"{other.path.name}_{row + 1}"
             yield old, new, None if span is None else places.of(span)
 
@@ -125,4 +125,4 @@ def _names(program: Program) -> Iterator[Named]:
         held: Iterable[str] = getattr(program, table)
         for name in held:
             span = program.variables[name].span if table == "variables" else None
-            yield Named(ONE_OF[table], "", name, span)
+            yield Named(TABLE_NOUNS[table], "", name, span)

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.cell.reach.mapping import ReachMap
-from assistant.program.arrays import Floats, evenly
+from assistant.program.arrays import Floats, evenly_spaced
 from assistant.report import figures
 
 MOST_SLICES: Final = 9
@@ -105,7 +105,7 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     values = [np.unique(found.points[:, axis]) for axis in range(3)]
     across, up, through = _axes([len(v) for v in values])
     levels = values[through]
-    some = evenly(len(levels), MOST_SLICES)
+    some = evenly_spaced(len(levels), MOST_SLICES)
     columns = min(3, len(some))
     rows = -(-len(some) // columns)
     drawn = figures.figure(1.6 + 3.4 * columns, 0.9 + 3.2 * rows)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import evenly
+from assistant.program.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots import Robot
 
@@ -23,7 +23,7 @@ def run_plot(
     """Four diagrams over the time in seconds, as `png` or `svg`. columns: of the samples of a run:
     t, position, joints, speed, inputs and outputs with their names.
     """
-    some = evenly(len(columns["t"]), MOST_POINTS)
+    some = evenly_spaced(len(columns["t"]), MOST_POINTS)
     t = columns["t"][some]
     figure = figures.figure(9.0, 10.0)
     place, speed, joints, signals = figure.subplots(4, 1, sharex=True)

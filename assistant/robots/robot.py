@@ -17,8 +17,8 @@ from assistant.program.arrays import (
     Rows,
     Truths,
     all_of,
-    as_many,
     norms,
+    require_same_length,
     rows_of,
     whole_rows,
 )
@@ -435,6 +435,6 @@ IN_LINE: Final = 0.05
 
 def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
     p, q = rows_of(positions, 3, "positions"), rows_of(quaternions, 4, "quaternions")
-    as_many(p, q, "positions", "quaternions")
+    require_same_length(p, q, "positions", "quaternions")
     with np.errstate(invalid="ignore", divide="ignore"):
         return p, q / norms(q)[:, None]

@@ -14,7 +14,7 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Unreadable, error
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import read_bytes
-from assistant.program.toml_text import toml
+from assistant.program.toml_text import parse_toml
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.five_axis import FiveAxis
@@ -54,7 +54,7 @@ def read(data: bytes, path: str | None = None) -> Robot:
         drawn = urdf.read(data, path)
         return replace(_over({}, drawn, path), findings=drawn.findings)
     try:
-        table = toml(data.decode("utf-8"), path)
+        table = parse_toml(data.decode("utf-8"), path)
     except Refused:
         raise
     except ValueError as error:  # also what is no UTF-8, and an integer of thousands of digits

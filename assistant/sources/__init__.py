@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from typing import Final, cast
 
 from assistant.program.diagnostics import Unreadable, error
-from assistant.program.system.budgets import TABLE, unpacked, within
+from assistant.program.system.budgets import TABLE, most_unpacked, within
 from assistant.program.text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.placements import INSTEAD, Placing, check_drawn
@@ -110,7 +110,7 @@ def _size(source: FilePath) -> int:
         from assistant.sources.tables.arrays import BROKEN_ZIP
 
         with contextlib.suppress(*BROKEN_ZIP), zipfile.ZipFile(source) as archive:
-            size = max(size, min(unpacked(), sum(one.file_size for one in archive.infolist())))
+            size = max(size, min(most_unpacked(), sum(one.file_size for one in archive.infolist())))
     return size
 
 

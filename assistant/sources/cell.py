@@ -42,19 +42,19 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeVar
 
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.toml_text import toml
+from assistant.program.toml_text import parse_toml
 from assistant.program.wanted import (
     JOINT_SPEED,
-    LINE,
-    Argument,
+    LINE_NAME,
+    CallArgument,
     Plain,
-    Value,
+    SuppliedValue,
     Wanted,
     WantedKind,
 )
@@ -134,13 +134,13 @@ class Cell:
     """
 
     process: Process = NO_PROCESS
-    given: Mapping[tuple[str, str], Value] = field(default_factory=dict)
+    given: Mapping[tuple[str, str], SuppliedValue] = field(default_factory=dict)
     types: Mapping[str, str] = field(default_factory=dict)
     known: frozenset[tuple[str, str]] = frozenset()
     open: frozenset[tuple[str, str]] = frozenset()
     text: str = ""
 
-    def value(self, wanted: Wanted) -> Value | None:
+    def value(self, wanted: Wanted) -> SuppliedValue | None:
         """What the file says of a name, None if nothing or if that is not filled in."""
         low = wanted.name.lower()
         if wanted.kind == "tool":
@@ -148,7 +148,9 @@ class Cell:
         if wanted.kind == "frame":
             return _of(self.process.frames, low)
         if wanted.kind == "line":
-            return next((v for n, v in self.process.lines.items() if LINE.format(n) == low), None)
+            return next(
+                (v for n, v in self.process.lines.items() if LINE_NAME.format(n) == low), None
+            )
         return self.given.get((TABLES[wanted.kind], low))
 
     def signal(self, name: str) -> Signal | None:
@@ -186,7 +188,7 @@ def parse_cell(source: SourceText) -> Cell:
         opened |= {(table, name.lower()) for name in unfilled}
         content[table] = {n: entry for n, entry in entries.items() if n not in unfilled}
     rest = replace(top, content=content)
-    given: dict[tuple[str, str], Value] = {}
+    given: dict[tuple[str, str], SuppliedValue] = {}
     types: dict[str, str] = {}
     for table in OWN:
         for name, entry in rest.table(table).named():
@@ -205,7 +207,7 @@ def _is_open(entry: Any) -> bool:
     return isinstance(entry, str) and entry == OPEN
 
 
-def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> Value | None:
+def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> SuppliedValue | None:
     match table:
         case "speeds":
             speed: Speed | None = entry.read(SPEED).get("speed")
@@ -249,7 +251,7 @@ HEAD: Final = (
 )
 
 
-def with_entries(text: str, entries: Iterable[tuple[Wanted, Value | None]]) -> str:
+def with_entries(text: str, entries: Iterable[tuple[Wanted, SuppliedValue | None]]) -> str:
     """A cell file's text with entries behind it, a value or a place for one each.
 
     None: a place. A signal's value is in its `Wanted`, without a number for a place.
@@ -293,7 +295,7 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
 
 def _as_toml(answer: str) -> str:
     try:
-        toml(f"answer = {answer}")
+        parse_toml(f"answer = {answer}")
     except ValueError:
         return toml_value(answer)
     return answer
@@ -302,7 +304,7 @@ def _as_toml(answer: str) -> str:
 MOST_USES: Final = 6
 
 
-def _lines(wanted: Wanted, value: Value | None) -> Iterator[str]:
+def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
     places = ", ".join(wanted.uses[:MOST_USES])
     more = len(wanted.uses) - MOST_USES
     used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
@@ -339,11 +341,11 @@ def _said(wanted: Wanted) -> str:
     return f"{word} {wanted.name.replace('_', ' ') if wanted.kind == 'arm' else wanted.name}"
 
 
-def _argument(one: Argument) -> str:
+def _argument(one: CallArgument) -> str:
     return f"\\{one.option}" if one.option else one.type or "?"
 
 
-def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]:
+def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, Any, str]]:
     """Keys of an entry with their values, None for one to be filled in, and remarks."""
     match wanted.kind:
         case "tool":
@@ -383,7 +385,7 @@ def _keys(wanted: Wanted, value: Value | None) -> Iterator[tuple[str, Any, str]]
             perhaps = "" if value else f"; perhaps {toml_value(wanted.nothing)}"
             yield "components", value, f"type and name of each in their order{perhaps}"
         case "line":
-            line = value if isinstance(value, Line) else None
+            line = value if isinstance(value, ChannelLine) else None
             yield "role", line and line.role, '"server", "client" or "serial"'
             yield "port", line and line.port, "of TCP, or the number of the serial port"
             yield "address", line and line.address, 'of a client the other computer; or ""'

@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import failure
+from assistant.program.failing import internal_error
 from assistant.program.system.watchdog import Reached
 from assistant.studio import rules
 from assistant.studio.studio import Studio
@@ -199,11 +199,11 @@ async def _answered(
     except RecursionError:
         return _refused(not_asked("it is nested too deep"))
     except Reached as reached:
-        return _told([failure(reached)], FAILED)
+        return _told([internal_error(reached)], FAILED)
     except OSError as wrong:
         return _told([rules.SYSTEM(reason=wrong.strerror or wrong)], FAILED)
     except Exception as wrong:  # noqa: BLE001 (the studio goes on, and says so)
-        return _told([failure(wrong)], FAILED)
+        return _told([internal_error(wrong)], FAILED)
 
 
 def _refused(refused: Refused) -> Response:

@@ -17,7 +17,7 @@ from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
 from assistant.controllers.stopping import PATIENCE, Rest, brought_to_rest, stop_at_once, stopped
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import failure
+from assistant.program.failing import internal_error
 from assistant.studio import rules
 from assistant.studio.answering import findings, plain
 from assistant.studio.windows import Tell
@@ -189,7 +189,7 @@ class Connection:
             except Refused as refused:
                 self._tell({"kind": "monitor", "findings": findings(refused.findings)})
             except Exception as wrong:  # noqa: BLE001 - who watches goes on
-                self._tell({"kind": "monitor", "findings": findings([failure(wrong)])})
+                self._tell({"kind": "monitor", "findings": findings([internal_error(wrong)])})
             else:
                 self._tell({"kind": "monitor", **_plain(sample)})
 

@@ -26,7 +26,7 @@ from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.states import Jog, record
 from assistant.controllers.stopping import PATIENCE, Rest, stop_at_once
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import failure
+from assistant.program.failing import internal_error
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.connections import Connection
@@ -262,7 +262,7 @@ class Control:
             except Refused as refused:
                 found = refused.findings
             except Exception as wrong:  # noqa: BLE001 - whatever it is, there is another way
-                found = (failure(wrong),)
+                found = (internal_error(wrong),)
             else:
                 return ()
         one = self._connection.one
@@ -305,7 +305,7 @@ class Control:
         except Refused as refused:  # it was left meanwhile
             rest = Rest(False, reason=refused.findings[0].message)
         except Exception as wrong:  # noqa: BLE001 - who watches goes on
-            rest = Rest(False, reason=failure(wrong).message)
+            rest = Rest(False, reason=internal_error(wrong).message)
         self._began = time.monotonic()  # nobody was told a tick meanwhile
         self._say({"kind": "control", "cut": True, **rest_record(rest)})
 
@@ -323,7 +323,7 @@ class Control:
             except Refused as refused:
                 found = refused.findings
             except Exception as wrong:  # noqa: BLE001 - the next press is another matter
-                found = (failure(wrong),)
+                found = (internal_error(wrong),)
             finally:
                 self._moving = False
             if found and self.let_go(hold):  # else it is what the stop has brought about

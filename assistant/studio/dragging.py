@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.cell.collision.model import Model
-from assistant.program.arrays import Floats, evenly
+from assistant.program.arrays import Floats, evenly_spaced
 from assistant.program.geometry import Pose
 from assistant.program.path import UNSTATED
 from assistant.program.visible import visible
@@ -145,7 +145,7 @@ def _drawing(stage: Stage, handle: Handle, position: Floats) -> Told:
         return {}
     p = np.concatenate([one for one, _ in flanges])
     q = np.concatenate([one for _, one in flanges])
-    picked = evenly(len(p), MOST_PLACES)
+    picked = evenly_spaced(len(p), MOST_PLACES)
     p, q = p[picked] + turned, q[picked]
     joints = solution.robot.joints_of(p, q, np.tile(OPEN, (len(p), 1)))
     there = np.isfinite(joints).all(axis=1)
@@ -154,5 +154,5 @@ def _drawing(stage: Stage, handle: Handle, position: Floats) -> Told:
     reached = joints[there]
     if not len(reached):
         return told
-    few = evenly(len(reached), MOST_TOUCHED)
+    few = evenly_spaced(len(reached), MOST_TOUCHED)
     return told | _touched(stage, reached[few])

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, evenly, norms
+from assistant.program.arrays import Floats, evenly_spaced, norms
 from assistant.robots import Robot
 
 MOST_POINTS: Final = 2_000
@@ -37,7 +37,7 @@ def shown(columns: Columns, robot: Robot | None, most: int = MOST_POINTS) -> dic
     if "t" not in columns or robot is None:
         return {"samples": 0, "t": []}
     count = len(columns["t"])
-    some = evenly(count, max(2, most))
+    some = evenly_spaced(count, max(2, most))
     picked = ("t", "position", "quaternion", "joints", "speed", "inputs", "outputs")
     names = ("axes", "input_names", "output_names")
     angles = np.unwrap(rotations.to_euler(columns["quaternion"]), period=360.0, axis=0)

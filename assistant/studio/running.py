@@ -19,7 +19,7 @@ import numpy as np
 
 from assistant.compiler.script_file import not_visited
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import failure
+from assistant.program.failing import internal_error
 from assistant.program.system.watchdog import Reached
 from assistant.studio import rules
 from assistant.studio.answering import findings
@@ -216,7 +216,7 @@ class Running:
         except Refused as refused:
             self.findings += refused.findings
         except (Exception, Reached) as wrong:  # noqa: BLE001 (the studio goes on, and says so)
-            self.findings.append(failure(wrong))
+            self.findings.append(internal_error(wrong))
         self.state = "ended"
         self._held = None
         self._report()

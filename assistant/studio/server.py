@@ -122,7 +122,7 @@ def _listening(host: str, port: int) -> socket.socket:
 
 
 def _encrypt(config: object, host: str, folder: FilePath) -> None:
-    from assistant.program.system.certificate import certify
+    from assistant.program.system.certificate import self_signed_context
     from assistant.project.layout import inside
 
     file = inside(folder, CERTIFICATE.as_posix())
@@ -131,7 +131,7 @@ def _encrypt(config: object, host: str, folder: FilePath) -> None:
         raise Refused(rules.NOT_SERVED(where=host, reason=reason), exit_status=2)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        context = certify(host, "robot-assistant studio", file)
+        context = self_signed_context(host, "robot-assistant studio", file)
     except ImportError:
         raise Refused(rules.NO_LIBRARY(name="cryptography"), exit_status=2) from None
     except OSError as wrong:

@@ -23,7 +23,7 @@ from assistant.editing.service import (
     Workspace,
 )
 from assistant.editing.speaking import PSEUDO, spoken
-from assistant.program.without_gc import keep_what_is_there
+from assistant.program.without_gc import freeze_loaded_objects
 from assistant.studio.answering import Asked, Does, findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
@@ -128,7 +128,7 @@ def settled(on: State) -> dict[str, Any]:
     found = service.settled(on.document)
     if on.document.language not in _kept:
         _kept.add(on.document.language)
-        keep_what_is_there()
+        freeze_loaded_objects()
     return {
         "findings": _findings(found),
         "outline": [_item(one) for one in service.outline(on.document)],

@@ -147,7 +147,7 @@ def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dic
 def content_of(text: str) -> dict[str, Any] | None:
     """None for a text that is no TOML; raises Refused for one that takes too long to read."""
     try:
-        return toml_text.toml(text)
+        return toml_text.parse_toml(text)
     except (ValueError, RecursionError):
         return None
 

@@ -14,7 +14,7 @@ from lxml import html
 import assistant
 from assistant import robots
 from assistant.controllers.recording import Recording
-from assistant.program.column_pages import MOST_COLUMNS, MOST_ROWS, columns_html
+from assistant.program.column_pages import MOST_SHOWN_COLUMNS, MOST_SHOWN_ROWS, columns_html
 from assistant.program.statements import Follow
 from tests.api.test_offered import IRB, NASTY, PLATE, shown
 
@@ -57,8 +57,10 @@ def test_columns_show_both_ends_and_their_range():
     short = cells(html.fromstring(columns_html("few", {"a": np.array([np.nan, 2.0])})))
     assert [row[-1] for row in short] == ["a", "nan", "2", "2 … 2"]
     assert cells(html.fromstring(columns_html("none", {}))) == [[""]]
-    wide = html.fromstring(columns_html("wide", {"a": np.zeros((MOST_ROWS, MOST_COLUMNS + 7))}))
-    assert len(cells(wide)[0]) == MOST_COLUMNS + 1 and "7 more columns" in wide.text_content()
+    wide = html.fromstring(
+        columns_html("wide", {"a": np.zeros((MOST_SHOWN_ROWS, MOST_SHOWN_COLUMNS + 7))})
+    )
+    assert len(cells(wide)[0]) == MOST_SHOWN_COLUMNS + 1 and "7 more columns" in wide.text_content()
 
 
 def test_paths_samples_and_recordings_are_columns():

@@ -14,15 +14,7 @@ from assistant.program.geometry import Pose, Target
 from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
-from assistant.program.statements import (
-    Branch,
-    Follow,
-    If,
-    Motion,
-    Move,
-    MoveCircular,
-    Statement,
-)
+from assistant.program.statements import Branch, Follow, If, Motion, Move, MoveCircular, Statement
 
 MOTION = Motion(Speed(100.0), FINE)
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.program.system.budgets import VARIABLE
+from assistant.program.system.budgets import FACTOR_VARIABLE
 from tests.cli.test_commands import run
 
 MODULE = "MODULE m\n{data}\nPROC main()\n{body}\nENDPROC\nENDMODULE\n"
@@ -87,7 +87,7 @@ def test_no_command_reads_a_device(words, tmp_path, capsys, monkeypatch):
 
 @pytest.mark.parametrize("size", ["100000,100000,100000", "2000000000"])
 def test_an_array_is_not_multiplied_out(size, tmp_path, capsys, monkeypatch):
-    monkeypatch.setenv(VARIABLE, "0.3")
+    monkeypatch.setenv(FACTOR_VARIABLE, "0.3")
     file = tmp_path / "arr.mod"
     at = ",".join("1" for _ in size.split(","))
     file.write_text(MODULE.format(data=f"VAR num a{{{size}}};", body=f"a{{{at}}}:=2;"))
@@ -109,7 +109,7 @@ def test_a_long_string_takes_the_memory_of_its_characters():
 def test_an_archive_is_measured_before_it_is_unpacked(tmp_path, capsys, monkeypatch):
     file = tmp_path / "zeros.npz"
     np.savez_compressed(file, positions=np.zeros((500_000, 3)))
-    monkeypatch.setenv(VARIABLE, "0.01")
+    monkeypatch.setenv(FACTOR_VARIABLE, "0.01")
     status, _, err = run(capsys, "compile", file, "-l", "rapid", "-o", tmp_path / "out")
     assert (status, "TB407" in err) == (2, True)
 
@@ -125,12 +125,12 @@ def test_a_budget_is_an_option_and_a_variable(tmp_path, capsys, monkeypatch):
         ((), "-1", "LM006"),
     ):
         if variable is None:
-            monkeypatch.delenv(VARIABLE, raising=False)
+            monkeypatch.delenv(FACTOR_VARIABLE, raising=False)
         else:
-            monkeypatch.setenv(VARIABLE, variable)
+            monkeypatch.setenv(FACTOR_VARIABLE, variable)
         status, _, err = run(capsys, *given, "check", file)
         assert (status == 2) == bool(wanted) and wanted in err
-        assert os.environ.get(VARIABLE) == variable  # the next command has its own
+        assert os.environ.get(FACTOR_VARIABLE) == variable  # the next command has its own
 
 
 def test_what_is_nested_too_deeply_or_too_great_is_no_failure_of_ours(tmp_path, capsys):

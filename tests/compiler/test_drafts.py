@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import assistant
-from assistant.program.passes.watching import watched
+from assistant.program.passes.watching import pass_trace
 
 RECORD = """MODULE parts
   RECORD part
@@ -49,7 +49,7 @@ def test_what_a_declaration_is_wanting_for_is_left_out_with_it(module: Path) -> 
 
 def test_a_draft_is_said_once_whatever_follows_from_what(module: Path) -> None:
     said: list[str] = []
-    with watched(lambda name, _: said.append(name)):
+    with pass_trace(lambda name, _: said.append(name)):
         done = assistant.translate(module, to="melfa-basic-5", draft=True)
     assert done.draft
     assert said.count("sayable") == 2  # the program, and the draft

@@ -10,7 +10,7 @@ import pytest
 from assistant import languages
 from assistant.compiler import load
 from assistant.compiler.loading import load_text
-from assistant.program.kept import Kept, effect_of
+from assistant.program.kept import VendorText, effect_of
 from assistant.program.program import Program
 from assistant.program.pseudo import print_program
 from assistant.program.rewriting import records
@@ -63,9 +63,9 @@ def programs() -> dict[str, Program]:
 PROGRAMS = programs()
 
 
-def kept(program: Program) -> list[Kept]:
+def kept(program: Program) -> list[VendorText]:
     parts = records((program.procedures, program.declarations, program.variables))
-    return [part for part in parts if isinstance(part, Kept)]
+    return [part for part in parts if isinstance(part, VendorText)]
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -85,7 +85,7 @@ def test_it_comes_back_from_pseudo_text(name: str) -> None:
 def test_every_kind_of_kept_text_is_there() -> None:
     for name in ("rapid", "melfa-basic-5"):
         assert len(kept(PROGRAMS[name])) >= 3
-    assert {type(k) for k in kept(PROGRAMS["rapid"])} == set(get_args(Kept))
+    assert {type(k) for k in kept(PROGRAMS["rapid"])} == set(get_args(VendorText))
 
 
 def test_text_of_no_known_language_may_do_anything() -> None:

@@ -111,7 +111,7 @@ def test_a_pipe_in_it_keeps_nobody_waiting(tmp_path, name):
 
 def when_the_disk_fails(monkeypatch, target, renamed_back):
     """The names of the folder above cannot be put on the disk once the new one is there."""
-    settle, rename = durably.settle, pathlib.Path.rename
+    settle, rename = durably.sync_folder, pathlib.Path.rename
 
     def settled(folder):
         if folder == target.parent and target.exists():

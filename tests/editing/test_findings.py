@@ -11,7 +11,7 @@ from assistant.compiler.checking import check_text
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
 from assistant.editing.watching import SMALL
-from assistant.findings.project_severities import settle
+from assistant.findings.project_severities import apply_severities
 from assistant.program.diagnostics import has_errors
 from assistant.program.text import SourceText
 from tests.editing.typing import kept, lines_that_close, lines_to_damage, made, typed
@@ -162,7 +162,7 @@ def test_the_whole_is_what_check_finds(name):
     found = service.settled(document)
     source = SourceText(text, document.path, "utf-8", "\n")
     checked = check_text(source, language=document.language)
-    expected = settle(checked.findings, checked.texts).left
+    expected = apply_severities(checked.findings, checked.texts).left
     assert found and {one.diagnostic.code for one in found} == {one.code for one in expected}
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import INTERNAL
+from assistant.program.failing import INTERNAL_ERROR
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 CASES: Final = Path(__file__).parent / "cases"
@@ -67,7 +67,7 @@ def promise(kept: bool, what: str, details: object = "") -> None:
 def sound(findings: Iterable[Diagnostic]) -> None:
     """What every finding promises: it says what is wrong and where, and nothing failed inside."""
     for finding in findings:
-        promise(finding.code != INTERNAL.code, f"{finding.code} {finding.message}")
+        promise(finding.code != INTERNAL_ERROR.code, f"{finding.code} {finding.message}")
         promise(_CODE.fullmatch(finding.code) is not None, "a code of another form", finding)
         promise(bool(finding.message), f"{finding.code} says nothing", finding)
         promise(bool(finding.where()), f"{finding.code} has no place", finding)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.analysis.circles import circular
+from assistant.program.analysis.circles import recursive_names
 from tests.examples import drawn
 
 NAMES = st.sampled_from("abcdefgh")
@@ -24,7 +24,7 @@ NAMES = st.sampled_from("abcdefgh")
     ],
 )
 def test_only_what_comes_back_is_found(calls: dict[str, str], found: str) -> None:
-    assert circular(calls) == frozenset(found)
+    assert recursive_names(calls) == frozenset(found)
 
 
 @settings(max_examples=drawn(100), deadline=None)
@@ -39,11 +39,11 @@ def test_it_is_what_following_each_name_tells(calls: dict[str, set[str]]) -> Non
                 pending += calls.get(one, ())
         return seen
 
-    assert circular(calls) == {name for name in calls if name in reached(name)}
+    assert recursive_names(calls) == {name for name in calls if name in reached(name)}
 
 
 def test_a_long_chain_and_a_long_ring_are_followed_to_their_ends() -> None:
     size = 20_000
     chain = {str(k): [str(k + 1)] for k in range(size)}
-    assert circular(chain) == frozenset()
-    assert len(circular({**chain, str(size): ["0"]})) == size + 1
+    assert recursive_names(chain) == frozenset()
+    assert len(recursive_names({**chain, str(size): ["0"]})) == size + 1

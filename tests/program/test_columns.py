@@ -9,14 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program.columns import (
-    CHUNK,
-    Chosen,
-    Decimal,
-    Integer,
-    numbers,
-    rows_text,
-)
+from assistant.program.columns import CHUNK, Chosen, Decimal, Integer, read_numbers, rows_text
 
 VALUES = st.lists(
     st.one_of(
@@ -86,14 +79,14 @@ NUMBER = st.one_of(
 
 @given(st.lists(NUMBER, max_size=40), st.sampled_from([",", " ", ";\r\n", "],["]))
 def test_every_number_is_the_one_that_python_reads(texts, separator):
-    read = numbers(f"[{separator.join(texts)}]".encode())
+    read = read_numbers(f"[{separator.join(texts)}]".encode())
     assert read.tolist() == [float(t) for t in texts]
 
 
 def test_long_texts_are_read_in_parts():
     values = np.arange(200_000) / 7
     text = ",".join(f"{v:.4f}" for v in values).encode()
-    np.testing.assert_array_equal(numbers(text), np.round(values, 4))
+    np.testing.assert_array_equal(read_numbers(text), np.round(values, 4))
 
 
 @pytest.mark.parametrize(
@@ -101,4 +94,4 @@ def test_long_texts_are_read_in_parts():
 )
 def test_what_is_no_number_is_refused(text):
     with pytest.raises(ValueError):
-        numbers(text)
+        read_numbers(text)

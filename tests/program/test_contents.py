@@ -11,7 +11,13 @@ from hypothesis import given, settings
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_names, all_of, everywhere, saying, says
+from assistant.program.contents import (
+    has_record,
+    names_in_procedures,
+    records_in_body,
+    records_in_procedures,
+    statements_with,
+)
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import records
@@ -27,19 +33,19 @@ PROGRAM = Program("whole", (INNER, OTHER), entry="inner")
 
 
 def test_statements_are_found_by_what_stands_in_their_heads() -> None:
-    found = list(saying(PROGRAM, e.Elapsed, e.Apply))
+    found = list(statements_with(PROGRAM, e.Elapsed, e.Apply))
     assert [statement for statement, _ in found] == [TURN, LOOP.body[1]]
     assert [[type(part) for part in parts] for _, parts in found] == [[e.Apply], [e.Elapsed]]
 
 
 def test_blocks_are_found_as_they_stand() -> None:
-    assert list(all_of(INNER, p.While)) == [LOOP]
+    assert list(records_in_body(INNER, p.While)) == [LOOP]
 
 
 def test_data_of_procedures_belongs_to_what_is_anywhere() -> None:
-    assert Counter(all_names(PROGRAM)) == {"count": 3, "step": 1, "first": 1}
-    assert says(PROGRAM, e.Elapsed)
-    assert not says(PROGRAM, p.Message, e.Here)
+    assert Counter(names_in_procedures(PROGRAM)) == {"count": 3, "step": 1, "first": 1}
+    assert has_record(PROGRAM, e.Elapsed)
+    assert not has_record(PROGRAM, p.Message, e.Here)
 
 
 @settings(max_examples=drawn(25), deadline=None)
@@ -47,7 +53,7 @@ def test_data_of_procedures_belongs_to_what_is_anywhere() -> None:
 def test_everything_is_found_once(program: Program) -> None:
     everything = [part for q in program.procedures for part in _all((q.body, q.variables))]
     kinds = tuple({type(part) for part in everything})
-    by_kind = Counter(type(part) for part in everywhere(program, *kinds))
+    by_kind = Counter(type(part) for part in records_in_procedures(program, *kinds))
     assert by_kind == Counter(map(type, everything))
     assert Counter(map(type, records(program.procedures))) == by_kind + Counter(
         type(part) for q in program.procedures for part in (q, *q.parameters)

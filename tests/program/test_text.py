@@ -107,6 +107,6 @@ def test_a_finding_of_a_text_has_its_place_and_line() -> None:
 def test_japanese_bytes_come_back_as_windows_wrote_them(written: str) -> None:
     windows = {"髙": b"\xfb\xfc", "ⅰ": b"\xfa\x40"}
     data = b"10 ' " + windows.get(written, written.encode("cp932")) + b"\r\n"
-    source = decode(data, None, ("ascii", "utf-8", "cp932", japanese.CODEC))
+    source = decode(data, None, ("ascii", "utf-8", "cp932", japanese.CP932_IBM))
     assert source.text == f"10 ' {written}\r\n"
     assert encode(source) == data

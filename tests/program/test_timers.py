@@ -9,7 +9,7 @@ import pytest
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program
-from assistant.program.timers import in_seconds, numbered
+from assistant.program.timers import numbered_timers, timer_in_seconds
 
 TIMER = e.Elapsed("t")
 COUNTED = e.Binary("*", TIMER, e.Number(1000))
@@ -30,7 +30,7 @@ COUNTED = e.Binary("*", TIMER, e.Number(1000))
 def test_milliseconds_beside_numbers_become_seconds(
     operator: str, left: e.Expression, right: e.Expression, said: e.Expression
 ) -> None:
-    assert in_seconds(operator, left, right, 1000) == said
+    assert timer_in_seconds(operator, left, right, 1000) == said
 
 
 @pytest.mark.parametrize(
@@ -49,4 +49,4 @@ def test_timers_have_numbers(
     body = tuple(p.StartTimer(name) for name in names)
     program = Program("job", (Procedure("main", body),))
     kept = re.compile("clock ([0-9]+)")
-    assert numbered(program, range(1, count + 1), kept) == (numbers, free)
+    assert numbered_timers(program, range(1, count + 1), kept) == (numbers, free)

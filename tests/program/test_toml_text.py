@@ -8,9 +8,9 @@ from collections.abc import Callable
 import pytest
 
 from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.budgets import MEMORY, TIME, VARIABLE
+from assistant.program.system.budgets import FACTOR_VARIABLE, MEMORY, TIME
 from assistant.program.text import SourceText
-from assistant.program.toml_text import LONG_KEY, MOST_PARTS, toml
+from assistant.program.toml_text import LONG_KEY, MOST_PARTS, parse_toml
 from assistant.robots.robot_file import read as read_robot
 from assistant.sources.process.file import parse_process
 
@@ -30,7 +30,7 @@ def robot(text: str) -> object:
 LONG = dotted(MOST_PARTS + 1)
 
 
-@pytest.mark.parametrize("read", [process, robot, lambda text: toml(text, "x.toml")])
+@pytest.mark.parametrize("read", [process, robot, lambda text: parse_toml(text, "x.toml")])
 @pytest.mark.parametrize(
     "line",
     [
@@ -65,13 +65,13 @@ def test_a_key_of_too_many_parts_is_refused_at_its_line(
     ],
 )
 def test_an_honest_text_is_read_as_the_standard_library_reads_it(text: str) -> None:
-    assert toml(text) == tomllib.loads(text)
+    assert parse_toml(text) == tomllib.loads(text)
 
 
 def test_what_takes_more_than_the_budget_ends_with_a_finding(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setenv(VARIABLE, "0.001")
+    monkeypatch.setenv(FACTOR_VARIABLE, "0.001")
     text = "".join(f"[t{i}]\nx = [0.5, 1.5, 2.5]\n" for i in range(20_000))
     with pytest.raises(Refused) as caught:
         process(text)

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.assignment import AssignmentAnalysis
 from assistant.program.analysis.dataflow import Dataflow, postorder, reachable
 from assistant.program.effects import Effect
 from assistant.program.program import Procedure, Program
@@ -75,6 +75,6 @@ def test_what_is_read_before_it_has_a_value(
     body: tuple[p.Statement, ...], read: str, given: str | None
 ) -> None:
     procedure = Procedure("main", body)
-    run = Assigning(Program("p", (procedure,))).run(procedure)
+    run = AssignmentAnalysis(Program("p", (procedure,))).run(procedure)
     assert run.read - {"on"} == set(read)
     assert run.given == (None if given is None else frozenset(given))

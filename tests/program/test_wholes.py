@@ -7,7 +7,7 @@ import pytest
 from assistant.program import expressions as e
 from assistant.program import pseudo
 from assistant.program.program import Program
-from assistant.program.wholes import Numbers, without_needless_rounding
+from assistant.program.wholes import NumberFacts, without_needless_rounding
 
 HEAD = """\
 program cell
@@ -35,7 +35,7 @@ def program(*lines: str) -> Program:
 
 
 def known(made: Program, name: str) -> tuple[bool, bool]:
-    found = Numbers(made).of(e.Name(name), made.procedures[0])
+    found = NumberFacts(made).of(e.Name(name), made.procedures[0])
     return found.whole, found.positive
 
 

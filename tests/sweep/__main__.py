@@ -170,12 +170,12 @@ class Sweep:
 
     def check_put_in_order(self, left: Sequence[Path]) -> None:
         """The next that writes there tells of it, and then all is old or all is new."""
-        from assistant.program.system.leftovers import told_by
+        from assistant.program.system.leftovers import reporting_leftovers
         from assistant.program.system.writing import write_files
 
         for holding in left:
             told: list[str] = []
-            with told_by(lambda finding, told=told: told.append(finding.code)):
+            with reporting_leftovers(lambda finding, told=told: told.append(finding.code)):
                 write_files({"probe": b""}, holding.parent)
             (holding.parent / "probe").unlink()
             expect(told == ["CO203"], f"the next run tells {told}")

@@ -15,7 +15,7 @@ import pytest
 from assistant import languages
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.effects import Effect, together
+from assistant.program.effects import Effect, combined_effect
 from assistant.virtual import rapid
 from assistant.virtual.events import Moved, Run, Waited
 from tests.virtual.random_rapid import program
@@ -53,7 +53,7 @@ def whole(effect: Effect, routines: dict[str, Effect]) -> Effect:
         name = pending.pop()
         done.add(name)
         pending |= (routines[name].names & routines.keys()) - done
-    return together((effect, *(routines[name] for name in done)))
+    return combined_effect((effect, *(routines[name] for name in done)))
 
 
 def contradictions(seed: int, counted: Counter[str]) -> list[str]:

@@ -14,7 +14,7 @@ from assistant.cell.reach.holding import Held, held, nearest
 from assistant.cell.reach.region import Directions
 from assistant.cell.scene import Placed, Scene
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, evenly
+from assistant.program.arrays import Floats, Truths, evenly_spaced
 from assistant.program.geometry import IDENTITY, Pose
 
 ASKED: Final = 200
@@ -97,5 +97,5 @@ def _in_the_way(space: Space | None, columns: Sequence[Held]) -> Mapping[tuple[s
     rows = np.concatenate([column.joints[column.touching] for column in columns])
     if space is None or not len(rows):
         return {}
-    some = evenly(len(rows), ASKED)
+    some = evenly_spaced(len(rows), ASKED)
     return dict(Counter(nearest(space, row) for row in rows[some]).most_common())

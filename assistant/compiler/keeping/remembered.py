@@ -11,7 +11,7 @@ from typing import Final
 from assistant.compiler.keeping import rules
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import place_of, write_all
+from assistant.program.system.writing import file_in_folder, write_all
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
 SOURCES: Final = "sources.json"
@@ -88,7 +88,7 @@ def write_unedited(
     are kept by the commands alone.
     """
     memory = written_in(folder)
-    wanted = {place_of(name, folder): data for name, data in files.items()}
+    wanted = {file_in_folder(name, folder): data for name, data in files.items()}
     memories = {memory / f"{path.name}{SUFFIX}": data for path, data in wanted.items()}
     edited = [
         path

@@ -65,7 +65,7 @@ def download(session: FtpSession, name: str, to: FilePath, progress: Progress | 
             part.unlink()
             raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
-        durably.settle(to.parent)
+        durably.sync_folder(to.parent)
         note.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)

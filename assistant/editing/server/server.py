@@ -19,7 +19,7 @@ from assistant.editing.checker import Checker
 from assistant.editing.server import words
 from assistant.editing.service import Change, Changes, Document, Workspace
 from assistant.program.diagnostics import Refused
-from assistant.program.without_gc import keep_what_is_there
+from assistant.program.without_gc import freeze_loaded_objects
 
 REST: Final = 0.4
 """Seconds without a key after which the whole program is looked at."""
@@ -148,7 +148,7 @@ class Server(LanguageServer):
         found = await asyncio.to_thread(service.settled, document)
         if document.language not in self._kept:
             self._kept.add(document.language)
-            keep_what_is_there()
+            freeze_loaded_objects()
         now = self.documents.documents.get(document.path)
         if now is document:
             self._tell(uri, document, found)

@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.lazy import offered
 from assistant.program import code_pages
 from assistant.program.diagnostics import Diagnostic, Severity, Unreadable, has_errors
-from assistant.program.effects import Effect, KeptKind
+from assistant.program.effects import Effect, VendorTextKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -76,7 +76,7 @@ class MelfaBasic(Language["File"]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
-    encodings = code_pages.READ
+    encodings = code_pages.CODE_PAGES_READ
     begins = TOKENISED
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
@@ -131,14 +131,14 @@ class MelfaBasic(Language["File"]):
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
         if data.startswith(TOKENISED):
             raise Unreadable(rules.TOKENISED(path=path))
-        return code_pages.decode(data, path)
+        return code_pages.decode_code_page(data, path)
 
     def encode(self, tree: File) -> bytes:
         """The rendered text in the encoding that it was read in, new text as controllers take it.
 
         Raises Refused where a character is not in that encoding.
         """
-        return code_pages.encode(self.render(tree), tree.source)
+        return code_pages.encode_code_page(self.render(tree), tree.source)
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.melfa_basic.reading.parser import parse
@@ -201,7 +201,7 @@ class MelfaBasic(Language["File"]):
 
         return parts(tree)
 
-    def effect(self, text: str, kind: KeptKind) -> Effect:
+    def effect(self, text: str, kind: VendorTextKind) -> Effect:
         from assistant.languages.melfa_basic.text.effects import of_text
 
         return of_text(text, kind)

@@ -18,7 +18,7 @@ from assistant.languages.language import Language
 from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
 from assistant.lazy import offered
 from assistant.program.diagnostics import Diagnostic, has_errors
-from assistant.program.effects import Effect, KeptKind
+from assistant.program.effects import Effect, VendorTextKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -160,7 +160,7 @@ class Rapid(Language["File"]):
         text = "" if tree.origin is None else tree.origin.source.text
         return words_of(text, self.comment_mark) - frozenset(own_names(tree))
 
-    def effect(self, text: str, kind: KeptKind) -> Effect:
+    def effect(self, text: str, kind: VendorTextKind) -> Effect:
         from assistant.languages.rapid.text.effects import of_text
 
         return of_text(text, kind)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from assistant.program.effects import Collected, Effect
+from assistant.program.effects import Effect, EffectBuilder
 from assistant.program.text import words_of
 
 Fields = tuple[str, ...]
@@ -35,7 +35,7 @@ class Untold(Exception):
     """What a node calls is worked out as the program runs: it may do anything."""
 
 
-Take = Callable[[Collected, Any], None]
+Take = Callable[[EffectBuilder, Any], None]
 """Puts into an effect what a node does; raises Untold."""
 
 
@@ -57,7 +57,7 @@ class Effects:
 
     def of(self, tree: Any) -> Effect | None:
         """What a node or several do, None if nobody can tell."""
-        done = Collected()
+        done = EffectBuilder()
         try:
             for node in self._nodes(tree):
                 take = self._takes.get(type(node))
@@ -78,7 +78,7 @@ class Effects:
                 yield name
 
     def _take(self, row: Does) -> Take:
-        def take(done: Collected, node: Any) -> None:
+        def take(done: EffectBuilder, node: Any) -> None:
             if row.untold:
                 raise Untold
             done.reads.update(*(self.names(getattr(node, field)) for field in row.reads))

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.program.expressions import Verbatim
-from assistant.program.kept import Kept
+from assistant.program.kept import VendorText
 from assistant.program.statements import Opaque
 
 SHOWN: Final = 60
@@ -54,7 +54,7 @@ class KeptTexts:
         return Refused(self._unreadable(text=text[:SHOWN], why=why))
 
 
-def foreign(kept: Kept, language: str) -> dict[str, Any]:
+def foreign(kept: VendorText, language: str) -> dict[str, Any]:
     """What a finding says of the text of another language: fields `language`, `text`, `cure`.
 
     language: the title of the one that is written.

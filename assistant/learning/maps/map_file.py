@@ -17,7 +17,7 @@ from assistant.learning.maps.extended_map import ExtendedMap, Scale, Task
 from assistant.learning.maps.rules import NO_MAP, OTHER_VERSION
 from assistant.learning.maps.training import MOST_UNITS
 from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.budgets import unpacked
+from assistant.program.system.budgets import most_unpacked
 from assistant.program.system.writing import write_all
 from assistant.program.text import read_bytes
 
@@ -90,7 +90,7 @@ def _columns(data: bytes) -> dict[str, Any]:
     """What an archive holds, each by its name; nothing in it is ever run."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         members = archive.infolist()
-        if sum(member.file_size for member in members) > unpacked():
+        if sum(member.file_size for member in members) > most_unpacked():
             raise ValueError("it unpacks to more than is read")
         return {
             member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members

@@ -14,7 +14,7 @@ from assistant.learning.maps.rules import FEW_ROWS
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.training import Plan
 from assistant.learning.maps.trials import teach, times
-from assistant.program.arrays import Floats, Ints, evenly
+from assistant.program.arrays import Floats, Ints, evenly_spaced
 from assistant.program.diagnostics import Refused
 
 LEAST: Final = 100
@@ -37,7 +37,7 @@ def split(arm: SeenArm, joints: Floats) -> tuple[Floats, Goals]:
     rows = joints[moved]
     if len(rows) < LEAST:
         raise Refused(FEW_ROWS(count=len(rows), least=LEAST), exit_status=1)
-    rows = rows[np.asarray(evenly(len(rows), min(MOST, len(rows))))]
+    rows = rows[np.asarray(evenly_spaced(len(rows), min(MOST, len(rows))))]
     kept = np.arange(len(rows)) % TESTED == 0
     points, turns = arm.tool(rows[kept])
     pixels = arm.noisy(0.0).seen(points)

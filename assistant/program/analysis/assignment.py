@@ -11,10 +11,10 @@ from typing import Any
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow
-from assistant.program.analysis.graph import EXIT, Graph
+from assistant.program.analysis.graph import EXIT, ControlFlowGraph
 from assistant.program.analysis.interrupts import interrupts
-from assistant.program.analysis.uses import base, indices_of, named
-from assistant.program.contents import all_of
+from assistant.program.analysis.uses import base_variable, indices_of, names_in_procedure
+from assistant.program.contents import records_in_body
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import head, records
@@ -45,7 +45,7 @@ class Run:
         return self.given is not None
 
 
-class Assigning:
+class AssignmentAnalysis:
     """The procedures of a program.
 
     written: names that anything in it may change. sizes: of its arrays, by lower-case name.
@@ -71,20 +71,20 @@ class Assigning:
         if self._running and key == self._running[-1]:
             return Run(given=frozenset())
         if key in self._running:
-            read = set().union(*map(named, self.program.procedures))
+            read = set().union(*map(names_in_procedure, self.program.procedures))
             return Run(read, given=frozenset())
         if key not in self._runs:
             self._running.append(key)
-            self._runs[key] = _Reading(self, procedure).run
+            self._runs[key] = _ReadsFromTop(self, procedure).run
             self._running.pop()
         return self._runs[key]
 
     def _written(self, procedure: Procedure) -> Iterator[str]:
         kinds = p.Assign, p.For, p.Opaque, e.Verbatim, p.Call, e.Apply
-        for record in all_of(procedure, *kinds):
+        for record in records_in_body(procedure, *kinds):
             match record:
                 case p.Assign(target):
-                    yield base(target)
+                    yield base_variable(target)
                 case p.For(variable):
                     yield variable.lower()
                 case p.Opaque() | e.Verbatim():
@@ -94,19 +94,21 @@ class Assigning:
                     given = zip(callee.parameters, arguments, strict=False) if callee else ()
                     for parameter, value in given:
                         if parameter.mode == "inout":
-                            yield base(value)
+                            yield base_variable(value)
 
 
-class _Reading:
+class _ReadsFromTop:
     """One procedure, along the ways through it from its top."""
 
-    def __init__(self, assigning: Assigning, procedure: Procedure) -> None:
+    def __init__(self, assigning: AssignmentAnalysis, procedure: Procedure) -> None:
         self.assigning, self.run = assigning, Run()
         self.own = {q.name.lower() for q in procedure.parameters}
         self.own |= {name.lower() for name in procedure.variables}
         self.sizes = {name: n for name, n in assigning.sizes.items() if name not in self.own}
         self.sizes |= {n.lower(): v.size for n, v in procedure.variables.items() if v.size}
-        self.graph = Graph(procedure.body, lambda node: bool(filled(node, self.sizes)))
+        self.graph = ControlFlowGraph(
+            procedure.body, lambda node: bool(filled_array(node, self.sizes))
+        )
         flow = Dataflow(self.graph.after, self.behind, frozenset[str | Element].intersection)
         flow.spread([(self.graph.start, frozenset())])
         given = flow.found.get(EXIT)
@@ -126,7 +128,7 @@ class _Reading:
             case p.Assign(e.Index() | e.Member() as target, value):
                 return self.reads((indices_of(target), value), state) | self.element(target, state)
             case p.For(variable):
-                given = filled(node, self.sizes) or variable.lower()
+                given = filled_array(node, self.sizes) or variable.lower()
                 return self.reads(head(node), state) | {given}
             case p.Call(name):
                 return self.called(name, self.reads(node, state))
@@ -140,7 +142,7 @@ class _Reading:
 
     def element(self, target: e.Expression, state: Known) -> set[str | Element]:
         """What has a value behind an assignment to an element: that, and its array if all have."""
-        place = element(target, self.sizes)
+        place = assigned_element(target, self.sizes)
         if place is None:
             return set()
         name, _ = place
@@ -179,7 +181,7 @@ class _Reading:
         return frozenset(x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
 
 
-def element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:
+def assigned_element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:
     """The element that an assignment changes: its array in lower case, and its known indices."""
     match target:
         case e.Index(e.Name(name), indices) if name.lower() in sizes:
@@ -188,7 +190,7 @@ def element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Eleme
     return None
 
 
-def filled(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
+def filled_array(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
     """The array (lower case) all of whose elements loops give one value; empty for none."""
     counters: list[str] = []
     extents: list[float] = []

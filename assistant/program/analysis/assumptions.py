@@ -7,11 +7,11 @@ from typing import Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.assignment import AssignmentAnalysis
 from assistant.program.diagnostics import Span
 from assistant.program.program import Program, Variable, walk
 from assistant.program.rewriting import Body, head, records
-from assistant.program.wholes import Numbers
+from assistant.program.wholes import NumberFacts
 
 
 def first_move(program: Program, name: str, of: Literal["tool", "frame"]) -> Span | None:
@@ -31,13 +31,13 @@ def first_move(program: Program, name: str, of: Literal["tool", "frame"]) -> Spa
     return None
 
 
-def read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
+def variables_read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
     """Variables of the program that are read before they have a value, but for arrays.
 
     With the place that first names one, else that of its declaration.
     """
     entry = program.procedure(program.entry) if program.entry else None
-    read = Assigning(program).run(entry).read if entry is not None else set()
+    read = AssignmentAnalysis(program).run(entry).read if entry is not None else set()
     met: dict[str, Span | None] | None = None
     for name, variable in program.variables.items():
         own = variable.storage == "variable" and variable.initial is None and not variable.size
@@ -61,30 +61,32 @@ def _first_named(program: Program) -> dict[str, Span | None]:
     return found
 
 
-def signed_bits(program: Program, functions: Collection[str]) -> Iterator[tuple[str, Span | None]]:
+def functions_of_signed_bits(
+    program: Program, functions: Collection[str]
+) -> Iterator[tuple[str, Span | None]]:
     """Functions of bits, of those given, whose numbers may be below 0."""
-    numbers: Numbers | None = None
+    numbers: NumberFacts | None = None
     for procedure in program.procedures:
         for statement in walk(procedure.body):
             for part in records(head(statement)):
                 if isinstance(part, e.Apply) and part.function in functions:
-                    numbers = numbers or Numbers(program)
+                    numbers = numbers or NumberFacts(program)
                     if not all(numbers.of(x, procedure).positive for x in part.arguments):
                         yield part.function, statement.span
 
 
-def with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[str]]]:
+def loops_with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[str]]]:
     """Loops whose end or step changes inside, with the names that do, in lower case.
 
     Not those that change their own variable, which are no plain counts.
     """
-    written = {q.name.lower(): set(_written(q.body)) for q in program.procedures}
-    called = {q.name.lower(): set(_called(q.body)) for q in program.procedures}
+    written = {q.name.lower(): set(_written_variables(q.body)) for q in program.procedures}
+    called = {q.name.lower(): set(_called_names(q.body)) for q in program.procedures}
     for statement in program.statements():
         if not isinstance(statement, p.For):
             continue
-        changed = set(_written(statement.body))
-        for name in _reached(set(_called(statement.body)), called):
+        changed = set(_written_variables(statement.body))
+        for name in _reached_procedures(set(_called_names(statement.body)), called):
             changed |= written.get(name, set())
         limits = {
             r.name.lower()
@@ -96,7 +98,7 @@ def with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[str]]]:
             yield statement, found
 
 
-def _written(body: Body) -> Iterator[str]:
+def _written_variables(body: Body) -> Iterator[str]:
     """Names in lower case of variables that statements write."""
     for statement in walk(body):
         if isinstance(statement, p.For):
@@ -105,13 +107,13 @@ def _written(body: Body) -> Iterator[str]:
             yield next(r.name.lower() for r in records(statement.target) if isinstance(r, e.Name))
 
 
-def _called(body: Body) -> Iterator[str]:
+def _called_names(body: Body) -> Iterator[str]:
     for statement in walk(body):
         if isinstance(statement, p.Call):
             yield statement.procedure.lower()
 
 
-def _reached(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
+def _reached_procedures(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
     """Procedures that are called, with those that these call."""
     found: set[str] = set()
     while names - found:

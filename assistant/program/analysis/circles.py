@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 
 
-def circular(calls: Mapping[str, Collection[str]]) -> frozenset[str]:
+def recursive_names(calls: Mapping[str, Collection[str]]) -> frozenset[str]:
     """Names that lead back to themselves, found in a time that grows with the calls alone.
 
     calls: what each name calls; what is no key calls nothing. By the strongly connected components

@@ -17,7 +17,7 @@ EXIT: Final = 0
 _STEERING: Final = p.If | p.While | p.For | p.Switch | p.Label | p.Goto | p.Return | p.Stop
 
 
-class Graph:
+class ControlFlowGraph:
     """The statements of a body as nodes, which are numbers; kept text may go to what it names.
 
     runs: by node, what is worked out there, in order: statements, and of those that hold others
@@ -84,7 +84,7 @@ class Graph:
                 bodies = [*(case.body for case in cases), otherwise]
                 return self._node((head(node),), *(self._body(body, after) for body in bodies))
             case p.While(condition, body):
-                loop = self._node((condition,), *(() if is_true(condition) else (after,)))
+                loop = self._node((condition,), *(() if is_always_true(condition) else (after,)))
                 self.after[loop].append(self._body(body, loop))
                 return loop
             case p.For(body=body):
@@ -94,7 +94,7 @@ class Graph:
         return self._node((node,), after, *self._named(node))
 
 
-def is_true(condition: e.Expression) -> bool:
+def is_always_true(condition: e.Expression) -> bool:
     """Whether a condition always holds."""
     match condition:
         case e.Truth(value) | e.Number(value):

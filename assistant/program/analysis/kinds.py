@@ -8,10 +8,10 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of, once
+from assistant.program.contents import once_per_program, records_in_body
 from assistant.program.program import Procedure, Program, ValueType
 
-Kinds = Mapping[str, str]
+KnownTypes = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""
 
 COMPONENTS: Final = frozenset(
@@ -29,18 +29,18 @@ _TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)
 _NUMBERS: Final = ("number", "integer")
 
 
-def kinds(program: Program, procedure: Procedure) -> Kinds:
+def known_types(program: Program, procedure: Procedure) -> KnownTypes:
     """What is known of the names that a procedure sees."""
     shared = _shared(program)
     known: dict[str, str] = {n.lower(): v.type for n, v in procedure.variables.items()}
     known |= {q.name.lower(): q.type for q in procedure.parameters}
-    for loop in all_of(procedure, p.For):
+    for loop in records_in_body(procedure, p.For):
         if loop.variable.lower() not in shared:
             known.setdefault(loop.variable.lower(), "number")
     return ChainMap(known, shared) if known else shared
 
 
-@once
+@once_per_program
 def _shared(program: Program) -> dict[str, str]:
     """What all procedures see."""
     known = {q.name.lower(): str(q.result) for q in program.procedures if q.result is not None}
@@ -71,7 +71,7 @@ def of_operation(operator: str, left: ValueType, right: ValueType) -> ValueType:
 _WIDEST: Final[tuple[ValueType, ...]] = ("position", "joints", "text", "number")
 
 
-def is_value(x: e.Expression, known: Kinds) -> bool:
+def is_value(x: e.Expression, known: KnownTypes) -> bool:
     """Whether an expression surely is no text."""
     match x:
         case e.Name(name):
@@ -93,7 +93,7 @@ def is_value(x: e.Expression, known: Kinds) -> bool:
     return isinstance(x, _LITERALS)
 
 
-def is_truth(x: e.Expression, known: Kinds) -> bool:
+def is_truth(x: e.Expression, known: KnownTypes) -> bool:
     match x:
         case e.Name(name) | e.Index(e.Name(name)):
             return known.get(name.lower()) == "truth"
@@ -104,7 +104,7 @@ def is_truth(x: e.Expression, known: Kinds) -> bool:
     return False
 
 
-def is_number(x: e.Expression, known: Kinds) -> bool:
+def is_number(x: e.Expression, known: KnownTypes) -> bool:
     match x:
         case e.Name(name):
             return known.get(name.lower()) in _NUMBERS
@@ -119,7 +119,7 @@ def is_number(x: e.Expression, known: Kinds) -> bool:
     return False
 
 
-def is_position(x: e.Expression, known: Kinds) -> bool:
+def is_position(x: e.Expression, known: KnownTypes) -> bool:
     """Whether it is a target, which has more than the pose that it is at."""
     match x:
         case e.Name(name) | e.Index(e.Name(name)):

@@ -10,11 +10,11 @@ from assistant.program import statements as p
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import Procedure, Program, bodies
 
-Place = tuple[Vector, str, str] | None
+KnownPosition = tuple[Vector, str, str] | None
 """A position in mm with the tool and frame, lower case, that it is of; None if it is not known."""
 
 
-def lengths(program: Program) -> dict[int, float]:
+def straight_lengths(program: Program) -> dict[int, float]:
     """Mm of the straight moves that set outputs on their way, by identity of the statement.
 
     Of one that begins where the statement before it ends, in the same tool and frame.
@@ -22,30 +22,32 @@ def lengths(program: Program) -> dict[int, float]:
     targets = {name.lower(): target for name, target in program.targets.items()}
     found: dict[int, float] = {}
     for procedure in program.procedures:
-        known = {k: t for k, t in targets.items() if k not in _own(procedure)}
-        _body(procedure.body, known, found)
+        known = {k: t for k, t in targets.items() if k not in _own_names(procedure)}
+        _measure_body(procedure.body, known, found)
     return found
 
 
-def _own(procedure: Procedure) -> set[str]:
+def _own_names(procedure: Procedure) -> set[str]:
     named = (*procedure.variables, *(q.name for q in procedure.parameters))
     return {name.lower() for name in named}
 
 
-def _body(
+def _measure_body(
     body: tuple[p.Statement, ...], targets: Mapping[str, Target], found: dict[int, float]
 ) -> None:
-    here: Place = None
+    here: KnownPosition = None
     for node in body:
-        before, here = here, _after(node, here, targets)
+        before, here = here, _position_after(node, here, targets)
         straight = isinstance(node, p.Move) and node.kind == "linear" and node.triggers
         if straight and before is not None and here is not None and before[1:] == here[1:]:
             found[id(node)] = math.dist(before[0], here[0])
         for inner in bodies(node):
-            _body(inner, targets, found)
+            _measure_body(inner, targets, found)
 
 
-def _after(node: p.Statement, here: Place, targets: Mapping[str, Target]) -> Place:
+def _position_after(
+    node: p.Statement, here: KnownPosition, targets: Mapping[str, Target]
+) -> KnownPosition:
     if isinstance(node, p.MoveStatement) and node.until is not None:
         return None
     match node:

@@ -16,7 +16,7 @@ from assistant.program.program import Program
 from assistant.program.rewriting import records
 
 
-def motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]:
+def stated_motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]:
     """Every speed and blend that a move states, each table entry of a path once."""
     for statement in program.statements():
         if isinstance(statement, p.MoveStatement):

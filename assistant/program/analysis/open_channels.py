@@ -13,55 +13,55 @@ from typing import Any, TypeAlias
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.channels import channels, named
+from assistant.program.channels import channel_named, channels
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import Body, head, records
 
-Open = frozenset[str]
+OpenChannels = frozenset[str]
 """Channels, in lower case, that may be open."""
-_NONE: Open = frozenset()
-_Said: TypeAlias = tuple[Open, tuple[str, ...]]
+_NONE: OpenChannels = frozenset()
+_SaidOfChannel: TypeAlias = tuple[OpenChannels, tuple[str, ...]]
 
 
 @dataclass(slots=True)
-class _Way:
+class _ChannelEffect:
     """What a procedure does to channels. left: of those open before it, which may be so behind it.
     opened: what it may leave open itself.
     """
 
-    left: Open
-    opened: Open = _NONE
+    left: OpenChannels
+    opened: OpenChannels = _NONE
 
-    def behind(self, before: Open) -> Open:
+    def behind(self, before: OpenChannels) -> OpenChannels:
         return (before & self.left) | self.opened
 
 
-def together(program: Program) -> frozenset[frozenset[str]]:
+def channels_open_together(program: Program) -> frozenset[frozenset[str]]:
     """Pairs of channels, in lower case, that may be open at once."""
-    return _Together(program).pairs()
+    return _OpenTogether(program).pairs()
 
 
 @dataclass(slots=True)
-class _Together:
+class _OpenTogether:
     """every: all channels. ways: of procedures by lower-case name. begins: what may be open where a
     procedure begins. left: what may be open where the one that is walked returns. said: of each
     statement by `id`, see `of`.
     """
 
     program: Program
-    every: Open = _NONE
+    every: OpenChannels = _NONE
     procedures: dict[str, Procedure] = field(default_factory=dict)
-    ways: dict[str, _Way] = field(default_factory=dict)
-    begins: dict[str, Open] = field(default_factory=dict)
+    ways: dict[str, _ChannelEffect] = field(default_factory=dict)
+    begins: dict[str, OpenChannels] = field(default_factory=dict)
     found: set[frozenset[str]] = field(default_factory=set)
-    left: Open = _NONE
-    said: dict[int, _Said] = field(default_factory=dict)
+    left: OpenChannels = _NONE
+    said: dict[int, _SaidOfChannel] = field(default_factory=dict)
 
     def pairs(self) -> frozenset[frozenset[str]]:
         self.every = frozenset(name.lower() for name in channels(self.program))
         self.procedures = {q.name.lower(): q for q in self.program.procedures}
         called = {name for _, calls in map(self.of, self.program.statements()) for name in calls}
-        self.ways = {name: _Way(_NONE) for name in self.procedures}
+        self.ways = {name: _ChannelEffect(_NONE) for name in self.procedures}
         while self.more_ways():
             pass
         entry = (self.program.entry or "").lower()
@@ -90,7 +90,7 @@ class _Together:
         changed = False
         for name, procedure in self.procedures.items():
             opened = self.through(procedure, _NONE)
-            way = _Way(self.through(procedure, self.every), opened)
+            way = _ChannelEffect(self.through(procedure, self.every), opened)
             if way != self.ways[name]:
                 self.ways[name], changed = way, True
         return changed
@@ -102,7 +102,7 @@ class _Together:
             self.through(procedure, self.begins[name])
         return before != self.begins
 
-    def through(self, procedure: Procedure, before: Open) -> Open:
+    def through(self, procedure: Procedure, before: OpenChannels) -> OpenChannels:
         """What may be open behind a procedure."""
         self.left = _NONE
         if any(isinstance(one, p.Goto) for one in walk(procedure.body)):
@@ -114,7 +114,7 @@ class _Together:
         behind = self.body(procedure.body, before)
         return (behind or _NONE) | self.left
 
-    def body(self, body: Body, before: Open | None) -> Open | None:
+    def body(self, body: Body, before: OpenChannels | None) -> OpenChannels | None:
         """What may be open behind statements; None where nothing goes on."""
         for node in body:
             if before is None:
@@ -122,13 +122,17 @@ class _Together:
             before = self.statement(node, before)
         return before
 
-    def statement(self, node: p.Statement, before: Open) -> Open | None:
+    def statement(self, node: p.Statement, before: OpenChannels) -> OpenChannels | None:
         at = self.step(node, before)
         match node:
             case p.If(branches, otherwise):
-                return _either(self.body(b, at) for b in (*(x.body for x in branches), otherwise))
+                return _either_effect(
+                    self.body(b, at) for b in (*(x.body for x in branches), otherwise)
+                )
             case p.Switch(_, cases, otherwise):
-                return _either(self.body(b, at) for b in (*(x.body for x in cases), otherwise))
+                return _either_effect(
+                    self.body(b, at) for b in (*(x.body for x in cases), otherwise)
+                )
             case p.While(body=body) | p.For(body=body):
                 while not (behind := self.body(body, at) or _NONE) <= at:
                     at |= behind
@@ -141,7 +145,7 @@ class _Together:
                 return None
         return at
 
-    def step(self, node: p.Statement, before: Open) -> Open:
+    def step(self, node: p.Statement, before: OpenChannels) -> OpenChannels:
         """What may be open behind one statement, without those that stand in it."""
         names, calls = self.of(node)
         for name in names:
@@ -156,25 +160,25 @@ class _Together:
                 return before - {channel.lower()}
         return before
 
-    def of(self, node: p.Statement) -> _Said:
+    def of(self, node: p.Statement) -> _SaidOfChannel:
         """Channels that a statement names by itself, and procedures that it calls."""
         known = self.said.get(id(node))
         if known is None:
             parts = list(records(head(node)))
-            names = {name.lower() for part in parts if (name := named(part))}
-            calls = [_called(part) for part in parts]
+            names = {name.lower() for part in parts if (name := channel_named(part))}
+            calls = [_called_by_record(part) for part in parts]
             known = frozenset(names), tuple(name for name in calls if name in self.procedures)
             self.said[id(node)] = known
         return known
 
 
-def _called(part: Any) -> str:
+def _called_by_record(part: Any) -> str:
     match part:
         case p.Call(name) | e.Apply(name):
             return name.lower()
     return ""
 
 
-def _either(ways: Iterator[Open | None]) -> Open | None:
+def _either_effect(ways: Iterator[OpenChannels | None]) -> OpenChannels | None:
     known = [one for one in ways if one is not None]
     return frozenset().union(*known) if known else None

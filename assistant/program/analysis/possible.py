@@ -12,12 +12,12 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import base
+from assistant.program.analysis.uses import base_variable
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
 
-MOST: Final = 256
+MOST_VALUES: Final = 256
 """Values of one variable; more count as any."""
 Numbers = frozenset[float] | None
 """None where it may be any number."""
@@ -32,7 +32,7 @@ _WORKED_OUT: Final[Mapping[str, Callable[[float, float], float]]] = {
 }
 
 
-class Possible:
+class PossibleValues:
     """The numbers that the variables of a program may hold."""
 
     def __init__(self, program: Program) -> None:
@@ -126,7 +126,7 @@ class Possible:
             case e.Name(name) if name.lower() in known:
                 return known[name.lower()]
             case e.Name() | e.Index():
-                place = self._place(base(value), owner)
+                place = self._place(base_variable(value), owner)
                 return None if place in self._any else self._found.get(place)
             case e.Apply("round", (inner,)):
                 found = self._of(inner, owner, known)
@@ -136,7 +136,7 @@ class Possible:
                 found = self._of(inner, owner, known)
                 return None if found is None else frozenset(-one for one in found)
             case e.Binary(operator, left, right) if operator in _WORKED_OUT:
-                return _pairs(
+                return _combined(
                     _WORKED_OUT[operator],
                     self._of(left, owner, known),
                     self._of(right, owner, known),
@@ -153,7 +153,7 @@ class Possible:
         self._given.setdefault(place, [])
         if initial is None and storage == "persistent":
             self._any.add(place)
-        for value in _elements(initial):
+        for value in _array_elements(initial):
             self._given[place].append((place[0], value))
 
     def _procedure(self, procedure: Procedure) -> None:
@@ -163,16 +163,16 @@ class Possible:
         for record in records(procedure.body):
             match record:
                 case p.Assign(e.Member() as target):
-                    self._any.add(self._place(base(target), owner))
+                    self._any.add(self._place(base_variable(target), owner))
                 case p.Assign(target, value):
                     if not isinstance(target, e.Name):
-                        self._counted.add(self._place(base(target), owner))
-                    self._give(self._place(base(target), owner), owner, value)
+                        self._counted.add(self._place(base_variable(target), owner))
+                    self._give(self._place(base_variable(target), owner), owner, value)
                 case p.For(name, e.Number(first), e.Number(last), _, e.Number(step)) if step:
                     place = self._place(name.lower(), owner)
                     self._counted.add(place)
                     count = int((last - first) / step) + 2  # the one behind the last, too
-                    if count > MOST:
+                    if count > MOST_VALUES:
                         self._any.add(place)
                     for turn in range(max(count, 1)):
                         self._give(place, owner, e.Number(first + turn * step))
@@ -194,12 +194,12 @@ class Possible:
                 continue
             place = callee.name.lower(), parameter.name.lower()
             self._give(place, owner, value)
-            if parameter.mode == "inout" and (name := base(value)):
+            if parameter.mode == "inout" and (name := base_variable(value)):
                 self._give(self._place(name, owner), place[0], e.Name(parameter.name))
 
     def _give(self, place: _Place, owner: str, value: e.Expression) -> None:
         given = self._given.setdefault(place, [])
-        given += ((owner, one) for one in _elements(value))
+        given += ((owner, one) for one in _array_elements(value))
 
     def _all(self, given: list[tuple[str, e.Expression]], known: Numbers) -> Numbers:
         """The numbers of several expressions, each in its procedure."""
@@ -209,19 +209,19 @@ class Possible:
             if found is None or more is None:
                 return None
             found |= more
-        return found if found is None or len(found) <= MOST else None
+        return found if found is None or len(found) <= MOST_VALUES else None
 
 
-def _elements(value: e.Expression | None) -> Iterator[e.Expression]:
+def _array_elements(value: e.Expression | None) -> Iterator[e.Expression]:
     """The values of an array; any other is one."""
     if isinstance(value, e.Aggregate):
         for item in value.items:
-            yield from _elements(item)
+            yield from _array_elements(item)
     elif value is not None:
         yield value
 
 
-def _pairs(made: Callable[[float, float], float], left: Numbers, right: Numbers) -> Numbers:
-    if left is None or right is None or len(left) * len(right) > MOST:
+def _combined(made: Callable[[float, float], float], left: Numbers, right: Numbers) -> Numbers:
+    if left is None or right is None or len(left) * len(right) > MOST_VALUES:
         return None
     return frozenset(made(a, b) for a in left for b in right)

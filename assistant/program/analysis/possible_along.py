@@ -14,8 +14,8 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow
-from assistant.program.analysis.graph import Graph
-from assistant.program.analysis.possible import MOST, Numbers, Possible
+from assistant.program.analysis.graph import ControlFlowGraph
+from assistant.program.analysis.possible import MOST_VALUES, Numbers, PossibleValues
 from assistant.program.program import Procedure
 from assistant.program.rewriting import Body, map_bodies
 
@@ -36,7 +36,7 @@ class _Assumed:
 
 
 def numbers_at(
-    possible: Possible, value: e.Expression, procedure: Procedure, statement: p.Statement
+    possible: PossibleValues, value: e.Expression, procedure: Procedure, statement: p.Statement
 ) -> Numbers:
     """What an expression of a statement may come to where that stands in a procedure."""
     found = possible.of(value, procedure)
@@ -45,11 +45,11 @@ def numbers_at(
     names = sorted(possible.followed(value, procedure))
     if not names:
         return None
-    return _Following(possible, procedure, names).at(value, statement)
+    return _ValuesAlongPaths(possible, procedure, names).at(value, statement)
 
 
 def numbers_of_all(
-    possible: Possible, value: e.Expression, procedure: Procedure
+    possible: PossibleValues, value: e.Expression, procedure: Procedure
 ) -> Callable[[p.Statement], Numbers]:
     """Possible values of an expression at each statement of a procedure, by the statement.
 
@@ -60,7 +60,7 @@ def numbers_of_all(
     if possible.is_entry_alone(procedure) and (
         names := sorted(possible.followed(value, procedure))
     ):
-        following = _Following(possible, procedure, names, again=True)
+        following = _ValuesAlongPaths(possible, procedure, names, again=True)
         for node, state in following.found.items():
             for part in following.graph.runs[node]:
                 found[id(part)] = following.of(value, state)
@@ -68,17 +68,17 @@ def numbers_of_all(
     return lambda statement: found.get(id(statement), anywhere)
 
 
-class _Following:
+class _ValuesAlongPaths:
     """The values of some variables along one procedure. names: in lower case. again: whether it
     may begin with any values that they ever have.
     """
 
     def __init__(
-        self, possible: Possible, procedure: Procedure, names: list[str], again: bool = False
+        self, possible: PossibleValues, procedure: Procedure, names: list[str], again: bool = False
     ) -> None:
         self.possible, self.procedure, self.names = possible, procedure, names
-        self.graph = Graph(_with_assumptions(procedure.body))
-        flow: Dataflow[int, State] = Dataflow(self.graph.after, self.behind, _joined)
+        self.graph = ControlFlowGraph(_with_assumptions(procedure.body))
+        flow: Dataflow[int, State] = Dataflow(self.graph.after, self.behind, _merged_values)
         begun = (
             possible.of(e.Name(name), procedure) if again else possible.begun(name)
             for name in names
@@ -109,7 +109,7 @@ class _Following:
 
     def given(self, name: str, numbers: Numbers, state: State) -> State:
         at = self.names.index(name)
-        most = numbers if numbers is not None and len(numbers) <= MOST else None
+        most = numbers if numbers is not None and len(numbers) <= MOST_VALUES else None
         return (*state[:at], most, *state[at + 1 :])
 
     def of(self, value: e.Expression, state: State) -> Numbers:
@@ -131,9 +131,9 @@ class _Following:
         return state
 
 
-def _joined(one: State, two: State) -> State:
+def _merged_values(one: State, two: State) -> State:
     return tuple(
-        None if a is None or b is None or len(a | b) > MOST else a | b
+        None if a is None or b is None or len(a | b) > MOST_VALUES else a | b
         for a, b in zip(one, two, strict=True)
     )
 

@@ -8,7 +8,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
 
-OFF = (e.Number(0), e.Truth(False))
+OFF_VALUES = (e.Number(0), e.Truth(False))
 
 
 def doubtful_pulses(program: Program) -> Iterator[p.SetSignal]:
@@ -24,6 +24,6 @@ def doubtful_pulses(program: Program) -> Iterator[p.SetSignal]:
         one.signal.lower()
         for statement in statements
         for one in p.outputs(statement)
-        if one.pulse is None and one.value not in OFF
+        if one.pulse is None and one.value not in OFF_VALUES
     }
     yield from (one for one in pulses if one.signal.lower() in on)

@@ -12,7 +12,7 @@ from assistant.program.program import Program, Signal
 from assistant.program.rewriting import head, records
 
 
-class Addressed:
+class AddressedSignals:
     """Signals that a language names by their addresses: each gets one name.
 
     signals: those that have one, by name; the others are put there. free: gives a free name near to
@@ -44,7 +44,7 @@ def with_one_name(program: Program) -> Program:
     shared = [names for names in by_address.values() if len(names) > 1]
     if not shared:
         return program
-    used = used_names(program)
+    used = used_signal_names(program)
     gone: set[str] = set()
     for names in shared:
         left = [name for name in names if name.lower() in used] or names[:1]
@@ -53,7 +53,7 @@ def with_one_name(program: Program) -> Program:
     return replace(program, signals=signals)
 
 
-def used_names(program: Program) -> set[str]:
+def used_signal_names(program: Program) -> set[str]:
     """Lower-case names of all signals that statements or kept texts read, wait for or set."""
     found = set()
     for statement in program.statements():
@@ -68,7 +68,7 @@ def used_names(program: Program) -> set[str]:
     return found
 
 
-def with_used(
+def with_used_signals(
     declared: Mapping[str, Signal], used: Iterable[tuple[str, Signal]]
 ) -> dict[str, Signal]:
     """The declared signals, and each other one as it is used first."""
@@ -81,7 +81,7 @@ def with_used(
     return found
 
 
-def uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:
+def signal_uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:
     """The signals that statements set and wait for, digital as far as one can see."""
     for statement in statements:
         for one in p.outputs(statement):

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of
+from assistant.program.contents import records_in_body
 from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
@@ -32,7 +32,7 @@ def called_by(name: str) -> str:
     return _CALLED.get(name, f"`{name}`")
 
 
-def base(place: Any) -> str:
+def base_variable(place: Any) -> str:
     """The variable that a place belongs to, in lower case; empty for other expressions."""
     while isinstance(place, e.Index | e.Member):
         place = place.value
@@ -104,9 +104,9 @@ def shared_between_units(program: Program) -> Iterator[str]:
     yield from (n for n in program.variables if any(n.lower() in found for found in texts))
 
 
-def mentioned(program: Program) -> dict[str, frozenset[str]]:
+def mentioned_variables(program: Program) -> dict[str, frozenset[str]]:
     """Variables of the program that each procedure, or one that it calls, names: lower case."""
-    own = {q.name.lower(): named(q) for q in program.procedures}
+    own = {q.name.lower(): names_in_procedure(q) for q in program.procedures}
     return along_calls(program, _of_program(program, own))
 
 
@@ -156,7 +156,7 @@ def _of_program(program: Program, names: Mapping[str, frozenset[str]]) -> dict[s
 
 def called(procedure: Procedure) -> Iterator[str]:
     """Procedures and functions that a body calls, in lower case."""
-    for record in all_of(procedure, p.Call, e.Apply):
+    for record in records_in_body(procedure, p.Call, e.Apply):
         match record:
             case p.Call(name) | e.Apply(name):
                 yield name.lower()
@@ -171,7 +171,7 @@ def locals_of(procedure: Procedure) -> frozenset[str]:
 def handed_over(procedure: Procedure, arguments: tuple[Any, ...]) -> Iterator[e.Expression]:
     """The places that a call lets a procedure change."""
     for parameter, value in zip(procedure.parameters, arguments, strict=False):
-        if parameter.mode == "inout" and base(value):
+        if parameter.mode == "inout" and base_variable(value):
             yield value
 
 
@@ -202,7 +202,9 @@ def read_before(
                 mark = len(pending)
                 yield from given(callee, arguments)
                 del pending[mark:]
-                names = alters[function.lower()] | set(map(base, handed_over(callee, arguments)))
+                names = alters[function.lower()] | set(
+                    map(base_variable, handed_over(callee, arguments))
+                )
                 yield from ((x, function) for x in pending if x.lower() in names)
             case e.Index(inner, indices):
                 yield from walk(indices)
@@ -235,7 +237,7 @@ def unordered(program: Program, cannot_say: Rule) -> Iterator[Diagnostic]:
     functions = {q.name.lower(): q for q in program.procedures if q.result is not None}
     if not functions:
         return
-    alters, mentions = altered(program), mentioned(program)
+    alters, mentions = altered(program), mentioned_variables(program)
 
     def touched(side: Any) -> tuple[set[str], set[str]]:
         """What working a side out reads, and what it changes."""
@@ -252,7 +254,9 @@ def unordered(program: Program, cannot_say: Rule) -> Iterator[Diagnostic]:
                 case e.Apply(function, arguments) if function.lower() in functions:
                     key = function.lower()
                     read |= mentions[key]
-                    changed |= alters[key] | set(map(base, handed_over(functions[key], arguments)))
+                    changed |= alters[key] | set(
+                        map(base_variable, handed_over(functions[key], arguments))
+                    )
         return read, changed
 
     for node in program.statements():
@@ -279,15 +283,15 @@ def indices_of(place: e.Expression) -> tuple[e.Expression, ...]:
 
 def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
     names = set()
-    for record in all_of(procedure, p.Assign, p.For, p.Call, e.Apply, p.Opaque):
+    for record in records_in_body(procedure, p.Assign, p.For, p.Call, e.Apply, p.Opaque):
         match record:
             case p.Assign(target):
-                names.add(base(target))
+                names.add(base_variable(target))
             case p.For(variable):
                 names.add(variable.lower())
             case p.Call(name, arguments) | e.Apply(name, arguments) if name.lower() in procedures:
                 callee = procedures[name.lower()]
-                names |= {base(place) for place in handed_over(callee, arguments)}
+                names |= {base_variable(place) for place in handed_over(callee, arguments)}
             case p.Opaque():
                 names.update(effect_of(record).names)
     return frozenset(names)
@@ -309,10 +313,10 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
     return frozenset(names)
 
 
-def named(procedure: Procedure) -> frozenset[str]:
+def names_in_procedure(procedure: Procedure) -> frozenset[str]:
     """Names that a procedure reads or changes, and every word of its kept text, in lower case."""
     names: set[str] = set()
-    for record in all_of(procedure, e.Name, p.For, p.Opaque, e.Verbatim):
+    for record in records_in_body(procedure, e.Name, p.For, p.Opaque, e.Verbatim):
         match record:
             case e.Name(name):
                 names.add(name.lower())

@@ -22,7 +22,7 @@ from assistant.program.rewriting import Body, head, records
 TOOL, FRAME, CORNER, LINES = range(4)
 """Parts of a state: see `State`."""
 
-State = tuple[frozenset[str], ...] | None
+MotionState = tuple[frozenset[str], ...] | None
 """What may hold, in lower case; None where no way leads to.
 
 Names of the active tool and frame; STOP if the last move ended at its target, else `corner_of`
@@ -49,7 +49,7 @@ _STARTED: Final = (*_BEGUN[:3], _ANY[3])
 """Where a person starts a procedure that nothing calls."""
 
 
-class Step(enum.Enum):
+class MotionStep(enum.Enum):
     """What a statement of a kept text does to what holds."""
 
     NOTHING = enum.auto()
@@ -63,11 +63,11 @@ class Step(enum.Enum):
     """It may move the robot and call any procedure."""
 
 
-Kept = Callable[[str], Iterable[Step] | None]
+StepsOfText = Callable[[str], Iterable[MotionStep] | None]
 """The steps of a kept text in their order; None for what may run between any two statements."""
 
 
-class Ways:
+class MotionStates:
     """The ways through a program.
 
     asks: which records, statements or expressions, the state is noted for. kept: what kept
@@ -78,15 +78,15 @@ class Ways:
     the robot goes through them; of procedures in cut_before those that it is called in.
     """
 
-    def __init__(self, program: Program, asks: Callable[[Any], bool], kept: Kept) -> None:
+    def __init__(self, program: Program, asks: Callable[[Any], bool], kept: StepsOfText) -> None:
         self.asks, self.kept = asks, kept
         self.blends = {name.lower(): blend for name, blend in program.blends.items()}
         self.procedures = {q.name.lower(): q for q in program.procedures}
         self.spelled: dict[str, str] = {}
-        self.before: dict[int, State] = {}
-        self.after: dict[str, State] = {}
-        self.calls: dict[str, dict[str, State]] = {}
-        self.labels: dict[tuple[str, str], State] = {}
+        self.before: dict[int, MotionState] = {}
+        self.after: dict[str, MotionState] = {}
+        self.calls: dict[str, dict[str, MotionState]] = {}
+        self.labels: dict[tuple[str, str], MotionState] = {}
         self.owner = ""
         self.cut: set[str] = set()
         self.cut_before: set[str] = set()
@@ -126,15 +126,15 @@ class Ways:
     def _only(self, names: frozenset[str]) -> str | None:
         return self.spelled.get(next(iter(names))) if len(names) == 1 else None
 
-    def _entered(self, entry: str) -> dict[str, State]:
+    def _entered(self, entry: str) -> dict[str, MotionState]:
         """What may be active where each procedure is called; nobody knows at the start."""
         roots = {n for n in self.procedures if n not in self.calls or self.any_called}
-        entered: dict[str, State] = {entry: self._begun(entry)}
+        entered: dict[str, MotionState] = {entry: self._begun(entry)}
         alone = _ANY if self.any_called else _STARTED
         entered |= dict.fromkeys(roots - {entry}, alone)
         said = texts_in(tuple(q.body for q in self.procedures.values())) if roots else set()
         entered |= dict.fromkeys(self.elsewhere | (roots & said), _ANY)  # or an interrupt calls it
-        gives: dict[str, list[tuple[str, State]]] = {}
+        gives: dict[str, list[tuple[str, MotionState]]] = {}
         for callee, callers in self.calls.items():
             for caller, state in callers.items():
                 gives.setdefault(caller, []).append((callee, state))
@@ -144,12 +144,12 @@ class Ways:
             del pending[caller]
             for callee, state in gives.get(caller, ()):
                 known = entered.get(callee)
-                entered[callee] = _joined(known, _resolved(state, entered.get(caller)))
+                entered[callee] = _merged_states(known, _resolved(state, entered.get(caller)))
                 if entered[callee] != known:
                     pending[callee] = None
         return {n: entered.get(n) for n in self.procedures}
 
-    def _begun(self, entry: str) -> State:
+    def _begun(self, entry: str) -> MotionState:
         """State as a cycle begins, with the tool, frame and corner that the one before leaves."""
         left = _resolved(self.after.get(entry), _BEGUN)
         if left is None:
@@ -161,37 +161,37 @@ class Ways:
 
     # -------------------------------------------------------------------------- statements
 
-    def body(self, body: Body, state: State) -> State:
+    def body(self, body: Body, state: MotionState) -> MotionState:
         for node in body:
             state = self.statement(node, state)
         return state
 
-    def statement(self, node: p.Statement, state: State) -> State:
+    def statement(self, node: p.Statement, state: MotionState) -> MotionState:
         if not isinstance(node, p.Label) and state is None:
             for inner in bodies(node):  # no way leads there but by a label in it
                 self.body(inner, None)
             return None
         match node:
             case p.Label(name):
-                return _joined(state, self.labels.get((self.owner, name.lower())))
+                return _merged_states(state, self.labels.get((self.owner, name.lower())))
             case p.Goto(name):
                 place = self.owner, name.lower()
                 known = self.labels.get(place)
-                self.labels[place] = _joined(known, state)
+                self.labels[place] = _merged_states(known, state)
                 self.jumped |= self.labels[place] != known
                 return None
             case p.While(_, body) | p.For(_, _, _, body):
                 return self.loop(node, body, state)
             case p.If(branches, otherwise):
-                ways: list[State] = []
+                ways: list[MotionState] = []
                 for branch in branches:
                     state = self.read(node, branch.condition, state)
                     ways.append(self.body(branch.body, state))
-                return _joined(*ways, self.body(otherwise, state))
+                return _merged_states(*ways, self.body(otherwise, state))
             case p.Switch(_, cases, otherwise):
                 state = self.read(node, head(node), state)
                 ways = [self.body(case.body, state) for case in cases]
-                return _joined(*ways, self.body(otherwise, state))
+                return _merged_states(*ways, self.body(otherwise, state))
         state = self.read(node, node, state)
         match node:
             case (
@@ -214,15 +214,15 @@ class Ways:
                 return self.opaque(text, state)
         return state
 
-    def loop(self, node: p.While | p.For, body: Body, state: State) -> State:
+    def loop(self, node: p.While | p.For, body: Body, state: MotionState) -> MotionState:
         while True:
             begun = self.read(node, head(node), state)
-            again = _joined(state, self.body(body, begun))
+            again = _merged_states(state, self.body(body, begun))
             if again == state:
                 return begun
             state = again
 
-    def read(self, node: p.Statement, value: Any, state: State) -> State:
+    def read(self, node: p.Statement, value: Any, state: MotionState) -> MotionState:
         """What holds once a value is worked out; notes a statement that is asked for."""
         asked, begun = False, state
         for record in records(value):
@@ -236,8 +236,8 @@ class Ways:
                 case e.Apply(name) if name.lower() in self.procedures:
                     state = self.called(name, state)
         if asked:
-            between = _joined(begun, state)
-            self.before[id(node)] = _joined(self.before.get(id(node)), between)
+            between = _merged_states(begun, state)
+            self.before[id(node)] = _merged_states(self.before.get(id(node)), between)
         return state
 
     def corner(self, blend: Blend | e.Name, otherwise: str) -> str:
@@ -245,7 +245,7 @@ class Ways:
         known = self.blends.get(blend.name.lower()) if isinstance(blend, e.Name) else blend
         return STOP if known is not None and known.fine else otherwise
 
-    def moved(self, tool: str, frame: str, corner: str, state: State) -> State:
+    def moved(self, tool: str, frame: str, corner: str, state: MotionState) -> MotionState:
         lines = (state or _ANY)[LINES]
         self.lost(state)
         for name in (tool, frame):
@@ -253,18 +253,18 @@ class Ways:
         active = (tool.lower(), frame.lower(), corner)
         return *(frozenset((one,)) for one in active), lines
 
-    def called(self, name: str, state: State) -> State:
+    def called(self, name: str, state: MotionState) -> MotionState:
         key = name.lower()
         if key not in self.procedures:
             return self.lost(state)
         callers = self.calls.setdefault(key, {})
-        callers[self.owner] = _joined(callers.get(self.owner), state)
+        callers[self.owner] = _merged_states(callers.get(self.owner), state)
         return _resolved(self.after.get(key), state)
 
-    def leave(self, state: State) -> None:
-        self.after[self.owner] = _joined(self.after.get(self.owner), state)
+    def leave(self, state: MotionState) -> None:
+        self.after[self.owner] = _merged_states(self.after.get(self.owner), state)
 
-    def opaque(self, text: str, state: State) -> State:
+    def opaque(self, text: str, state: MotionState) -> MotionState:
         """Behind a statement that is kept as its text."""
         steps = self.kept(text)
         if steps is None:
@@ -272,16 +272,18 @@ class Ways:
             return self.lost(state)
         for step in steps:
             match step:
-                case Step.MOVES | Step.CALLS:
-                    self.any_called |= step is Step.CALLS
+                case MotionStep.MOVES | MotionStep.CALLS:
+                    self.any_called |= step is MotionStep.CALLS
                     return self.lost(state)
-                case Step.STOPS:
-                    state = _with(state, CORNER, STOP)
-                case Step.WATCHES | Step.OPENS:
-                    state = _with(state, LINES, WATCHED if step is Step.WATCHES else OPEN)
+                case MotionStep.STOPS:
+                    state = _with_part(state, CORNER, STOP)
+                case MotionStep.WATCHES | MotionStep.OPENS:
+                    state = _with_part(
+                        state, LINES, WATCHED if step is MotionStep.WATCHES else OPEN
+                    )
         return state
 
-    def lost(self, state: State) -> State:
+    def lost(self, state: MotionState) -> MotionState:
         """What holds once something may have moved the robot: its corners are behind it."""
         corners = (state or _ANY)[CORNER]
         self.cut |= corners
@@ -290,7 +292,7 @@ class Ways:
         return _ANY
 
 
-def _with(state: State, part: int, value: str) -> State:
+def _with_part(state: MotionState, part: int, value: str) -> MotionState:
     if state is None:
         return None
     return *state[:part], frozenset((value,)), *state[part + 1 :]
@@ -301,7 +303,7 @@ def corner_of(move: p.Statement) -> str:
     return str(id(move))
 
 
-def _joined(*ways: State) -> State:
+def _merged_states(*ways: MotionState) -> MotionState:
     """What may hold where several ways meet."""
     known = [way for way in ways if way is not None]
     return tuple(map(_union, zip(*known, strict=True))) if known else None
@@ -311,7 +313,7 @@ def _union(sets: Iterable[frozenset[str]]) -> frozenset[str]:
     return frozenset().union(*sets)
 
 
-def _resolved(state: State, given: State) -> State:
+def _resolved(state: MotionState, given: MotionState) -> MotionState:
     """A state with what held at the call in place of `ENTRY`; None if none leads there."""
     if state is None or given is None:
         return None

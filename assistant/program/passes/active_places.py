@@ -13,8 +13,8 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.analysis.ways import FRAME, START, TOOL, UNKNOWN, Kept, Ways
-from assistant.program.contents import everywhere
+from assistant.program.analysis.ways import FRAME, START, TOOL, UNKNOWN, MotionStates, StepsOfText
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Span
 from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool
 from assistant.program.passes.present_places import Said
@@ -28,24 +28,24 @@ Mounting = tuple[str, str]
 
 
 def with_active_places(
-    program: Program, reads: Callable[[Any], bool], said: Said, kept: Kept
+    program: Program, reads: Callable[[Any], bool], said: Said, kept: StepsOfText
 ) -> tuple[Program, list[Span | None]]:
     """The program in which the tool and frame of each such text are known, and the places of those
     that may come before the first move: it counts as made with the flange, in the base.
 
     reads, said, kept: as `with_present_places` takes them. What no way tells stays.
     """
-    if not any(map(reads, everywhere(program, p.Opaque, e.Verbatim))):
+    if not any(map(reads, records_in_procedures(program, p.Opaque, e.Verbatim))):
         return program, []
     return _Active(program, reads, said, kept).program()
 
 
 class _Active:
     def __init__(
-        self, program: Program, reads: Callable[[Any], bool], said: Said, kept: Kept
+        self, program: Program, reads: Callable[[Any], bool], said: Said, kept: StepsOfText
     ) -> None:
         self.whole, self.reads, self.said = program, reads, said
-        self.ways = Ways(program, reads, kept)
+        self.ways = MotionStates(program, reads, kept)
         self.own = {q.name.lower() for q in program.procedures}
         taken = TakenNames(declared(program))
         self.names = tuple(identifier(one, taken) for one in ("active_tool", "active_frame"))
@@ -103,7 +103,7 @@ class _Active:
         last: tuple[int, Mounting] | None = None
         known: Mounting | None = None
         for node in body:
-            mounting = _mounting(node)
+            mounting = _mounting_after(node)
             if (
                 last is not None
                 and (mounting is None or self.asks(node))
@@ -153,7 +153,7 @@ class _Active:
         )
 
 
-def _mounting(node: p.Statement) -> Mounting | None:
+def _mounting_after(node: p.Statement) -> Mounting | None:
     """The tool and frame that are active behind a statement, if it is a move."""
     match node:
         case p.Move() | p.MoveCircular() | p.MoveJoints():

@@ -16,10 +16,10 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.analysis.uses import base
-from assistant.program.contents import everywhere
+from assistant.program.analysis.uses import base_variable
+from assistant.program.contents import records_in_procedures
 from assistant.program.geometry import Pose
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import (
     Body,
@@ -32,25 +32,25 @@ from assistant.program.rewriting import (
 
 STEEPEST: Final = 90.0
 """Degrees about y: beyond them the same orientation is read back as other angles."""
-PLACES: Final = 9
+ANGLE_DECIMALS: Final = 9
 """Decimals of angles that are worked out."""
 
 
-def with_whole_angles(job: Legalising) -> Program:
+def with_whole_angles(job: Legalisation) -> Program:
     """The program that sets all angles of a position at once."""
 
     def body(statements: Body) -> Body:
         made: list[p.Statement] = []
         group: list[p.Assign] = []
         for node in statements:
-            if group and not _goes_on(group, node):
-                made += _together(group, job)
+            if group and not _continues_group(group, node):
+                made += _one_assignment(group, job)
                 group = []
             if _sets_angle(node):
                 group.append(node)  # type: ignore[arg-type]
             else:
                 made.append(map_bodies(node, body))
-        return (*made, *_together(group, job))
+        return (*made, *_one_assignment(group, job))
 
     procedures = (replace(q, body=body(q.body)) for q in job.program.procedures)
     return replace(job.program, procedures=tuple(procedures))
@@ -63,26 +63,26 @@ def _sets_angle(node: p.Statement) -> bool:
     return False
 
 
-def _place(node: Any) -> Any:
+def _position_set(node: Any) -> Any:
     return node.target.value
 
 
-def _goes_on(group: list[p.Assign], node: p.Statement) -> bool:
+def _continues_group(group: list[p.Assign], node: p.Statement) -> bool:
     """Whether a statement sets another angle of the same place."""
-    if not _sets_angle(node) or _place(node) != _place(group[0]):
+    if not _sets_angle(node) or _position_set(node) != _position_set(group[0]):
         return False
-    return is_repeatable(_place(node)) and all(is_repeatable(one.value) for one in group)
+    return is_repeatable(_position_set(node)) and all(is_repeatable(one.value) for one in group)
 
 
-def _together(group: list[p.Assign], job: Legalising) -> Iterator[p.Statement]:
+def _one_assignment(group: list[p.Assign], job: Legalisation) -> Iterator[p.Statement]:
     if not group:
         return
-    place = _place(group[0])
+    place = _position_set(group[0])
     known: dict[str, e.Expression] = {name: e.Member(place, name) for name in e.ANGLES}
     for node in group:
         match node.target:
             case e.Member(_, field):
-                known[field.lower()] = _with(node.value, place, known)
+                known[field.lower()] = _value_with_angles(node.value, place, known)
     about_y = e.plain_number(known["about_y"])
     same = known["about_y"] == e.Member(place, "about_y")
     whole = all(known[name] != e.Member(place, name) for name in e.ANGLES)
@@ -97,7 +97,7 @@ def _together(group: list[p.Assign], job: Legalising) -> Iterator[p.Statement]:
     yield p.Assign(place, turned, span=group[0].span)
 
 
-def _with(
+def _value_with_angles(
     value: e.Expression, place: e.Expression, known: Mapping[str, e.Expression]
 ) -> e.Expression:
     """A value that reads angles of the place as they are set by then."""
@@ -117,7 +117,7 @@ def with_read_angles(program: Program) -> Program:
     For a language that stores angles as they are set: 200 degrees about z are read back as -160
     from an orientation. What nothing reads stays as it is set.
     """
-    if not any(map(_is_angle, everywhere(program, e.Member))):
+    if not any(map(_is_angle, records_in_procedures(program, e.Member))):
         return program
     said = rewrite(program.procedures, _without_copies)
     if not any(map(_is_angle, records(said))):
@@ -133,7 +133,7 @@ def with_read_angles(program: Program) -> Program:
                 if None in numbers:
                     yield node
                     again: e.Expression = e.Apply("relative", (place, *(e.Number(0),) * 3))
-                    if base(place) in poses:
+                    if base_variable(place) in poses:
                         again = e.Binary("@", place, e.PoseValue(Pose()))
                     yield p.Assign(place, again, span=node.span)
                 else:
@@ -142,11 +142,13 @@ def with_read_angles(program: Program) -> Program:
             case _:
                 yield map_bodies(node, lambda statements: body(statements, poses))
 
-    procedures = (replace(q, body=body(q.body, _poses(program, q))) for q in program.procedures)
+    procedures = (
+        replace(q, body=body(q.body, _pose_names(program, q))) for q in program.procedures
+    )
     return replace(program, procedures=tuple(procedures))
 
 
-def _poses(program: Program, procedure: Procedure) -> frozenset[str]:
+def _pose_names(program: Program, procedure: Procedure) -> frozenset[str]:
     """Names in lower case of poses in a procedure: targets have no products with poses."""
     known = {name.lower(): one.type for name, one in program.variables.items()}
     known |= {one.name.lower(): one.type for one in procedure.parameters}
@@ -177,4 +179,6 @@ def _copies(given: Sequence[e.Expression]) -> bool:
 def _read_back(angles: Sequence[float]) -> list[float]:
     """Angles about x, y and z as they are read from the orientation that they make."""
     turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
-    return [round(float(angle), PLACES) + 0.0 for angle in rotations.to_euler(turn, "ZYX")[::-1]]
+    return [
+        round(float(angle), ANGLE_DECIMALS) + 0.0 for angle in rotations.to_euler(turn, "ZYX")[::-1]
+    ]

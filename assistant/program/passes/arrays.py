@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records
@@ -20,14 +20,14 @@ MOST_ALIKE: Final = 4
 """Elements that are given the same value one by one: a loop takes no more steps."""
 
 
-def with_filled_arrays(job: Legalising) -> Program:
+def with_filled_arrays(job: Legalisation) -> Program:
     """The program with the first values of its arrays as assignments.
 
     Those of the program stand at the head of its entry, which one without is given; those of a
     procedure at its own.
     """
     program = job.program
-    taken = {q.name for q in program.procedures} | _names(program)
+    taken = {q.name for q in program.procedures} | _used_names(program)
     counters = [identifier(name, taken) for name in "ijk"]
     variables, first = _filled(program.variables, "", counters, job)
     if first and program.entry is None:
@@ -40,14 +40,16 @@ def with_filled_arrays(job: Legalising) -> Program:
             filling = [*first, *filling]
         if filling:
             procedure = replace(procedure, body=(*filling, *procedure.body))
-        procedures.append(procedure if own == procedure.variables else _with(procedure, own))
+        procedures.append(
+            procedure if own == procedure.variables else _with_variables(procedure, own)
+        )
     return replace(program, variables=variables, procedures=tuple(procedures))
 
 
-def with_copied_arrays(job: Legalising) -> Program:
+def with_copied_arrays(job: Legalisation) -> Program:
     """The program that assigns arrays element by element, as the language has to."""
     program = job.program
-    taken = {q.name for q in program.procedures} | _names(program)
+    taken = {q.name for q in program.procedures} | _used_names(program)
     counters = [identifier(name, taken) for name in "ijk"]
     shared = {name.lower(): v.size for name, v in program.variables.items()}
     procedures = []
@@ -60,7 +62,7 @@ def with_copied_arrays(job: Legalising) -> Program:
 
 
 def _copied(
-    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], job: Legalising
+    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], job: Legalisation
 ) -> Body:
     """sizes: of variables by lower-case name, 0 for extents that are not known."""
     made: list[p.Statement] = []
@@ -85,7 +87,7 @@ def _copied(
                 ) -> p.Statement:
                     return replace(node, target=e.Index(to, at), value=e.Index(node.value, at))
 
-                made += _each(size, counters, give)
+                made += _for_each_element(size, counters, give)
             case _:
                 made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, job)))
     return tuple(made)
@@ -118,7 +120,7 @@ def _one_by_one(
     yield from each(value, size, ())
 
 
-def with_array_parameters(job: Legalising) -> Program:
+def with_array_parameters(job: Legalisation) -> Program:
     """The program with the types of its array parameters that arrays have.
 
     A language without functions hands over no arrays, a call of another program no whole ones.
@@ -147,7 +149,7 @@ def with_array_parameters(job: Legalising) -> Program:
     return replace(program, procedures=tuple(procedures))
 
 
-def nested(
+def elements_by_indices(
     size: tuple[int, ...], value: Callable[[tuple[int, ...]], e.Expression | None]
 ) -> e.Expression | None:
     """The elements of an array by their indices, None if one of them has no value."""
@@ -163,11 +165,11 @@ def nested(
     return inside(size, ())
 
 
-def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
+def _with_variables(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
     return replace(procedure, variables=variables)
 
 
-def _names(program: Program) -> set[str]:
+def _used_names(program: Program) -> set[str]:
     """Every name that a counter may not have."""
     names = {*program.variables, *program.targets, *program.joint_targets, *program.signals}
     for procedure in program.procedures:
@@ -176,7 +178,7 @@ def _names(program: Program) -> set[str]:
 
 
 def _filled(
-    variables: Mapping[str, Variable], owner: str, counters: Sequence[str], job: Legalising
+    variables: Mapping[str, Variable], owner: str, counters: Sequence[str], job: Legalisation
 ) -> tuple[dict[str, Variable], list[p.Statement]]:
     """owner: procedure whose own variables they are, empty for those of the program."""
     made: dict[str, Variable] = {}
@@ -197,7 +199,7 @@ def _filled(
         values = list(_elements(name, variable, counters))
         if variable.initial is not None and not values:
             job.cannot(
-                what=f"the first values of the array `{name}`{_shape(variable)}",
+                what=f"the first values of the array `{name}`{_misfit_text(variable)}",
                 cure="write one for each element, or change the declared size",
                 about=Declared(name, "variables", owner),
             )
@@ -211,9 +213,9 @@ def _filled(
 def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterator[p.Statement]:
     """The assignments, none if the first value is no list for each dimension."""
     if variable.initial is not None and variable.initial == NOTHING[variable.type]:
-        yield from _alike(name, variable, variable.initial, counters)
+        yield from _assign_alike(name, variable, variable.initial, counters)
         return
-    if not _lists(variable.initial, variable.size):
+    if not _has_all_values(variable.initial, variable.size):
         return
     for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
         value = variable.initial
@@ -225,31 +227,31 @@ def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterato
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
 
 
-def _lists(value: e.Expression | None, size: tuple[int, ...]) -> bool:
+def _has_all_values(value: e.Expression | None, size: tuple[int, ...]) -> bool:
     """Whether a value has one for each element: extents say more than a text can hold."""
     if not size:
         return True
     if not isinstance(value, e.Aggregate) or len(value.items) != size[0]:
         return False
-    return all(_lists(item, size[1:]) for item in value.items)
+    return all(_has_all_values(item, size[1:]) for item in value.items)
 
 
-def _shape(variable: Variable) -> str:
+def _misfit_text(variable: Variable) -> str:
     """Describe first values whose number does not fit an array; empty if it fits."""
-    unfit = None if variable.initial is None else _unfit(variable.initial, variable.size)
+    unfit = None if variable.initial is None else _first_misfit(variable.initial, variable.size)
     return "" if unfit is None else f", {unfit[0]} elements written for an array of {unfit[1]}"
 
 
-def _unfit(value: e.Expression, size: tuple[int, ...]) -> tuple[int, int] | None:
+def _first_misfit(value: e.Expression, size: tuple[int, ...]) -> tuple[int, int] | None:
     """Numbers of elements of the first list that does not fit: stated and expected."""
     if not size or not isinstance(value, e.Aggregate):
         return None
     if len(value.items) != size[0]:
         return len(value.items), size[0]
-    return next((found for item in value.items if (found := _unfit(item, size[1:]))), None)
+    return next((found for item in value.items if (found := _first_misfit(item, size[1:]))), None)
 
 
-def _alike(
+def _assign_alike(
     name: str, variable: Variable, value: e.Expression, counters: Sequence[str]
 ) -> Iterator[p.Statement]:
     """Every element given the same value, by loops where there are many."""
@@ -257,10 +259,10 @@ def _alike(
     def give(element: tuple[e.Expression, ...]) -> p.Statement:
         return p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
 
-    yield from _each(variable.size, counters, give)
+    yield from _for_each_element(variable.size, counters, give)
 
 
-def _each(
+def _for_each_element(
     size: tuple[int, ...],
     counters: Sequence[str],
     give: Callable[[tuple[e.Expression, ...]], p.Statement],

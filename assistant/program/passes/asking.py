@@ -44,14 +44,14 @@ def asked_for_key(
     which each of them counts, None for one that always does; none at all if all of them do.
     """
     names = [KEY.format(key) for key in keys]
-    each = [_is(name, 1) for name in names]
-    free = [_is(name, 0) for name in names]
+    each = [_signal_is(name, 1) for name in names]
+    free = [_signal_is(name, 0) for name in names]
     for at, one in enumerate(counts):
         if one is not None:
             each[at] = e.Binary("and", each[at], one)
             free[at] = e.Unary("not", each[at])
-    yield p.WaitUntil(_all("and", free))
-    pressed = p.WaitUntil(_all("or", each))
+    yield p.WaitUntil(_all_of_parts("and", free))
+    pressed = p.WaitUntil(_all_of_parts("or", each))
     if answer is None or len(keys) == 1:
         yield pressed
         yield from () if answer is None else (p.Assign(answer, values[0]),)
@@ -74,8 +74,8 @@ def asked_for_number(
 ) -> Iterator[p.Statement]:
     """Waits until a number is entered, and again while it is not from the least to the most."""
     taken = (
-        p.WaitUntil(_is(ENTERED, 0)),
-        p.WaitUntil(_is(ENTERED, 1)),
+        p.WaitUntil(_signal_is(ENTERED, 0)),
+        p.WaitUntil(_signal_is(ENTERED, 1)),
         p.Assign(answer, e.Name(NUMBER)),
     )
     yield from taken
@@ -83,7 +83,7 @@ def asked_for_number(
     wrong += [] if least is None else [e.Binary("<", answer, least)]
     wrong += [] if most is None else [e.Binary(">", answer, most)]
     if wrong:
-        yield p.While(_all("or", wrong), taken)
+        yield p.While(_all_of_parts("or", wrong), taken)
 
 
 def with_answers(program: Program) -> Program:
@@ -99,9 +99,9 @@ def with_answers(program: Program) -> Program:
     return replace(program, signals={**program.signals, **ordered}) if found else program
 
 
-def _is(signal: str, value: int) -> e.Expression:
+def _signal_is(signal: str, value: int) -> e.Expression:
     return e.Binary("=", e.Name(signal), e.Number(value))
 
 
-def _all(operator: e.BinaryOperator, parts: Iterable[e.Expression]) -> e.Expression:
+def _all_of_parts(operator: e.BinaryOperator, parts: Iterable[e.Expression]) -> e.Expression:
     return reduce(lambda left, right: e.Binary(operator, left, right), parts)

@@ -12,12 +12,12 @@ from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, Pose, Target
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
 
-def in_base(job: Legalising) -> Program:
+def in_base(job: Legalisation) -> Program:
     """Targets and paths in robot coordinates: five axes code orientation by position.
 
     Only what a frame is used for moves; a named target of one frame becomes one in the base.

@@ -9,20 +9,20 @@ from typing import ClassVar
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.letters import in_ascii
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Program
 
 
 def plain_comment(r: Rewording, node: p.Comment) -> Iterator[p.Statement]:
     """A comment in lines that the language takes."""
-    yield from (replace(node, text=line) for line in lines(node.text, r.job))
+    yield from (replace(node, text=line) for line in comment_lines(node.text, r.job))
 
 
 def as_comment(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
     """A message as a comment, for a language without any."""
     shown = "".join(part.value if isinstance(part, e.Text) else "..." for part in node.parts)
-    line = lines("message: " + shown, r.job)[0]
+    line = comment_lines("message: " + shown, r.job)[0]
     if r.job.can.comments.message is not None:
         r.job.findings.append(r.job.can.comments.message(text=line))
     yield p.Comment(line)
@@ -32,18 +32,18 @@ class _InLines(Rewording):
     changes: ClassVar[Changes] = {p.Comment: plain_comment}
 
 
-def with_plain_comments(job: Legalising) -> Program:
+def with_plain_comments(job: Legalisation) -> Program:
     """The program with comments, and the name of its robot, in lines that the language takes."""
     said, program = _InLines(job), job.program
     return replace(
         program,
-        comments=tuple(line for text in program.comments for line in lines(text, job)),
-        robot=program.robot and " ".join(lines(program.robot, job)),
+        comments=tuple(line for text in program.comments for line in comment_lines(text, job)),
+        robot=program.robot and " ".join(comment_lines(program.robot, job)),
         procedures=tuple(map(said.procedure, program.procedures)),
     )
 
 
-def lines(text: str, job: Legalising) -> list[str]:
+def comment_lines(text: str, job: Legalisation) -> list[str]:
     """A comment in lines that fit; control characters become blanks."""
     can = job.can.comments
     plain = in_ascii(text) if can.ascii else text

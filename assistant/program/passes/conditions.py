@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import Kinds, is_number, is_truth
+from assistant.program.analysis.kinds import KnownTypes, is_number, is_truth
 
 
-def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
+def with_conditions(statement: p.Statement, known: KnownTypes) -> p.Statement:
     """The statement with its own conditions as truth values; bodies are left alone."""
     match statement:
         case p.If(branches):
@@ -25,7 +25,7 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
     return statement
 
 
-def compared(x: e.Expression, known: Kinds) -> e.Expression:
+def compared(x: e.Expression, known: KnownTypes) -> e.Expression:
     """A truth that is compared with 0 or 1 as itself: it is compared with truths only."""
     match x:
         case e.Binary("=" | "<>" as operator, left, e.Number(value)) if value in (
@@ -41,7 +41,7 @@ def as_truth(x: e.Expression) -> e.Expression:
     return e.Truth(x.value != 0) if isinstance(x, e.Number) else x
 
 
-def condition(x: e.Expression, known: Kinds) -> e.Expression:
+def condition(x: e.Expression, known: KnownTypes) -> e.Expression:
     """The expression, or that it is not 0 if it is a number."""
     match x:
         case e.Number(value):

@@ -10,7 +10,7 @@ from typing import Any
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import all_names, everywhere
+from assistant.program.contents import names_in_procedures, records_in_procedures
 from assistant.program.program import Program, ValueType, Variable
 from assistant.program.rewriting import records, rewrite
 
@@ -27,7 +27,7 @@ def with_constants(program: Program, predefined: Mapping[str, float | str]) -> P
         for name, value in predefined.items()
         if name not in taken
     }
-    used = chain(everywhere(program, e.Name), records(program.variables))
+    used = chain(records_in_procedures(program, e.Name), records(program.variables))
     if not any(isinstance(one, e.Name) and one.name.lower() in values for one in used):
         return program
 
@@ -43,7 +43,7 @@ def with_predefined(program: Program, types: Mapping[str, tuple[str, ValueType]]
     types: by lower-case name the name as it is spelled, and the type.
     """
     taken = set(declared(program))
-    used = (name.lower() for name in all_names(program))
+    used = (name.lower() for name in names_in_procedures(program))
     found = dict(types[name] for name in used if name in types and name not in taken)
     made = {name: Variable(type) for name, type in found.items()}
     return replace(program, variables={**program.variables, **made}) if made else program

@@ -19,7 +19,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import declared, names_in
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.kept import effect_of, respelled
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import (
     Procedure,
     Program,
@@ -35,7 +35,7 @@ Found = dict[tuple[str, str], Diagnostic]
 Tells = Callable[..., Diagnostic]
 
 
-def counted_loops(job: Legalising) -> Program:
+def counted_loops(job: Legalisation) -> Program:
     """The program for a language whose loops have a variable of their own."""
     loops = job.can.loops
     if loops is None:
@@ -68,7 +68,7 @@ def counted(
         program = replace(program, procedures=procedures)
 
 
-def apart(program: Program) -> Program:
+def with_hiding_loops_renamed(program: Program) -> Program:
     """A program of such a language, in which a loop that hides a name that is used has its own."""
     if not any(isinstance(x, p.For) for x in program.statements()):
         return program
@@ -146,7 +146,7 @@ class _Use:
             names = {n.lower() for n in names_in(used)}
             self.touched |= names
             self.read |= names - counts
-            self.called |= _called(used)
+            self.called |= _called_names(used)
             inner = counts
             if isinstance(x, p.For):
                 self.touched.add(x.variable.lower())
@@ -172,7 +172,7 @@ class _Uses:
         verbatim: whether statements that are kept as text could assign it.
         """
         name = x.variable.lower()
-        if name in writes(x.body, self.program, verbatim=verbatim):
+        if name in written_names(x.body, self.program, verbatim=verbatim):
             return "is assigned inside the loop"
         if name in self.of[id(procedure)].read:
             return "is used outside the loop"
@@ -204,7 +204,7 @@ class _Uses:
         return found
 
 
-def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
+def written_names(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
     """Lower-case names that a body assigns, counts or hands over to be assigned.
 
     verbatim: whether statements that are kept as text count as well.
@@ -234,7 +234,7 @@ def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
     return found
 
 
-def _called(node: Any) -> set[str]:
+def _called_names(node: Any) -> set[str]:
     found: set[str] = set()
     for part in records(node):
         match part:
@@ -306,7 +306,7 @@ class _Whiles:
             return None
         if not _countable(x.variable, procedure, self.program):
             return None
-        assigned = writes(x.body, self.program) | {x.variable.lower()}
+        assigned = written_names(x.body, self.program) | {x.variable.lower()}
         name, step = e.Name(x.variable), x.step.value
         made: list[p.Statement] = []
         last = x.last

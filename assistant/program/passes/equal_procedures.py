@@ -12,7 +12,9 @@ from assistant.program.program import Procedure
 from assistant.program.rewriting import rewrite
 
 
-def as_one(procedures: list[Procedure], origin: Mapping[str, int]) -> list[Procedure]:
+def without_equal_procedures(
+    procedures: list[Procedure], origin: Mapping[str, int]
+) -> list[Procedure]:
     """The procedures without those that another form of the same code says as well.
 
     origin: of each procedure that is a form of some code, by name, which code that is.
@@ -32,13 +34,15 @@ def as_one(procedures: list[Procedure], origin: Mapping[str, int]) -> list[Proce
         if not exchanged:
             return procedures
         procedures = [
-            replace(q, body=_calling(q.body, exchanged))
+            replace(q, body=_with_calls_replaced(q.body, exchanged))
             for q in procedures
             if q.name not in exchanged
         ]
 
 
-def _calling(body: tuple[p.Statement, ...], names: Mapping[str, str]) -> tuple[p.Statement, ...]:
+def _with_calls_replaced(
+    body: tuple[p.Statement, ...], names: Mapping[str, str]
+) -> tuple[p.Statement, ...]:
     def visit(node: Any) -> Any:
         match node:
             case p.Call(procedure=name) if name in names and node.unit is None:

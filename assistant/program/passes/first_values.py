@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.assignment import AssignmentAnalysis
 from assistant.program.expressions import Name
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Program, Variable
 from assistant.program.rewriting import records
@@ -22,7 +22,7 @@ SCALAR: Final = frozenset({"number", "integer", "truth", "text"})
 """Types of persistent data that begin with nothing where no text gives them a value."""
 
 
-def with_first_values(job: Legalising) -> Program:
+def with_first_values(job: Legalisation) -> Program:
     """The program with values for the variables that it reads before it gives them one.
 
     What a program of the same kin leaves without a value keeps the one that it has there.
@@ -31,7 +31,7 @@ def with_first_values(job: Legalising) -> Program:
     entry = program.procedure(program.entry) if program.entry else None
     if entry is None or can is None:
         return program
-    assigning = Assigning(program)
+    assigning = AssignmentAnalysis(program)
     run = assigning.run(entry)
     kept = program.origin is not None and program.origin.language in job.can.kin
     variables: dict[str, Variable] = {}
@@ -54,10 +54,10 @@ def with_first_values(job: Legalising) -> Program:
                     findings.append(can.persistent(name=name, about=about))
                 if changes:
                     findings.append(can.carried(name=name, about=about))
-    return replace(program, variables=_in_order(variables))
+    return replace(program, variables=_by_dependency(variables))
 
 
-def _in_order(variables: dict[str, Variable]) -> dict[str, Variable]:
+def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:
     """Variables behind those that their first values name, else as they are declared."""
     spelled = {name.lower(): name for name in variables}
     ordered: dict[str, Variable] = {}

@@ -8,10 +8,10 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of
+from assistant.program.contents import records_in_body
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import head, map_bodies, records
-from assistant.program.wholes import Numbers
+from assistant.program.wholes import NumberFacts
 
 
 def with_rounded_values(program: Program) -> Program:
@@ -33,7 +33,7 @@ class _Rounding:
     program: Program
 
     def __post_init__(self) -> None:
-        self.numbers = Numbers(self.program)
+        self.numbers = NumberFacts(self.program)
         self.callees = {q.name.lower(): q for q in self.program.procedures}
         self.common = {n.lower(): v.type for n, v in self.program.variables.items()}
 
@@ -59,8 +59,8 @@ class _Rounding:
         if procedure.parameters[at].mode != "in":
             return False
         for caller in self.program.procedures:
-            calls = [(one.procedure, one.arguments) for one in all_of(caller, p.Call)]
-            calls += [(one.function, one.arguments) for one in all_of(caller, e.Apply)]
+            calls = [(one.procedure, one.arguments) for one in records_in_body(caller, p.Call)]
+            calls += [(one.function, one.arguments) for one in records_in_body(caller, e.Apply)]
             for called, given in calls:
                 if called.lower() != procedure.name.lower() or at >= len(given):
                     continue
@@ -126,12 +126,12 @@ def with_one_kind_of_numbers(program: Program) -> Program:
     """The program with numbers for variables, parameters and results of whole numbers."""
     return replace(
         program,
-        variables=_variables(program.variables),
+        variables=_with_number_types(program.variables),
         procedures=tuple(
             replace(
                 q,
-                variables=_variables(q.variables),
-                parameters=tuple(map(_number, q.parameters)),
+                variables=_with_number_types(q.variables),
+                parameters=tuple(map(_as_number_type, q.parameters)),
                 result="number" if q.result == "integer" else q.result,
             )
             for q in program.procedures
@@ -139,9 +139,9 @@ def with_one_kind_of_numbers(program: Program) -> Program:
     )
 
 
-def _variables(variables: Mapping[str, Variable]) -> dict[str, Variable]:
-    return {name: _number(variable) for name, variable in variables.items()}
+def _with_number_types(variables: Mapping[str, Variable]) -> dict[str, Variable]:
+    return {name: _as_number_type(variable) for name, variable in variables.items()}
 
 
-def _number(declared: Any) -> Any:
+def _as_number_type(declared: Any) -> Any:
     return replace(declared, type="number") if declared.type == "integer" else declared

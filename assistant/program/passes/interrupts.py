@@ -9,13 +9,13 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import locals_of
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.procedures import has_form, has_functions
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import Body, map_bodies, records
 
 
-def with_interrupts_first(job: Legalising) -> Program:
+def with_interrupts_first(job: Legalisation) -> Program:
     """The program that defines its interrupts at its top, in the order of the text.
 
     They do nothing before they are switched on. One that is defined in several ways, or asks for
@@ -31,7 +31,7 @@ def with_interrupts_first(job: Legalising) -> Program:
     ]
     if not found or entry is None:
         return program
-    for node, why in _shared(job):
+    for node, why in _shared_interrupts(job):
         with job.findings.at(node.span):
             cure = "write what both need twice, and count the time of one in a loop"
             job.cannot(what=f"the interrupt `{node.name}`, which {why}", cure=cure)
@@ -66,7 +66,7 @@ def _refused(
         yield f"calls `{node.call.procedure}`, which is not there", "write it"
 
 
-def _shared(job: Legalising) -> Iterator[tuple[p.Interrupt, str]]:
+def _shared_interrupts(job: Legalisation) -> Iterator[tuple[p.Interrupt, str]]:
     """Interrupts that call what they may interrupt, and what that is.
 
     It has data of its own which are there once, or a timer.
@@ -74,22 +74,22 @@ def _shared(job: Legalising) -> Iterator[tuple[p.Interrupt, str]]:
     program, can = job.program, job.can.procedures
     if can is None:  # each call has data of its own
         return
-    calls = {q.name.lower(): _calls(q) for q in program.procedures}
-    outside = _reached({(program.entry or "").lower()}, calls)
-    waits = any(map(_waits, map(program.procedure, outside)))
+    calls = {q.name.lower(): _direct_calls(q) for q in program.procedures}
+    outside = _reached_procedures({(program.entry or "").lower()}, calls)
+    waits = any(map(_waits_with_limit, map(program.procedure, outside)))
     for node in interrupts(program):
-        for name in sorted(_reached({node.call.procedure.lower()}, calls)):
+        for name in sorted(_reached_procedures({node.call.procedure.lower()}, calls)):
             called = program.procedure(name)
             assert called is not None
             functions = has_functions(program, called.unit, can.functions)
             own = not functions and (has_form(called) or called.variables)
-            if name in outside and (own or _times(called)):
+            if name in outside and (own or _starts_timer(called)):
                 yield node, f"calls `{called.name}`, as what it interrupts does"
-            elif waits and _waits(called):
+            elif waits and _waits_with_limit(called):
                 yield node, "waits with a time limit, as what it interrupts does"
 
 
-def _calls(procedure: Procedure) -> set[str]:
+def _direct_calls(procedure: Procedure) -> set[str]:
     """What a procedure calls itself, without its interrupts."""
     answered = {id(one.call) for one in walk(procedure.body) if isinstance(one, p.Interrupt)}
     return {
@@ -99,7 +99,7 @@ def _calls(procedure: Procedure) -> set[str]:
     }
 
 
-def _reached(names: set[str], calls: dict[str, set[str]]) -> set[str]:
+def _reached_procedures(names: set[str], calls: dict[str, set[str]]) -> set[str]:
     """Procedures that are called, with those that these call."""
     found: set[str] = set()
     while pending := (names & calls.keys()) - found:
@@ -108,12 +108,14 @@ def _reached(names: set[str], calls: dict[str, set[str]]) -> set[str]:
     return found
 
 
-def _times(procedure: Procedure) -> bool:
+def _starts_timer(procedure: Procedure) -> bool:
     """Whether it starts a timer."""
-    return any(isinstance(one, p.StartTimer) for one in walk(procedure.body)) or _waits(procedure)
+    return any(isinstance(one, p.StartTimer) for one in walk(procedure.body)) or _waits_with_limit(
+        procedure
+    )
 
 
-def _waits(procedure: Procedure | None) -> bool:
+def _waits_with_limit(procedure: Procedure | None) -> bool:
     """Whether it waits with a time limit."""
     return procedure is not None and any(
         isinstance(one, p.WaitSignal | p.WaitUntil) and one.timeout is not None

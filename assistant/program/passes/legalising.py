@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from assistant.program.diagnostics import Findings, Rule
 from assistant.program.geometry import Load
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.watching import passed
+from assistant.program.passes.watching import traced
 from assistant.program.program import Program, Variable
 from assistant.program.statements import Measure
 from assistant.program.subjects import Subject
@@ -306,7 +306,7 @@ class Capabilities:
 
 
 @dataclass(frozen=True, slots=True)
-class Legalising:
+class Legalisation:
     """A program on its way into a language. findings: what is said differently, or not at all."""
 
     program: Program
@@ -326,22 +326,22 @@ class Legalising:
             self.findings.append(told)
 
 
-Pass = Callable[[Legalising], Program]
+Pass = Callable[[Legalisation], Program]
 
 
 def pure(change: Callable[[Program], Program]) -> Pass:
     """A pass that needs nothing but the program, and finds nothing."""
 
     @wraps(change)
-    def changed(job: Legalising) -> Program:
+    def changed(job: Legalisation) -> Program:
         return change(job.program)
 
     return changed
 
 
-def legalised(job: Legalising, passes: Sequence[Pass]) -> Program:
+def legalise(job: Legalisation, passes: Sequence[Pass]) -> Program:
     """The program after all passes, each shown under its name to whoever watches."""
     for one in passes:
         name = getattr(one, "__name__", "").replace("_", "-")
-        job = replace(job, program=passed(name, one(job)))
+        job = replace(job, program=traced(name, one(job)))
     return job.program

@@ -12,9 +12,9 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of
-from assistant.program.effects import unknown
-from assistant.program.passes.procedures import recursive
+from assistant.program.contents import records_in_body
+from assistant.program.effects import unknown_effect
+from assistant.program.passes.procedures import recursive_procedures
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
 
@@ -25,7 +25,7 @@ DECLARED: Final = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Widths:
+class LineWidths:
     """About how many characters something takes. most: of a line. names: of a name at most."""
 
     most: int
@@ -56,7 +56,7 @@ class Widths:
         return HEAD + self.names + sum(map(self.of, arguments))
 
 
-def too_long(program: Program, widths: Widths) -> frozenset[str]:
+def procedures_too_long(program: Program, widths: LineWidths) -> frozenset[str]:
     """Lower-case names of the procedures whose head, or a call of which, no line holds.
 
     Without those that call themselves, that take arrays alone, or whose parameters kept texts name.
@@ -64,27 +64,27 @@ def too_long(program: Program, widths: Widths) -> frozenset[str]:
     known = {q.name.lower(): q for q in program.procedures if q.parameters}
     found = {name for name, q in known.items() if widths.head(q) > widths.most}
     for procedure in program.procedures if known else ():
-        for part in all_of(procedure, p.Call, e.Apply):
+        for part in records_in_body(procedure, p.Call, e.Apply):
             match part:
                 case p.Call(name, arguments) | e.Apply(name, arguments):
                     key = name.lower()
                     if key in known and key not in found and widths.call(arguments) > widths.most:
                         found.add(key)
     if found:
-        found -= {q.name.lower() for q in recursive(program)}
-    return frozenset(name for name in found if _is_free(known[name]))
+        found -= {q.name.lower() for q in recursive_procedures(program)}
+    return frozenset(name for name in found if _has_free_parameters(known[name]))
 
 
-def _is_free(procedure: Procedure) -> bool:
+def _has_free_parameters(procedure: Procedure) -> bool:
     """Whether its parameters may be other variables."""
     own = {q.name.lower() for q in procedure.parameters}
     plain = not all(q.dimensions for q in procedure.parameters)
-    return plain and own.isdisjoint(_kept(procedure))
+    return plain and own.isdisjoint(_names_in_vendor_text(procedure))
 
 
-def _kept(procedure: Procedure) -> Iterator[str]:
+def _names_in_vendor_text(procedure: Procedure) -> Iterator[str]:
     """Names in lower case that kept texts of a procedure speak of."""
     for part in records(procedure.body):
         if isinstance(part, p.Opaque | e.Verbatim):
-            effect = unknown(part.text) if part.effect is None else part.effect
+            effect = unknown_effect(part.text) if part.effect is None else part.effect
             yield from effect.names

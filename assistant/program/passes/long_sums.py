@@ -12,8 +12,8 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.long_calls import Widths
+from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.long_calls import LineWidths
 from assistant.program.program import (
     Procedure,
     Program,
@@ -29,20 +29,22 @@ _TEXTS: Final = ("text", "part", "fixed", "character")
 _KINDS: Final[tuple[ValueType, ...]] = ("text", "number")
 
 
-def with_short_sums(job: Legalising) -> Program:
+def with_short_sums(job: Legalisation) -> Program:
     """The program with several statements for those that are longer than a line."""
     can, program = job.can.procedures, job.program
-    widths = None if can is None else Widths(can.longest, can.longest_name)
-    if widths is None or not any(_is_long(node, widths) for node in program.statements()):
+    widths = None if can is None else LineWidths(can.longest, can.longest_name)
+    if widths is None or not any(_is_too_long(node, widths) for node in program.statements()):
         return program
     taken = TakenNames((program.name, *program.variables, *program.signals, *program.targets))
     for q in program.procedures:
         taken.update((q.name, *q.variables, *(one.name for one in q.parameters)))
-    procedures = tuple(_Parting(program, q, widths, taken).procedure() for q in program.procedures)
+    procedures = tuple(
+        _SumSplitter(program, q, widths, taken).procedure() for q in program.procedures
+    )
     return replace(program, procedures=procedures)
 
 
-def _is_long(node: p.Statement, widths: Widths) -> bool:
+def _is_too_long(node: p.Statement, widths: LineWidths) -> bool:
     match node:
         case p.Assign(target, e.Binary("+") as value):
             return widths.of(target) + widths.of(value) > widths.most
@@ -51,11 +53,11 @@ def _is_long(node: p.Statement, widths: Widths) -> bool:
     return False
 
 
-class _Parting:
+class _SumSplitter:
     """One procedure. taken: names of the program, with those that are made."""
 
     def __init__(
-        self, program: Program, owner: Procedure, widths: Widths, taken: TakenNames
+        self, program: Program, owner: Procedure, widths: LineWidths, taken: TakenNames
     ) -> None:
         self.program, self.owner, self.widths, self.taken = program, owner, widths, taken
         self.own = {q.name.lower(): q for q in program.procedures}
@@ -69,7 +71,7 @@ class _Parting:
         return tuple(made for node in body for made in self.parted(node))
 
     def parted(self, node: p.Statement) -> Iterator[p.Statement]:
-        if not _is_long(node, self.widths):
+        if not _is_too_long(node, self.widths):
             yield map_bodies(node, self.body)
             return
         match node:
@@ -91,9 +93,9 @@ class _Parting:
 
     def added(self, value: e.Expression) -> list[e.Expression]:
         """What is added, from left to right; of texts also what is added in brackets."""
-        parts = list(_chain(value))
+        parts = list(_summands(value))
         while any(map(self.is_text, parts)) and any(map(_is_sum, parts)):
-            parts = [inner for part in parts for inner in _chain(part)]
+            parts = [inner for part in parts for inner in _summands(part)]
         return parts
 
     def assigned(
@@ -171,11 +173,11 @@ def _is_sum(part: e.Expression) -> bool:
     return isinstance(part, e.Binary) and part.operator == "+"
 
 
-def _chain(value: e.Expression) -> Iterator[e.Expression]:
+def _summands(value: e.Expression) -> Iterator[e.Expression]:
     """What is added, from left to right."""
     match value:
         case e.Binary("+", left, right):
-            yield from _chain(left)
+            yield from _summands(left)
             yield right
         case _:
             yield value

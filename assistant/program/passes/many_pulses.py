@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
-from assistant.program.passes.legalising import Legalising, Outputs
+from assistant.program.contents import records_in_procedures
+from assistant.program.passes.legalising import Legalisation, Outputs
 from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
 
@@ -16,7 +16,7 @@ _NO_TIME = p.SetSignal | p.Assign | p.Comment
 """Statements between which pulses do not end."""
 
 
-def with_few_pulses(job: Legalising) -> Program:
+def with_few_pulses(job: Legalisation) -> Program:
     """The program in which no more pulses run beside one another than the language has.
 
     One more waits until the first of them has ended.
@@ -24,7 +24,9 @@ def with_few_pulses(job: Legalising) -> Program:
     can = job.can.outputs
     if can is None or can.most_pulses is None:
         return job.program
-    pulses = [one for one in everywhere(job.program, p.SetSignal) if one.pulse is not None]
+    pulses = [
+        one for one in records_in_procedures(job.program, p.SetSignal) if one.pulse is not None
+    ]
     if len(pulses) <= can.most_pulses:
         return job.program
 
@@ -43,7 +45,7 @@ def with_few_pulses(job: Legalising) -> Program:
     return replace(job.program, procedures=procedures)
 
 
-def _waiting(job: Legalising, can: Outputs, row: list[p.Statement]) -> Iterator[p.Statement]:
+def _waiting(job: Legalisation, can: Outputs, row: list[p.Statement]) -> Iterator[p.Statement]:
     """Statements that take no time together."""
     pulses = [one for one in row if isinstance(one, p.SetSignal) and one.pulse is not None]
     most = can.most_pulses or len(pulses)

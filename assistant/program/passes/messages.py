@@ -12,7 +12,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import Kinds, is_value, kinds
+from assistant.program.analysis.kinds import KnownTypes, is_value, known_types
 from assistant.program.passes.rewording import Rewording
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -21,10 +21,10 @@ VALUE_LENGTH: Final = 10
 """Characters that a value is taken to have."""
 
 
-def parts(x: p.Message, known: Kinds) -> tuple[e.Expression, ...]:
+def message_parts(x: p.Message, known: KnownTypes) -> tuple[e.Expression, ...]:
     """What a message shows one after the other: values as they are, texts as they are."""
     found: list[e.Expression] = []
-    for part in chained(x.parts, lambda one: not is_value(one, known)):
+    for part in summands(x.parts, lambda one: not is_value(one, known)):
         match part:
             case e.Apply("text", (value,)) if is_value(value, known):
                 found.append(value)
@@ -33,7 +33,7 @@ def parts(x: p.Message, known: Kinds) -> tuple[e.Expression, ...]:
     return tuple(found)
 
 
-def chained(
+def summands(
     values: Iterable[e.Expression], joins: Callable[[e.Expression], bool]
 ) -> Iterator[e.Expression]:
     """The values with the operands of each sum that joins instead of it, inner ones too."""
@@ -46,7 +46,7 @@ def chained(
                 yield single
 
 
-def lines(parts: Iterable[e.Expression], longest: int) -> list[list[e.Expression]]:
+def lines_of_parts(parts: Iterable[e.Expression], longest: int) -> list[list[e.Expression]]:
     """The parts of as many messages as it takes if none may have more characters than that."""
     rows: list[list[e.Expression]] = [[]]
     room = longest
@@ -68,8 +68,8 @@ def lines(parts: Iterable[e.Expression], longest: int) -> list[list[e.Expression
 
 def short_messages(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
     """As many messages as it takes for the characters that one of them may have."""
-    shown, most = parts(node, r.known) or (e.Text(""),), r.job.can.longest_message
-    rows = [list(shown)] if most is None else lines(shown, most)
+    shown, most = message_parts(node, r.known) or (e.Text(""),), r.job.can.longest_message
+    rows = [list(shown)] if most is None else lines_of_parts(shown, most)
     if len(rows) > 1:
         r.job.changed(
             f"a message of more than {most} characters",
@@ -85,14 +85,14 @@ def with_values(program: Program) -> Program:
         return program
 
     def shown(procedure: Procedure) -> Procedure:
-        known = kinds(program, procedure)
+        known = known_types(program, procedure)
 
         def body(statements: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
             return tuple(map(said, statements))
 
         def said(x: p.Statement) -> p.Statement:
             if isinstance(x, p.Message):
-                return replace(x, parts=parts(x, known))
+                return replace(x, parts=message_parts(x, known))
             inner: p.Statement = map_bodies(x, body)
             return inner
 

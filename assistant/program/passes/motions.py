@@ -15,9 +15,9 @@ from assistant.program import expressions as e
 from assistant.program.diagnostics import Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.passes.legalising import Corners, Legalising
+from assistant.program.passes.legalising import Corners, Legalisation
 from assistant.program.passes.legalising import Motions as MotionTable
-from assistant.program.passes.path_tables import at_lines, table_of
+from assistant.program.passes.path_tables import reported_at_lines, table_of
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import rewrite
@@ -33,7 +33,7 @@ OF_AXES: Final = {
 """Parts of a speed beside that of the tool's tip and of joint moves → what they state."""
 
 
-def meant(value: T | e.Name, declared: Mapping[str, T]) -> T | e.Name:
+def declared_value(value: T | e.Name, declared: Mapping[str, T]) -> T | e.Name:
     """A value, or what its name stands for; the name itself if that is nothing."""
     if not isinstance(value, e.Name):
         return value
@@ -48,9 +48,9 @@ def with_stated_motions(program: Program) -> Program:
             return part
         speed, blend = part.speed, part.blend
         if not isinstance(speed, ComputedSpeed):
-            speed = meant(speed, program.speeds)
+            speed = declared_value(speed, program.speeds)
         if not isinstance(blend, ComputedBlend):
-            blend = meant(blend, program.blends)
+            blend = declared_value(blend, program.blends)
         return replace(part, speed=speed, blend=blend)
 
     return replace(rewrite(program, stated), speeds={}, blends={})
@@ -74,7 +74,7 @@ def joint_percent(tcp: float, most: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Words(Generic[T]):
+class ValueNames(Generic[T]):
     """How a language calls speeds, or blends, that it declares.
 
     kind: what they are. predefined: by name. name: of a value, predefined or to be declared.
@@ -99,7 +99,7 @@ class Words(Generic[T]):
         return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
 
 
-class Named(Generic[T]):
+class NamedValues(Generic[T]):
     """The speeds of a program by name, or its blends; filled as moves ask for them.
 
     sayable: what the language can say of a value; given its name, None for one that has none.
@@ -108,7 +108,7 @@ class Named(Generic[T]):
 
     def __init__(
         self,
-        words: Words[T],
+        words: ValueNames[T],
         given: Mapping[str, T],
         sayable: Callable[[T, str | None], T],
         longest: int,
@@ -142,7 +142,7 @@ class ByValue:
     named: how many names became numbers. Tools and frames get the spelling of their declarations.
     """
 
-    def __init__(self, job: Legalising, can: MotionTable) -> None:
+    def __init__(self, job: Legalisation, can: MotionTable) -> None:
         self.job, self.can, self.program = job, can, job.program
         self.named = 0
 
@@ -186,7 +186,9 @@ class ByValue:
         """
 
         def table(index: NDArray[Any], value: Callable[[int], Any]) -> Any:
-            return table_of(index, partial(at_lines, self.job.findings, line, index, value))
+            return table_of(
+                index, partial(reported_at_lines, self.job.findings, line, index, value)
+            )
 
         pairs = path.speed.astype(np.int64) * 2 + (path.kinds == Kind.JOINT)
         speeds, speed = table(pairs, lambda i: self.speed(path.speeds[i // 2], bool(i % 2)))
@@ -231,7 +233,7 @@ class ByValue:
         return self._spelled(name, self.program.frames, BASE, "the frame")
 
     def _meant(self, value: T | e.Name, declared: Mapping[str, T], what: str) -> T | None:
-        known = meant(value, declared)
+        known = declared_value(value, declared)
         if isinstance(known, e.Name):
             self.job.findings.append(self.can.unknown(what=what, name=known.name))
             return None
@@ -247,18 +249,21 @@ class ByValue:
         return known or name
 
 
-class Sizing:
+class CornerSizes:
     """A size for each corner that the controller is to choose: what it has at a move's speed."""
 
-    def __init__(self, job: Legalising, can: Corners) -> None:
+    def __init__(self, job: Legalisation, can: Corners) -> None:
         self.job, self.can = job, can
 
     def is_open(self, blend: Blend | e.Name) -> bool:
-        known = meant(blend, self.job.program.blends)
+        known = declared_value(blend, self.job.program.blends)
         return isinstance(known, Blend) and known.radius is not None and math.isinf(known.radius)
 
     def blend(self, blend: Blend | e.Name, speed: Speed | e.Name) -> Blend | e.Name:
-        known, fast = meant(blend, self.job.program.blends), meant(speed, self.job.program.speeds)
+        known, fast = (
+            declared_value(blend, self.job.program.blends),
+            declared_value(speed, self.job.program.speeds),
+        )
         if not (self.is_open(blend) and isinstance(known, Blend) and isinstance(fast, Speed)):
             return blend
         said = Blend(min(self.can.size(fast), math.inf if known.exit is None else known.exit))

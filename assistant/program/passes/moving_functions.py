@@ -14,7 +14,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
-from assistant.program.contents import all_of, everywhere, saying
+from assistant.program.contents import records_in_body, records_in_procedures, statements_with
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.program import Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import head, map_head, records
@@ -23,10 +23,10 @@ from assistant.program.rewriting import head, map_head, records
 def with_functions_before_moves(program: Program) -> Program:
     """The program with a variable for each value of a move that a moving function gives."""
     results = {q.name.lower(): q.result for q in program.procedures if q.result is not None}
-    counts = any(map(_is_of_arm, everywhere(program, e.Apply)))
+    counts = any(map(_is_of_arm, records_in_procedures(program, e.Apply)))
     if not results and not counts:
         return program
-    sets = along_calls(program, {q.name.lower(): _sets(q) for q in program.procedures})
+    sets = along_calls(program, {q.name.lower(): _sets_motion(q) for q in program.procedures})
     moving = {name: result for name, result in results.items() if sets[name]}
     moving |= _OF_ARM if counts else {}
     if not moving:
@@ -34,15 +34,18 @@ def with_functions_before_moves(program: Program) -> Program:
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in q.variables}
     return replace(
-        program, procedures=tuple(_of(procedure, moving, taken) for procedure in program.procedures)
+        program,
+        procedures=tuple(
+            _with_values_before_moves(procedure, moving, taken) for procedure in program.procedures
+        ),
     )
 
 
-def _sets(procedure: Procedure) -> frozenset[str]:
+def _sets_motion(procedure: Procedure) -> frozenset[str]:
     """Whether a procedure moves, or reads where the robot stands, in a tool and a frame."""
     kinds = (*p.Moving.__args__, e.Here, p.Opaque)
-    asks = any(True for _ in saying(procedure, *kinds))
-    asks = asks or any(map(_is_of_arm, all_of(procedure, e.Apply)))
+    asks = any(True for _ in statements_with(procedure, *kinds))
+    asks = asks or any(map(_is_of_arm, records_in_body(procedure, e.Apply)))
     return frozenset({"settings"} if asks else ())
 
 
@@ -54,7 +57,9 @@ def _is_of_arm(value: object) -> bool:
     return isinstance(value, e.Apply) and value.function.lower() in _OF_ARM
 
 
-def _of(procedure: Procedure, moving: dict[str, ValueType], taken: set[str]) -> Procedure:
+def _with_values_before_moves(
+    procedure: Procedure, moving: dict[str, ValueType], taken: set[str]
+) -> Procedure:
     variables: dict[str, Variable] = {}
 
     def name_of(place: int, type: ValueType) -> str:

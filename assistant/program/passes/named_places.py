@@ -11,26 +11,26 @@ from dataclasses import replace
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.passes.hoisting import Taken, hoisted
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import map_head
 
-STEM = "here"
+POSITION_STEM = "here"
 
 
-def with_named_places(job: Legalising) -> Program:
+def with_named_places(job: Legalisation) -> Program:
     """The program that gives a position to a variable where a part of it is asked for."""
     program = job.program
-    if not any(map(_unnamed, everywhere(program, e.Member, e.Apply))):
+    if not any(map(_unnamed, records_in_procedures(program, e.Member, e.Apply))):
         return program
-    taken = names_of(program)
-    made = tuple(named(procedure, taken) for procedure in program.procedures)
+    taken = taken_names(program)
+    made = tuple(with_named_positions(procedure, taken) for procedure in program.procedures)
     return replace(program, procedures=made)
 
 
-def names_of(program: Program) -> set[str]:
+def taken_names(program: Program) -> set[str]:
     """Names in lower case that no further variable of a procedure may have."""
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in (q.name, *q.variables)}
@@ -47,14 +47,14 @@ def _unnamed(record: object) -> tuple[e.Expression, ...]:
     return ()
 
 
-def named(procedure: Procedure, taken: set[str]) -> Procedure:
+def with_named_positions(procedure: Procedure, taken: set[str]) -> Procedure:
     """A procedure with such positions in variables."""
     known: dict[int, e.Name] = {}
 
     def place(number: int) -> e.Name:
         """The same variables serve every statement."""
         if number not in known:
-            names = (f"{STEM}_{k}" for k in itertools.count(1))
+            names = (f"{POSITION_STEM}_{k}" for k in itertools.count(1))
             name = next(n for n in names if n not in taken)
             taken.add(name)
             known[number] = e.Name(name)

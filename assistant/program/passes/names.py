@@ -8,9 +8,9 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import all_of
+from assistant.program.contents import records_in_body
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import rewrite
 
@@ -75,7 +75,7 @@ class Names:
 
 def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:
     """Variables of a procedure's loops that are declared nowhere, once each."""
-    loops = [loop.variable for loop in all_of(procedure, p.For)]
+    loops = [loop.variable for loop in records_in_body(procedure, p.For)]
     if not loops:
         return ()
     declared = {v.lower() for v in (*program.variables, *procedure.variables)}
@@ -86,7 +86,7 @@ def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:
     return tuple(found.values())
 
 
-def with_legal_names(job: Legalising) -> Program:
+def with_legal_names(job: Legalisation) -> Program:
     """The program with names that the language takes, each the same wherever it is used.
 
     For a language whose programs say nothing of the names that something had before.

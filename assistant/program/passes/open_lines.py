@@ -14,7 +14,7 @@ import numpy as np
 
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
-from assistant.program.analysis.ways import LINES, OPEN, Kept, Ways
+from assistant.program.analysis.ways import LINES, OPEN, MotionStates, StepsOfText
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
@@ -22,12 +22,12 @@ from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite
 
 
-def with_open_lines(program: Program, kept: Kept) -> Program:
+def with_open_lines(program: Program, kept: StepsOfText) -> Program:
     """With the targets open that only such straight moves use, for an arm to choose.
 
     kept: what kept texts do.
     """
-    ways = Ways(program, _is_straight, kept)
+    ways = MotionStates(program, _is_straight, kept)
     free = {
         id(node)
         for procedure in program.procedures

@@ -16,7 +16,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import read_by_another_name
 from assistant.program.passes.endings import FOR_GOOD
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, Program, Signal, ValueType, Variable
 from assistant.program.rewriting import Body, map_bodies
 
@@ -24,7 +24,7 @@ _TRUTHS: Final = (*e.RELATIONS, "and", "or")
 ZERO: Final = e.Number(0)
 
 
-def with_checked_outputs(job: Legalising) -> Program:
+def with_checked_outputs(job: Legalisation) -> Program:
     """The program with a choice of 0 and 1, or a stop behind a group's range, before each.
 
     One that a language of the same kin said stays as it is.
@@ -34,13 +34,14 @@ def with_checked_outputs(job: Legalising) -> Program:
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in q.variables}
-    shared = _Shared.of(program)
+    shared = _SharedNames.of(program)
     return replace(
-        program, procedures=tuple(_Checking(shared, q, taken).checked() for q in program.procedures)
+        program,
+        procedures=tuple(_OutputChecks(shared, q, taken).checked() for q in program.procedures),
     )
 
 
-def find_outputs_of_two_names(job: Legalising) -> None:
+def find_outputs_of_two_names(job: Legalisation) -> None:
     """Errors where what is read has another name where it is set, for signals known by names."""
     for statement, name, other in read_by_another_name(job.program):
         with job.findings.at(statement.span):
@@ -51,7 +52,7 @@ def find_outputs_of_two_names(job: Legalising) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Shared:
+class _SharedNames:
     """Of a program, by names in lower case: signals, types of variables and of results."""
 
     signals: Mapping[str, Signal]
@@ -59,18 +60,18 @@ class _Shared:
     results: Mapping[str, ValueType | None]
 
     @staticmethod
-    def of(program: Program) -> _Shared:
-        return _Shared(
+    def of(program: Program) -> _SharedNames:
+        return _SharedNames(
             {name.lower(): signal for name, signal in program.signals.items()},
             {name.lower(): v.type for name, v in program.variables.items()},
             {q.name.lower(): q.result for q in program.procedures},
         )
 
 
-class _Checking:
+class _OutputChecks:
     """One procedure. taken: names in lower case that a variable may not have."""
 
-    def __init__(self, shared: _Shared, procedure: Procedure, taken: set[str]) -> None:
+    def __init__(self, shared: _SharedNames, procedure: Procedure, taken: set[str]) -> None:
         self.procedure, self.taken = procedure, taken
         self.signals, self.results = shared.signals, shared.results
         own = {q.name.lower(): q.type for q in procedure.parameters}
@@ -108,7 +109,7 @@ class _Checking:
                 yield p.Assign(value, node.value)
             most = e.Number((1 << signal.bits) - 1)
             outside = e.Binary("or", e.Binary("<", value, ZERO), e.Binary(">", value, most))
-            if not (above and _is_behind(above[-1], outside)):
+            if not (above and _is_guarded(above[-1], outside)):
                 yield p.If((p.Branch(outside, (FOR_GOOD,)),))
             yield replace(node, value=value)
 
@@ -138,7 +139,7 @@ class _Checking:
         return e.Name(next(iter(self.kept)))
 
 
-def _is_behind(node: p.Statement, outside: e.Expression) -> bool:
+def _is_guarded(node: p.Statement, outside: e.Expression) -> bool:
     """Whether a statement leaves the program where a condition holds: it is checked already."""
     match node:
         case p.If((p.Branch(condition, (stop,)),), ()):

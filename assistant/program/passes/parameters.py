@@ -19,16 +19,16 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import (
     along_calls,
     altered,
-    base,
+    base_variable,
     declared,
     handed_over,
-    mentioned,
+    mentioned_variables,
     unordered,
 )
 from assistant.program.diagnostics import Rule
 from assistant.program.passes.hoisting import Taken, hoisted
-from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.long_calls import Widths, too_long
+from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.long_calls import LineWidths, procedures_too_long
 from assistant.program.passes.parameters_refused import refuse_kept_texts, refuse_other_order
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
 from assistant.program.program import (
@@ -46,20 +46,26 @@ MOST_COPIES: Final = 200
 """Procedures that are made of one with parameters; more is no program that anybody reads."""
 
 
-def with_sayable_procedures(job: Legalising) -> Program:
+def with_sayable_procedures(job: Legalisation) -> Program:
     """The program with procedures that the language has; in one with functions all of them are."""
     can = job.can.procedures
     if can is not None and not can.functions:
         return without_parameters(job, can.as_variables)
     program = job.program
-    long = too_long(program, Widths(can.longest, can.longest_name)) if can is not None else ()
+    long = (
+        procedures_too_long(program, LineWidths(can.longest, can.longest_name))
+        if can is not None
+        else ()
+    )
     if can is not None and long:
         program = without_parameters(job, can.as_variables, long)
     job.findings.extend(unordered(program, job.can.cannot_say))
     return program
 
 
-def without_parameters(job: Legalising, told: Rule, only: Container[str] | None = None) -> Program:
+def without_parameters(
+    job: Legalisation, told: Rule, only: Container[str] | None = None
+) -> Program:
     """The program with variables for the parameters and results of its procedures.
 
     None of those that have some may call itself. The procedure that a called program begins
@@ -100,7 +106,7 @@ class _Forms:
     reaches: what runs while a procedure does, itself included.
     """
 
-    def __init__(self, job: Legalising, formed: Iterable[Procedure]) -> None:
+    def __init__(self, job: Legalisation, formed: Iterable[Procedure]) -> None:
         self.job, self.whole = job, job.program
         program = job.program
         self.called = {q.name.lower(): q for q in formed}
@@ -109,7 +115,7 @@ class _Forms:
         counters = (x.variable for x in program.statements() if isinstance(x, p.For))
         self.taken = TakenNames((*declared(program), *counters))
         self.titles = TakenNames(q.name for q in program.procedures)
-        self.alters, self.mentions = altered(program), mentioned(program)
+        self.alters, self.mentions = altered(program), mentioned_variables(program)
         alone = {q.name.lower(): frozenset([q.name.lower()]) for q in program.procedures}
         self.reaches = along_calls(program, alone)
         self.unsteady = {name.lower() for name in program.signals}
@@ -233,12 +239,14 @@ class _Forms:
         Those that a call hands over twice, and those that hide what the procedure works on.
         """
         procedure = form.procedure
-        wanted = set(map(base, form.names.values()))
+        wanted = set(map(base_variable, form.names.values()))
         for record in records(procedure.body):
             match record:
                 case p.Call(name, arguments) | e.Apply(name, arguments):
                     callee = self.called.get(name.lower())
-                    handed = [base(x) for x in handed_over(callee, arguments)] if callee else []
+                    handed = (
+                        [base_variable(x) for x in handed_over(callee, arguments)] if callee else []
+                    )
                     wanted |= {name for name in handed if handed.count(name) > 1}
         return {
             name.lower(): self.variable("variable", procedure.name, name, of=variable)
@@ -318,7 +326,7 @@ class _Calls:
         A copy will do unless the variable can be used by another name meanwhile.
         """
         mentions = self.forms.mentions[callee.name.lower()]
-        handed = [base(place) for place in handed_over(callee, arguments)]
+        handed = [base_variable(place) for place in handed_over(callee, arguments)]
         fixed: list[p.Statement] = []
         copies: list[p.Statement] = []
         back: list[p.Statement] = []
@@ -330,7 +338,7 @@ class _Calls:
                 arrays.append(value)
                 places.append(None)
                 continue
-            name = base(value) if q.mode == "inout" else ""
+            name = base_variable(value) if q.mode == "inout" else ""
             itself = handed.count(name) > 1 or (name in mentions and name not in self.own)
             if name:
                 stem = callee.name, q.name

@@ -7,19 +7,19 @@ from collections.abc import Mapping
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import called_by, read_before
-from assistant.program.effects import unknown
-from assistant.program.passes.legalising import Legalising
+from assistant.program.effects import unknown_effect
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, walk
 from assistant.program.rewriting import Body, head, records
 
 
-def refuse_kept_texts(job: Legalising, procedure: Procedure) -> None:
+def refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
     """An error for each kept text that names a parameter: it would name another variable then."""
     own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
     for node in walk(procedure.body):
         for part in records(head(node)) if own else ():
             if isinstance(part, p.Opaque | e.Verbatim):
-                effect = unknown(part.text) if part.effect is None else part.effect
+                effect = unknown_effect(part.text) if part.effect is None else part.effect
                 for name in sorted(effect.names & own.keys()):
                     what = f"`{part.text}`, which names the parameter `{own[name]}`"
                     with job.findings.at(node.span):
@@ -27,7 +27,7 @@ def refuse_kept_texts(job: Legalising, procedure: Procedure) -> None:
 
 
 def refuse_other_order(
-    job: Legalising,
+    job: Legalisation,
     body: Body,
     called: Mapping[str, Procedure],
     alters: Mapping[str, frozenset[str]],
@@ -50,7 +50,7 @@ def refuse_other_order(
                 )
 
 
-def _refuse_once(job: Legalising, node: p.WaitUntil, called: Mapping[str, Procedure]) -> None:
+def _refuse_once(job: Legalisation, node: p.WaitUntil, called: Mapping[str, Procedure]) -> None:
     """An error at a wait with a limit for what a call tells: it would be called once only."""
     for record in records(node.condition):
         if isinstance(record, e.Apply) and record.function.lower() in called:

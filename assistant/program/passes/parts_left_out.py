@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from assistant.program.diagnostics import Rule
-from assistant.program.passes.legalising import Legalising, Pass
+from assistant.program.passes.legalising import Legalisation, Pass
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
@@ -20,7 +20,7 @@ def leaving_out(told: Rule, changes: Mapping[type, tuple[str, Change]]) -> Pass:
     it, and the record without it.
     """
 
-    def with_parts_left_out(job: Legalising) -> Program:
+    def with_parts_left_out(job: Legalisation) -> Program:
         def plain(part: Any) -> Any:
             what, change = changes.get(type(part), ("", lambda same: same))
             made = change(part)

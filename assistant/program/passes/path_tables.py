@@ -38,7 +38,7 @@ def with_whole_arcs(path: Path) -> Path:
     return replace(path, **made)
 
 
-def compact(path: Path) -> Path:
+def with_used_entries(path: Path) -> Path:
     """The path with only those table rows that it uses, in the order of their first use."""
     made: dict[str, Any] = {}
     for column in COLUMNS:
@@ -47,7 +47,7 @@ def compact(path: Path) -> Path:
     return replace(path, **made)
 
 
-def at_lines(
+def reported_at_lines(
     findings: Findings,
     line: Callable[[int], Span | None],
     index: NDArray[Any],

@@ -14,7 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
 from assistant.program.arrays import Rows
-from assistant.program.diagnostics import over
+from assistant.program.diagnostics import span_over
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
@@ -101,10 +101,10 @@ class _Gatherer:
     def joined(self, held: list[p.Statement], count: int) -> list[p.Statement]:
         if count < 2 or (len(held) == 1 and isinstance(held[0], p.Follow)):
             return held
-        span = over(held[0].span, held[-1].span)
+        span = span_over(held[0].span, held[-1].span)
         paths = [self.path(statement) for statement in held]
-        joined = join(paths[0].name, paths)
-        places = None if span is None else _places(held, paths, span.start)
+        joined = joined_paths(paths[0].name, paths)
+        places = None if span is None else _row_spans(held, paths, span.start)
         return [p.Follow(replace(joined, places=places), span=span)]
 
     def path(self, statement: p.Statement) -> Path:
@@ -137,7 +137,7 @@ class _Gatherer:
         )
 
 
-def _places(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> Rows | None:
+def _row_spans(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> Rows | None:
     """Spans of the rows of paths in the text, counted from `start`; None if any has none."""
     parts = []
     for statement, path in zip(held, paths, strict=True):
@@ -151,7 +151,7 @@ def _places(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -> R
     return np.concatenate(parts)
 
 
-def join(name: str, paths: list[Path]) -> Path:
+def joined_paths(name: str, paths: list[Path]) -> Path:
     """Paths one after the other as one, without the places of their rows."""
     tables: dict[str, tuple[Any, ...]] = {}
     columns: dict[str, Any] = {}

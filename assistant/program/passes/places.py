@@ -8,12 +8,12 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.lengths import lengths
+from assistant.program.analysis.lengths import straight_lengths
 from assistant.program.analysis.pulses import doubtful_pulses
-from assistant.program.contents import once
+from assistant.program.contents import once_per_program
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.legalising import Legalising, Outputs
-from assistant.program.passes.motions import meant
+from assistant.program.passes.legalising import Legalisation, Outputs
+from assistant.program.passes.motions import declared_value
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies
 
@@ -24,7 +24,7 @@ SHORTEST: Final = 0.01
 ZERO: Final = e.Number(0)
 
 
-def with_measured_places(job: Legalising) -> Program:
+def with_measured_places(job: Legalisation) -> Program:
     """The program with places measured otherwise where it is known to be the same.
 
     Either end of a way can be told as mm from it, and the rest of a straight move whose length is
@@ -37,8 +37,8 @@ def with_measured_places(job: Legalising) -> Program:
     measures = can.measures
     if not sets_on_way(program):
         return program
-    known = lengths(program)
-    _find_unlike(job, can)
+    known = straight_lengths(program)
+    _find_other_positions(job, can)
 
     def body(numbers: Mapping[str, e.Number], statements: Body) -> Body:
         return tuple(one(numbers, x) for x in statements)
@@ -51,7 +51,7 @@ def with_measured_places(job: Legalising) -> Program:
         triggers = tuple(_measured(x, measures, numbers, length) for x in node.triggers)
         return replace(node, triggers=triggers)
 
-    procedures = ((q, constants(program, q)) for q in program.procedures)
+    procedures = ((q, constant_numbers(program, q)) for q in program.procedures)
     return replace(
         program, procedures=tuple(replace(q, body=body(known, q.body)) for q, known in procedures)
     )
@@ -62,7 +62,7 @@ def sets_on_way(program: Program) -> bool:
     return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
 
 
-def constants(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
+def constant_numbers(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
     """Numbers of the constants that a procedure sees, by lower-case name."""
     shared = _shared_constants(program)
     own = {parameter.name.lower() for parameter in procedure.parameters}
@@ -71,16 +71,16 @@ def constants(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
         return shared
     found = {name: value for name, value in shared.items() if name not in own}
     hidden = {parameter.name.lower() for parameter in procedure.parameters}
-    found |= {k: v for k, v in _numbers(procedure.variables).items() if k not in hidden}
+    found |= {k: v for k, v in _constant_numbers(procedure.variables).items() if k not in hidden}
     return found
 
 
-@once
+@once_per_program
 def _shared_constants(program: Program) -> dict[str, e.Number]:
-    return _numbers(program.variables)
+    return _constant_numbers(program.variables)
 
 
-def _numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
+def _constant_numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
     """Of those that are constants, by lower-case name."""
     return {
         name.lower(): one.initial
@@ -89,25 +89,25 @@ def _numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
     }
 
 
-def plain(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
+def constant_value(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
     """The number that a constant stands for, anything else as it is. numbers: see `constants`."""
     return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
 
 
-def plain_trigger(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
+def with_constant_values(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
     """With numbers for truths and constants, and no delay of no time. numbers: see `constants`."""
     value = e.Number(int(x.value.value)) if isinstance(x.value, e.Truth) else x.value
-    ahead = None if x.ahead is None else plain(x.ahead, numbers)
+    ahead = None if x.ahead is None else constant_value(x.ahead, numbers)
     return replace(
         x,
-        value=plain(value, numbers),
-        amount=plain(x.amount, numbers),
-        pulse=None if x.pulse is None else plain(x.pulse, numbers),
+        value=constant_value(value, numbers),
+        amount=constant_value(x.amount, numbers),
+        pulse=None if x.pulse is None else constant_value(x.pulse, numbers),
         ahead=None if ahead == ZERO else ahead,
     )
 
 
-def with_ends_apart(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
+def with_ends_apart(job: Legalisation, move: p.MoveStatement) -> Iterator[p.Statement]:
     """The move; after it what it sets at its very end, before it what it sets as it begins.
 
     Before it only where the language sets fewer outputs on one way. Where the robot does not stop
@@ -155,7 +155,7 @@ def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:
     return False
 
 
-def by_speed(job: Legalising, x: p.Trigger, speed: Speed | None) -> p.Trigger:
+def by_speed(job: Legalisation, x: p.Trigger, speed: Speed | None) -> p.Trigger:
     """A trigger at a time, as the mm that a robot of that speed goes in it.
 
     speed: of the move, None where it is not known, or not of the tool. What a language tells by
@@ -187,7 +187,7 @@ def _measured(
     numbers: Mapping[str, e.Number],
     length: float | None,
 ) -> p.Trigger:
-    amount = plain(x.amount, numbers)
+    amount = constant_value(x.amount, numbers)
     if not isinstance(amount, e.Number):
         return x
     if x.measure == "share" and amount.value in (0, 100):
@@ -207,12 +207,12 @@ def _measured(
 # -------------------------------------------------------------------- what may be another place
 
 
-def _is_foreign(job: Legalising) -> bool:
+def _is_foreign(job: Legalisation) -> bool:
     origin = job.program.origin
     return origin is not None and origin.language not in job.can.kin
 
 
-def _find_pulses(job: Legalising, can: Outputs) -> None:
+def _find_pulses(job: Legalisation, can: Outputs) -> None:
     """Pulses of another language's that may begin with the output on."""
     for pulse in doubtful_pulses(job.program) if _is_foreign(job) else ():
         if pulse.value != e.Number(1):
@@ -221,7 +221,7 @@ def _find_pulses(job: Legalising, can: Outputs) -> None:
             job.findings.append(can.pulse(name=pulse.signal))
 
 
-def _find_unlike(job: Legalising, can: Outputs) -> None:
+def _find_other_positions(job: Legalisation, can: Outputs) -> None:
     """Places that are told by what languages may count otherwise."""
     if not (_is_foreign(job) or (job.program.origin is None and not can.known)):
         return
@@ -229,15 +229,17 @@ def _find_unlike(job: Legalising, can: Outputs) -> None:
     for move in job.program.statements():
         if not isinstance(move, p.MoveStatement) or not move.triggers:
             continue
-        blend = meant(move.motion.fixed[1], blends)
+        blend = declared_value(move.motion.fixed[1], blends)
         with job.findings.at(move.span):
             for one in move.triggers:
-                what = _unlike(move, one, blend)
+                what = _difference_of_position(move, one, blend)
                 if what is not None:
                     job.findings.append(can.unlike(name=one.signal, what=what))
 
 
-def _unlike(move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name) -> str | None:
+def _difference_of_position(
+    move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name
+) -> str | None:
     """Why a place may not be counted alike, None if it is on a straight line before a corner."""
     stops = isinstance(blend, Blend) and blend.fine
     number = x.amount.value if isinstance(x.amount, e.Number) else None

@@ -11,7 +11,7 @@ OPPOSITE: Final[dict[str, Any]] = {
 }  # fmt: skip
 
 
-def of_numbers(value: e.Expression) -> e.Expression:
+def without_truth_values(value: e.Expression) -> e.Expression:
     """An expression without truth values and `not`; signs of numbers are part of them.
 
     For a language whose truths are numbers, and whose `not` works on bits.
@@ -52,7 +52,7 @@ MOST_DECIMALS: Final = 15
 """A float has no more digits than these for sure."""
 
 
-def fixed(value: e.Expression, places: float) -> e.Expression:
+def fixed_text(value: e.Expression, places: float) -> e.Expression:
     """A number as text with so many decimals at most, and no more than a float has."""
     if places <= 0:
         return e.Apply("text", (e.Apply("round", (value,)),))
@@ -61,7 +61,7 @@ def fixed(value: e.Expression, places: float) -> e.Expression:
     return e.Apply("text", (e.Binary("/", whole, power),))
 
 
-def in_pairs(x: e.Apply) -> e.Expression:
+def two_at_a_time(x: e.Apply) -> e.Expression:
     """The smallest or largest of two at a time."""
     one, *others = x.arguments
     for other in others:
@@ -69,7 +69,7 @@ def in_pairs(x: e.Apply) -> e.Expression:
     return one
 
 
-def shifted(x: e.Apply, parts: int | None = None) -> e.Apply:
+def with_shift_parts(x: e.Apply, parts: int | None = None) -> e.Apply:
     """A moved target with so many parts of what it is moved by, or with none of 0 at the end."""
     given, none = x.arguments, e.Number(0)
     if parts is not None:

@@ -12,8 +12,8 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.ways import Kept, Ways
-from assistant.program.contents import everywhere
+from assistant.program.analysis.ways import MotionStates, StepsOfText
+from assistant.program.contents import records_in_procedures
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import Body, map_bodies, map_head
 
@@ -22,15 +22,15 @@ Said = Callable[[e.Expression, str | None, str | None], e.Expression]
 
 
 def with_present_places(
-    program: Program, reads: Callable[[Any], bool], said: Said, kept: Kept
+    program: Program, reads: Callable[[Any], bool], said: Said, kept: StepsOfText
 ) -> Program:
     """The program with `said` made of the texts that read the position.
 
     reads: which records are such texts. kept: what kept texts do.
     """
-    if not any(map(reads, everywhere(program, p.Opaque, e.Verbatim))):
+    if not any(map(reads, records_in_procedures(program, p.Opaque, e.Verbatim))):
         return program
-    ways = Ways(program, reads, kept)
+    ways = MotionStates(program, reads, kept)
 
     def body(owner: Procedure, statements: Body) -> Body:
         return tuple(statement(owner, node) for node in statements)

@@ -9,12 +9,12 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.assignment import Assigning
-from assistant.program.analysis.circles import circular
+from assistant.program.analysis.assignment import AssignmentAnalysis
+from assistant.program.analysis.circles import recursive_names
 from assistant.program.analysis.uses import called
-from assistant.program.contents import all_of
+from assistant.program.contents import records_in_body
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import (
     Procedure,
     Program,
@@ -37,7 +37,7 @@ NOTHING: Final[dict[ValueType, e.Expression]] = {
 
 def with_fresh_variables(program: Program) -> Program:
     """The program whose procedures give their variables the first value at each call."""
-    assigning = Assigning(program)
+    assigning = AssignmentAnalysis(program)
     fresh = (_with_fresh(q, assigning.run(q).own) for q in program.procedures)
     return replace(program, procedures=tuple(fresh))
 
@@ -63,11 +63,11 @@ def _with_fresh(procedure: Procedure, read: set[str]) -> Procedure:
             first.append(p.Assign(e.Name(name), value, span=variable.span))
     if not first and variables == procedure.variables:
         return procedure
-    notes, body = noted(procedure.body)
+    notes, body = notes_and_body(procedure.body)
     return replace(procedure, variables=variables, body=(*notes, *first, *body))
 
 
-def noted(body: Body) -> tuple[Body, Body]:
+def notes_and_body(body: Body) -> tuple[Body, Body]:
     """The comments that stood above a procedure, and its statements."""
     notes = tuple(takewhile(_is_note, body))
     return notes, body[len(notes) :]
@@ -110,11 +110,11 @@ def has_functions(program: Program, unit: str | None, functions: bool) -> bool:
     return functions and any(q.parameters or q.result is not None for q in others)
 
 
-def without_recursion(job: Legalising) -> Program:
+def without_recursion(job: Legalisation) -> Program:
     """The program itself; procedures whose data exist once must not call themselves."""
     can = job.can.procedures
     if can is not None:
-        for procedure in recursive(job.program):
+        for procedure in recursive_procedures(job.program):
             if not has_functions(job.program, procedure.unit, can.functions):
                 with job.findings.at(procedure.span):
                     about = Declared(procedure.name, "procedures")
@@ -140,16 +140,16 @@ def with_units_together(program: Program) -> Program:
     return replace(program, procedures=tuple(q for unit in units.values() for q in unit))
 
 
-def recursive(program: Program) -> Iterator[Procedure]:
+def recursive_procedures(program: Program) -> Iterator[Procedure]:
     """Procedures with parameters, a result or variables that call themselves, in the end.
 
     The counter of a loop is a variable of its procedure, unless the program has one of that name.
     """
     shared = {name.lower() for name in program.variables}
-    again = circular({q.name.lower(): set(called(q)) for q in program.procedures})
+    again = recursive_names({q.name.lower(): set(called(q)) for q in program.procedures})
     for procedure in program.procedures:
         if procedure.name.lower() not in again:
             continue
-        loops = (loop.variable.lower() for loop in all_of(procedure, p.For))
+        loops = (loop.variable.lower() for loop in records_in_body(procedure, p.For))
         if has_form(procedure) or procedure.variables or any(x not in shared for x in loops):
             yield procedure

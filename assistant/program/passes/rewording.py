@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import Kinds, kinds
+from assistant.program.analysis.kinds import KnownTypes, known_types
 from assistant.program.analysis.spelling import Spelling
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import Procedure, Variable
 from assistant.program.rewriting import Body, map_bodies, map_expressions, map_head
 
@@ -28,15 +28,15 @@ class Rewording:
 
     changes: ClassVar[Changes] = {}
 
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         self.job, self.spelling = job, Spelling(job.program)
-        self.known: Kinds = {}
+        self.known: KnownTypes = {}
         self.choices = 0
 
     def enter(self, procedure: Procedure) -> None:
         """What follows stands in a procedure."""
         self.spelling.enter(procedure)
-        self.known = kinds(self.job.program, procedure)
+        self.known = known_types(self.job.program, procedure)
 
     def procedure(self, procedure: Procedure) -> Procedure:
         """A procedure with its variables and statements as the language says them."""

@@ -13,13 +13,13 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import base
+from assistant.program.analysis.uses import base_variable
 from assistant.program.kept import effect_of
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 
-_PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
+_PLAIN_EXPRESSIONS: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
 """Expressions that give the same each time, as long as nothing is assigned to their names."""
 _BACKWARDS: Final = e.Number(-1)
 
@@ -28,7 +28,7 @@ def with_settled_loops(program: Program) -> Program:
     """The program with a step for each loop, and with bounds that stay as they are."""
     if not any(isinstance(node, p.For) for node in program.statements()):
         return program
-    loops = _Loops(program)
+    loops = _LoopBounds(program)
     return replace(program, procedures=tuple(map(loops.procedure, program.procedures)))
 
 
@@ -45,7 +45,7 @@ def _directed(part: Any) -> Any:
     return part
 
 
-class _Loops:
+class _LoopBounds:
     """Names are in lower case.
 
     written: those that anything in the program assigns to. own: those of the procedure's own
@@ -58,7 +58,9 @@ class _Loops:
         self.written = {name for q in program.procedures for name in self._written(q.body)}
         tables = (program.variables, program.targets, program.joint_targets, program.signals)
         self.taken = TakenNames(name.lower() for table in tables for name in table)
-        self.taken.update(name.lower() for q in program.procedures for name in _own(q))
+        self.taken.update(
+            name.lower() for q in program.procedures for name in _names_of_procedure(q)
+        )
         self.variables: dict[str, Variable] = {}
         self.own: set[str] = set()
 
@@ -113,7 +115,7 @@ class _Loops:
 
     def _stays(self, value: e.Expression, changed: set[str]) -> bool:
         for record in records(value):
-            if not isinstance(record, _PLAIN):
+            if not isinstance(record, _PLAIN_EXPRESSIONS):
                 return False
             if isinstance(record, e.Name):
                 key = record.name.lower()
@@ -136,16 +138,16 @@ class _Loops:
         for record in records(body):
             match record:
                 case p.Assign(target):
-                    yield base(target)
+                    yield base_variable(target)
                 case p.For(variable):
                     yield variable.lower()
                 case p.Call(_, arguments) | e.Apply(_, arguments):
-                    yield from map(base, arguments)
+                    yield from map(base_variable, arguments)
                 case p.Opaque() | e.Verbatim():
                     yield from effect_of(record).names
 
 
-def _own(procedure: Procedure) -> Iterator[str]:
+def _names_of_procedure(procedure: Procedure) -> Iterator[str]:
     yield from procedure.variables
     yield from (q.name for q in procedure.parameters)
     yield from (r.variable for r in records(procedure.body) if isinstance(r, p.For))

@@ -19,24 +19,24 @@ def with_declared_names(program: Program) -> Program:
     Tools, frames, speeds and blends are the business of motions.
     """
     spelling = Spelling(program)
-    variables = _spelled(program.variables, spelling, None)
+    variables = _respelled(program.variables, spelling, None)
     return replace(
         program,
         variables=variables,
-        procedures=tuple(_procedure(q, spelling) for q in program.procedures),
+        procedures=tuple(_respelled_procedure(q, spelling) for q in program.procedures),
     )
 
 
-def _procedure(procedure: Procedure, spelling: Spelling) -> Procedure:
+def _respelled_procedure(procedure: Procedure, spelling: Spelling) -> Procedure:
     spelling.enter(procedure)
     return replace(
         procedure,
-        variables=_spelled(procedure.variables, spelling, procedure.unit),
-        body=_spelled(procedure.body, spelling, procedure.unit),
+        variables=_respelled(procedure.variables, spelling, procedure.unit),
+        body=_respelled(procedure.body, spelling, procedure.unit),
     )
 
 
-def _spelled(value: Any, spelling: Spelling, unit: str | None) -> Any:
+def _respelled(value: Any, spelling: Spelling, unit: str | None) -> Any:
     """unit: in which it stands."""
 
     def visit(node: Any) -> Any:

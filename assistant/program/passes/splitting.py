@@ -9,15 +9,15 @@ import numpy as np
 
 from assistant.program import statements as p
 from assistant.program.arrays import Ints
-from assistant.program.passes.legalising import Legalising, Units
-from assistant.program.passes.path_tables import compact
+from assistant.program.passes.legalising import Legalisation, Units
+from assistant.program.passes.path_tables import with_used_entries
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, TakenNames, identifier, walk
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.subjects import Declared
 
 
-def split(job: Legalising) -> Program:
+def split(job: Legalisation) -> Program:
     """The program with calls of new procedures for the paths that fill a unit over its limit."""
     if job.can.units is None:
         return job.program
@@ -31,7 +31,7 @@ def split(job: Legalising) -> Program:
 class _Splitter:
     """count: targets that each unit still has. new: procedures of pieces."""
 
-    def __init__(self, job: Legalising, units: Units) -> None:
+    def __init__(self, job: Legalisation, units: Units) -> None:
         program = job.program
         self.findings, self.units = job.findings, units
         self.most = max(units.most, units.least_most)
@@ -41,7 +41,7 @@ class _Splitter:
         self.taken.update(program.targets, program.variables, program.signals, program.tools)
         self.count: dict[str | None, int] = {None: len(program.targets)}
         for q in program.procedures:
-            kept = sum(size for size in _sizes(q) if size <= self.most)
+            kept = sum(size for size in _path_sizes(q) if size <= self.most)
             self.count[q.unit] = self.count.get(q.unit, 0) + kept
 
     def procedure(self, procedure: Procedure) -> Procedure:
@@ -58,7 +58,7 @@ class _Splitter:
 
     def follow(self, node: p.Follow, owner: Procedure) -> Iterator[p.Statement]:
         """A path, or calls of a new procedure, in a new unit, for each piece of it."""
-        pieces = cuts(node.path, self.units, self.most)
+        pieces = unit_ranges(node.path, self.units, self.most)
         if len(pieces) < 2 and self.stays(len(node.path), owner):
             yield node
             return
@@ -76,13 +76,13 @@ class _Splitter:
                 unit = identifier(self.units.unit.format(name, number), self.taken)
                 self.taken.add(unit)
             rows = node.path.rows(start, stop, self.units.path.format(procedure))
-            self.new.append(Procedure(procedure, (p.Follow(compact(rows)),), unit=unit))
+            self.new.append(Procedure(procedure, (p.Follow(with_used_entries(rows)),), unit=unit))
             yield p.Call(procedure, unit=unit, span=node.span)
 
     def stays(self, size: int, owner: Procedure) -> bool:
         """Whether a path in one piece stays where it is; the last one of a unit does."""
         if self.units.counted == "procedure":
-            sizes = _sizes(owner)
+            sizes = _path_sizes(owner)
             lone = owner.unit is not None and len(owner.body) == 1
             return lone or len(sizes) < 2 or sum(sizes) <= self.most
         left = self.count[owner.unit] - size
@@ -92,14 +92,14 @@ class _Splitter:
         return False
 
 
-def _sizes(procedure: Procedure) -> list[int]:
+def _path_sizes(procedure: Procedure) -> list[int]:
     return [len(node.path) for node in walk(procedure.body) if isinstance(node, p.Follow)]
 
 
-def cuts(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
+def unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
     """Ranges of rows that fit one unit each; an arc's two rows stay together."""
     n = len(path)
-    costs, most_steps = _steps(path, units), units.most_steps or np.iinfo(np.int64).max
+    costs, most_steps = _row_steps(path, units), units.most_steps or np.iinfo(np.int64).max
     total = np.concatenate([[0], np.cumsum(costs)])
     if n <= most and total[-1] <= most_steps:
         return [(0, n)]
@@ -130,7 +130,7 @@ def _good_cut(path: Path, start: int, stop: int, straight: bool) -> int:
     return start + 1 + int(whole[-1]) if len(whole) else stop
 
 
-def _steps(path: Path, units: Units) -> Ints:
+def _row_steps(path: Path, units: Units) -> Ints:
     """Steps that each row takes at most: its move, and its settings where they change."""
     costs = (path.kinds != Kind.VIA).astype(np.int64)
     costs[:1] += units.first

@@ -8,7 +8,15 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.ways import CORNER, STOP, UNKNOWN, Kept, Step, Ways, corner_of
+from assistant.program.analysis.ways import (
+    CORNER,
+    STOP,
+    UNKNOWN,
+    MotionStates,
+    MotionStep,
+    StepsOfText,
+    corner_of,
+)
 from assistant.program.motion import FINE
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies
@@ -16,7 +24,7 @@ from assistant.program.rewriting import Body, map_bodies
 
 def with_stops(
     program: Program,
-    kept: Kept,
+    kept: StepsOfText,
     left: Callable[[p.Opaque], Iterable[p.Statement]],
     in_corner: e.Reason,
     always: Callable[[p.MoveStatement], None],
@@ -30,18 +38,18 @@ def with_stops(
     """
 
     def waits(node: Any) -> bool:
-        return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [Step.STOPS]
+        return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [MotionStep.STOPS]
 
     def moves(node: Any) -> bool:
         """True if a kept text may move the arm: the program is incomplete by that, not by waits."""
         if not isinstance(node, p.Opaque):
             return False
         steps = kept(node.text)
-        return steps is None or Step.MOVES in steps or Step.CALLS in steps
+        return steps is None or MotionStep.MOVES in steps or MotionStep.CALLS in steps
 
     if not any(map(waits, program.statements())):
         return program
-    ways = Ways(program, waits, kept)
+    ways = MotionStates(program, waits, kept)
     corners = {
         id(node): ways.at(procedure, node)[CORNER]
         for procedure in program.procedures

@@ -9,10 +9,10 @@ from typing import Final, Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_value, kinds
+from assistant.program.analysis.kinds import is_value, known_types
 from assistant.program.analysis.uses import changed_by_others, declared
-from assistant.program.contents import everywhere
-from assistant.program.passes.legalising import Legalising
+from assistant.program.contents import records_in_procedures
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.rewording import Rewording
 from assistant.program.program import (
     Procedure,
@@ -31,7 +31,7 @@ from assistant.program.rewriting import (
 )
 
 
-def with_single_reads(job: Legalising) -> Program:
+def with_single_reads(job: Legalisation) -> Program:
     """The program in which a choice that becomes comparisons reads an input once for all of them.
 
     What others change may be another value at the next comparison, and none of the cases is taken
@@ -45,7 +45,7 @@ def with_single_reads(job: Legalising) -> Program:
 
     def within(procedure: Procedure) -> Procedure:
         own: dict[str, Variable] = {}
-        known = kinds(program, procedure)
+        known = known_types(program, procedure)
 
         def body(statements: Body, depth: int) -> Body:
             return tuple(part for node in statements for part in said(node, depth))
@@ -94,7 +94,7 @@ def plain_switch(r: Rewording, node: p.Switch) -> Iterator[p.Statement]:
         yield from r.body(node.otherwise)
 
 
-def _compare_once(subject: e.Expression, job: Legalising) -> None:
+def _compare_once(subject: e.Expression, job: Legalisation) -> None:
     """An error where a subject calls functions, which each comparison would do again."""
     for record in records(subject):
         if isinstance(record, e.Apply) and job.program.procedure(record.function):
@@ -150,14 +150,14 @@ def _as_if(node: p.Switch) -> p.If:
     return p.If(tuple(branches), node.otherwise)
 
 
-def with_floors_read_once(job: Legalising) -> Program:
+def with_floors_read_once(job: Legalisation) -> Program:
     """The program in which `floor` of what others change has it in a variable.
 
     For a language that works `floor` out by naming its value several times. Statements that work
     their values out once get an assignment in front; in others it stays.
     """
     program = job.program
-    if not any(one.function == "floor" for one in everywhere(program, e.Apply)):
+    if not any(one.function == "floor" for one in records_in_procedures(program, e.Apply)):
         return program
     changing, taken = changed_by_others(program), TakenNames(declared(program))
 

@@ -9,18 +9,18 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import declared, names_in
 from assistant.program.geometry import Frame, Tool
 from assistant.program.program import Declaration, Program, TakenNames, identifier
-from assistant.program.rewriting import exchanged
+from assistant.program.rewriting import with_vendor_statements_replaced
 
-Table = tuple[Declaration, Sequence[Tool | Frame]]
+RowTable = tuple[Declaration, Sequence[Tool | Frame]]
 """What a declaration says: the rows."""
-Named = Callable[[str, int], str | None]
+RowName = Callable[[str, int], str | None]
 """The name of a row, by that of its table and its place from 1; None where there is none."""
 
 
 def with_table_rows(
     program: Program,
-    tables: Mapping[str, Table],
-    said: Callable[[p.Opaque, Named], p.Statement],
+    tables: Mapping[str, RowTable],
+    said: Callable[[p.Opaque, RowName], p.Statement],
 ) -> Program:
     """The program whose moves name rows, if nothing else reads or changes the tables.
 
@@ -38,7 +38,7 @@ def with_table_rows(
             taken.add(names[key].lower())
         return names[key]
 
-    changed = exchanged(program, lambda node: (said(node, named),))
+    changed = with_vendor_statements_replaced(program, lambda node: (said(node, named),))
     if not tables.keys().isdisjoint(name.lower() for name in names_in(changed.procedures)):
         return program
     rows = {name: tables[table][1][place - 1] for (table, place), name in names.items()}

@@ -16,9 +16,9 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow
-from assistant.program.analysis.graph import Graph
+from assistant.program.analysis.graph import ControlFlowGraph
 from assistant.program.analysis.uses import along_calls, declared, locals_of
-from assistant.program.kept import Kept, effect_of
+from assistant.program.kept import VendorText, effect_of
 from assistant.program.program import (
     Procedure,
     Program,
@@ -32,7 +32,7 @@ from assistant.program.rewriting import Body, map_bodies, records
 
 
 @dataclass(frozen=True, slots=True)
-class Declared:
+class TriggerData:
     """Data that moves take. plain: one variable. own: no other module sees it."""
 
     name: str
@@ -41,7 +41,7 @@ class Declared:
 
 
 @dataclass(frozen=True, slots=True)
-class SetUp:
+class TriggerSetUp:
     """What sets data up.
 
     trigger, signal: what a move that takes them sets, None for what the pseudo-program cannot say.
@@ -55,14 +55,14 @@ class SetUp:
 
 
 @dataclass(frozen=True, slots=True)
-class Taking:
+class TriggeredMove:
     """A move that takes data. move: without them, None if the pseudo-program cannot say it."""
 
     names: tuple[str, ...]
     move: p.MoveStatement | None
 
 
-Told = Declared | SetUp | Taking
+Told = TriggerData | TriggerSetUp | TriggeredMove
 """What a kept text is to outputs on the way of moves; names are in lower case."""
 
 
@@ -77,7 +77,7 @@ class Reasons:
 
 def with_triggers(
     program: Program,
-    told: Callable[[Kept], Told | None],
+    told: Callable[[VendorText], Told | None],
     library: Callable[[str], bool],
     reasons: Reasons,
     *,
@@ -89,11 +89,11 @@ def with_triggers(
     language's own. chosen: also choose among several statements that may have set data up, and
     leave out what sets data up that no move takes.
     """
-    texts: tuple[Kept, ...] = (*program.declarations, *_opaque(program))
+    texts: tuple[VendorText, ...] = (*program.declarations, *_opaque(program))
     found = {id(text): one for text in texts if (one := told(text)) is not None}
-    if not any(isinstance(one, Declared) for one in found.values()):
+    if not any(isinstance(one, TriggerData) for one in found.values()):
         return program, []
-    return _Setting(program, found, library, reasons, chosen).settled()
+    return _SetUpsAlongPaths(program, found, library, reasons, chosen).settled()
 
 
 def _opaque(program: Program) -> Iterator[p.Opaque]:
@@ -102,7 +102,7 @@ def _opaque(program: Program) -> Iterator[p.Opaque]:
 
 MOST_CHOICES: Final = 16
 """Ways in which the data that one move takes may be set up."""
-State = Mapping[str, SetUp]
+State = Mapping[str, TriggerSetUp]
 """By name of data, what set them up on every way to a place."""
 
 
@@ -110,7 +110,7 @@ _STILL: Final = (p.Move, p.MoveCircular, p.MoveJoints, p.Follow, p.SetSignal, p.
 """Statements that change no variable."""
 
 
-class _Setting:
+class _SetUpsAlongPaths:
     """told, becomes: by identity of kept texts, what each is, and the statement in its place.
 
     single: what sets up data that nothing else does, with the same numbers everywhere.
@@ -132,11 +132,11 @@ class _Setting:
         self.known = self.procedures.union(*written)
         own = {q.name.lower(): frozenset(self._set_up(q)) for q in program.procedures}
         self.sets = along_calls(program, own)
-        self.setups: dict[str, list[tuple[p.Opaque, SetUp]]] = {}
-        self.takings: list[tuple[p.Opaque, Taking, State]] = []
+        self.setups: dict[str, list[tuple[p.Opaque, TriggerSetUp]]] = {}
+        self.takings: list[tuple[p.Opaque, TriggeredMove, State]] = []
         for node in _opaque(program):
             one = told.get(id(node))
-            if isinstance(one, SetUp):
+            if isinstance(one, TriggerSetUp):
                 self.setups.setdefault(one.name, []).append((node, one))
         found = ((name, [one for _, one in every]) for name, every in self.setups.items())
         self.single = {name: x[0] for name, x in found if len(x) == 1 and x[0].fixed}
@@ -148,26 +148,26 @@ class _Setting:
 
     def _set_up(self, procedure: Procedure) -> Iterator[str]:
         found = (self.told.get(id(node)) for node in walk(procedure.body))
-        return (one.name for one in found if isinstance(one, SetUp))
+        return (one.name for one in found if isinstance(one, TriggerSetUp))
 
     # -------------------------------------------------------------------------------- ways
 
     def _follow(self, procedure: Procedure) -> None:
         """Notes what the moves of a procedure take, along the ways through it."""
-        graph = Graph(procedure.body)
+        graph = ControlFlowGraph(procedure.body)
 
         def behind(node: int, state: State) -> State:
             for part in graph.runs[node]:
                 state = self._ran(part, state)
             return state
 
-        flow = Dataflow(graph.after, behind, _joined)
+        flow = Dataflow(graph.after, behind, _merged_set_ups)
         flow.spread([(graph.start, {})])
         for node, parts in enumerate(graph.runs):
             state = flow.found.get(node, {})
             for part in parts:
                 one = self.told.get(id(part))
-                if isinstance(one, Taking):
+                if isinstance(one, TriggeredMove):
                     self.takings.append((part, one, self._left(part, state)))
                 state = self._ran(part, state)
 
@@ -177,7 +177,7 @@ class _Setting:
             return state
         state = self._left(part, state)
         one = self.told.get(id(part))
-        if isinstance(one, SetUp):
+        if isinstance(one, TriggerSetUp):
             return {**state, one.name: one}
         if isinstance(part, _STILL):
             return state
@@ -185,7 +185,7 @@ class _Setting:
 
     def _left(self, part: Any, state: State) -> State:
         """What is still set up as it was once the calls in a statement or a value are done."""
-        calls = set(_calls(part)) if state else set()
+        calls = set(_called_names(part)) if state else set()
         if any(map(self._is_foreign, calls)):
             return {}
         changed = frozenset().union(*(self.sets.get(name, ()) for name in calls))
@@ -227,13 +227,13 @@ class _Setting:
     def _without(self, gone: set[str]) -> Program:
         """The program with what its statements become, and without some of its data."""
 
-        def is_gone(text: Kept) -> bool:
+        def is_gone(text: VendorText) -> bool:
             one = self.told.get(id(text))
-            return isinstance(one, Declared) and one.name in gone
+            return isinstance(one, TriggerData) and one.name in gone
 
         for node in _opaque(self.program):
             one = self.told.get(id(node))
-            if isinstance(one, Declared) and one.name in gone:
+            if isinstance(one, TriggerData) and one.name in gone:
                 self.becomes[id(node)] = self._noted(one.name, 0, node)
         counted = {name: Variable("number", e.Number(0)) for name in self.numbers.values()}
         return replace(
@@ -257,7 +257,7 @@ class _Setting:
         return p.Assign(e.Name(self.numbers[name]), e.Number(number), span=node.span)
 
     def _said(
-        self, node: p.Opaque, taking: Taking, state: State
+        self, node: p.Opaque, taking: TriggeredMove, state: State
     ) -> p.MoveStatement | p.Switch | e.Reason:
         """A move with its outputs; data that one statement alone sets up are so everywhere."""
         if taking.move is None:
@@ -277,7 +277,7 @@ class _Setting:
         if one is not None and one.trigger is not None:
             return ((0, one.trigger),)
         every = [setup for _, setup in self.setups.get(name, ())]
-        calls = set(_calls(node))
+        calls = set(_called_names(node))
         late = any(name in self.sets.get(one, ()) or self._is_foreign(one) for one in calls)
         if late or not self.chosen or not all(setup.fixed for setup in every):
             return ()
@@ -323,18 +323,21 @@ class _Setting:
     def _declared(self) -> set[str]:
         """Names of the data that are declared once, where no other module may set them up."""
         parts = (q.body for q in self.program.procedures)
-        texts = (_calls(tuple(parts)), *(effect_of(d).calls for d in self.program.declarations))
+        texts = (
+            _called_names(tuple(parts)),
+            *(effect_of(d).calls for d in self.program.declarations),
+        )
         whole = not any(self._is_foreign(name) for names in texts for name in names)
         count: Counter[str] = Counter()
         for one in self.told.values():
-            if isinstance(one, Declared):
+            if isinstance(one, TriggerData):
                 count[one.name] += 1 if one.plain and (whole or one.own) else 2
         return {name for name, declarations in count.items() if declarations == 1}
 
     def _elsewhere(self) -> set[str]:
         """Names that anything else has, with data that a kept text may set up anew by a call."""
         names = {name for q in self.program.procedures for name in locals_of(q)}
-        kept: list[Kept] = list(self.program.declarations)
+        kept: list[VendorText] = list(self.program.declarations)
         for record in records(tuple(q.body for q in self.program.procedures)):
             match record:
                 case e.Name(name) | p.For(name):
@@ -349,14 +352,14 @@ class _Setting:
         return names
 
 
-Said = tuple[p.Opaque, Taking, p.MoveStatement | p.Switch | e.Reason]
+Said = tuple[p.Opaque, TriggeredMove, p.MoveStatement | p.Switch | e.Reason]
 
 
-def _joined(one: State, other: State) -> State:
+def _merged_set_ups(one: State, other: State) -> State:
     return {name: setup for name, setup in one.items() if other.get(name) == setup}
 
 
-def _calls(value: Any) -> Iterator[str]:
+def _called_names(value: Any) -> Iterator[str]:
     """Lower-case names of what statements or values call, kept texts too."""
     for record in records(value):
         match record:

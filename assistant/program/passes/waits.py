@@ -13,14 +13,14 @@ from assistant.program.passes.rewording import Rewording
 
 
 def set_signal(r: Rewording, node: p.SetSignal) -> Iterator[p.Statement]:
-    fit(r, node.signal, node.value)
+    check_fit(r, node.signal, node.value)
     yield node
 
 
 def wait_signal(r: Rewording, node: p.WaitSignal) -> Iterator[p.Statement]:
     """One for another value than a number, or for an analog signal, is a wait for a condition."""
     if isinstance(node.value, e.Number) and not _is_analog(r, node.signal):
-        fit(r, node.signal, node.value)
+        check_fit(r, node.signal, node.value)
         yield node
     else:
         condition = e.Binary("=", e.Name(node.signal), node.value)
@@ -33,7 +33,7 @@ def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
         case e.Binary("=", e.Name(name)) if _is_analog(r, name):
             yield node
         case e.Binary("=", e.Name(name), e.Number() as value) if r.spelling.signal(name):
-            fit(r, name, value)
+            check_fit(r, name, value)
             yield p.WaitSignal(name, value, node.timeout, span=node.span)
         case e.Name(name) if r.spelling.signal(name):
             yield p.WaitSignal(name, e.Number(1), node.timeout, span=node.span)
@@ -46,7 +46,7 @@ def _is_analog(r: Rewording, name: str) -> bool:
     return signal is not None and signal.kind == "analog"
 
 
-def fit(r: Rewording, name: str, value: e.Expression) -> None:
+def check_fit(r: Rewording, name: str, value: e.Expression) -> None:
     """An error where a digital signal or a group is to have what its bits cannot hold."""
     signal, rule = r.spelling.signal(name), r.job.can.no_fit
     if signal is None or signal.kind == "analog" or not isinstance(value, e.Number):

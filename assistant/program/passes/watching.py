@@ -9,25 +9,25 @@ from typing import Final
 
 from assistant.program.program import Program
 
-Watcher = Callable[[str, Program], None]
+PassWatcher = Callable[[str, Program], None]
 """Takes the name of a pass, and the program as it is then."""
 
-_watcher: Final[ContextVar[Watcher | None]] = ContextVar("watcher", default=None)
+_pass_watcher: Final[ContextVar[PassWatcher | None]] = ContextVar("watcher", default=None)
 
 
 @contextmanager
-def watched(watcher: Watcher) -> Iterator[None]:
+def pass_trace(watcher: PassWatcher) -> Iterator[None]:
     """What is compiled meanwhile is shown to a watcher."""
-    token = _watcher.set(watcher)
+    token = _pass_watcher.set(watcher)
     try:
         yield
     finally:
-        _watcher.reset(token)
+        _pass_watcher.reset(token)
 
 
-def passed(name: str, program: Program) -> Program:
+def traced(name: str, program: Program) -> Program:
     """The program itself, which is shown to whoever watches."""
-    watcher = _watcher.get()
+    watcher = _pass_watcher.get()
     if watcher is not None:
         watcher(name, program)
     return program

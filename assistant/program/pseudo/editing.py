@@ -13,12 +13,12 @@ from assistant.program.editing import (
     Declaration,
     DeclaredKind,
     Editable,
-    Facts,
-    Known,
+    KnownWord,
+    LineFacts,
     Scope,
     Word,
     WordKind,
-    names_of,
+    names_among,
 )
 from assistant.program.program import IDENTIFIER
 from assistant.program.pseudo.grammar import BLOCK_WORDS, FIRST_WORDS
@@ -65,20 +65,20 @@ class EditablePseudo(Editable):
     folds = False
     blocks = tuple((word, "end") for word in ("procedure", *BLOCK_WORDS))
 
-    def facts(self, line: str) -> Facts:
+    def facts(self, line: str) -> LineFacts:
         bare = line.lstrip()
         if bare.startswith("|"):
             start = len(line) - len(bare)
-            return Facts((Word("string", start, len(line), bare),))
+            return LineFacts((Word("string", start, len(line), bare),))
         said = tuple(_words(line))
         code = [word for word in said if word.kind != "comment"]
         first = code[0].text if code else ""
         assigns = len(code) > 1 and code[1].text in ("=", ".", "[")
         head = "" if assigns else first
         begins, block = head == "procedure", _opens_block(head, code)
-        return Facts(
+        return LineFacts(
             said,
-            names_of(said, self.folded),
+            names_among(said, self.folded),
             tuple(_declared(head, code)),
             begins=begins,
             ends=head == "end",
@@ -86,7 +86,7 @@ class EditablePseudo(Editable):
             stays=head == "program",
         )
 
-    def known(self) -> Mapping[str, Known]:
+    def known(self) -> Mapping[str, KnownWord]:
         return _known()
 
     def folded(self, name: str) -> str:
@@ -164,10 +164,10 @@ def _spaced(words: Sequence[Word]) -> Iterator[str]:
 
 
 @cache
-def _known() -> Mapping[str, Known]:
+def _known() -> Mapping[str, KnownWord]:
     words = {*KEYWORDS, *_SPOKEN, *FIRST_WORDS["declaration"], *FIRST_WORDS["statement"]}
-    plain = {word: Known(word, "keyword") for word in sorted(words)}
+    plain = {word: KnownWord(word, "keyword") for word in sorted(words)}
     text = files("assistant.program.pseudo").joinpath("abouts.txt").read_text("utf-8")
     rows = (line.split(" ; ") for line in text.splitlines() if " ; " in line and line[0] != "#")
-    told = {row[0]: Known(row[0], "instruction", row[1], row[2]) for row in rows}
+    told = {row[0]: KnownWord(row[0], "instruction", row[1], row[2]) for row in rows}
     return plain | told

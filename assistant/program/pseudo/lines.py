@@ -11,7 +11,7 @@ from assistant.program.pseudo.words import split_comment
 
 
 @dataclass(slots=True)
-class Line:
+class CodeLine:
     """A line without comment and outer blanks, and where it begins in the text, as an offset."""
 
     text: str
@@ -23,7 +23,7 @@ class Line:
         return Span(self.start, self.start + len(self.text))
 
 
-def lines_of(source: str) -> Iterator[Line]:
+def code_lines(source: str) -> Iterator[CodeLine]:
     """The lines of a text that say anything, with their comments taken apart."""
     start = 0
     for whole in with_line_feeds(source).split("\n"):
@@ -32,12 +32,12 @@ def lines_of(source: str) -> Iterator[Line]:
         start += len(whole) + 1
         text = text.rstrip("\r")
         if text.startswith("|") or (text.startswith("opaque") and "|" in text):
-            yield Line(text, begin, None)  # whatever stands behind `|` is as it is
+            yield CodeLine(text, begin, None)  # whatever stands behind `|` is as it is
             continue
         said, comment = split_comment(text)
         said = said.rstrip()
         if said or comment is not None:
-            yield Line(said, begin, comment)
+            yield CodeLine(said, begin, comment)
 
 
 def end_of_line(source: str, start: int) -> int:

@@ -35,7 +35,7 @@ from assistant.program.pseudo.values import (
 _USUAL: Final[Turns[Expression]] = (USUAL_ROTATION, USUAL_LINEAR, USUAL_ROTARY)
 
 
-def pace_text(speed: Speed | ComputedSpeed | Name) -> str:
+def move_speed_text(speed: Speed | ComputedSpeed | Name) -> str:
     """`150 mm/s`, or `computed (v / 2) mm/s`, and whatever differs from a usual speed."""
     if not isinstance(speed, ComputedSpeed):
         return speed_text(speed)
@@ -43,14 +43,14 @@ def pace_text(speed: Speed | ComputedSpeed | Name) -> str:
     return f"computed {speed_parts_text(speed.tcp, turns, speed.joint, _USUAL, _inner)}"
 
 
-def read_pace(tree: object) -> Speed | ComputedSpeed | Name:
+def read_move_speed(tree: object) -> Speed | ComputedSpeed | Name:
     if not isinstance(tree, Tree) or tree.data != "computed_speed":
         return read_speed(tree)
     tcp, turns, joint = read_speed_parts(tree, _USUAL, read_expression)
     return ComputedSpeed(tcp, *turns, joint)
 
 
-def corner_text(blend: Blend | ComputedBlend | Name) -> str:
+def move_blend_text(blend: Blend | ComputedBlend | Name) -> str:
     """`10 mm`, or `computed (r) mm`, and what else it states."""
     if not isinstance(blend, ComputedBlend):
         return blend_text(blend)
@@ -62,7 +62,7 @@ def corner_text(blend: Blend | ComputedBlend | Name) -> str:
     return " ".join(parts)
 
 
-def read_corner(tree: object) -> Blend | ComputedBlend | Name:
+def read_move_blend(tree: object) -> Blend | ComputedBlend | Name:
     if not isinstance(tree, Tree) or tree.data != "computed_blend":
         return read_blend(tree)
     radius, stops, details = tree.children

@@ -38,8 +38,8 @@ from assistant.program.pseudo.findings import (
     Wrong,
 )
 from assistant.program.pseudo.grammar import BLOCK_WORDS, FIRST_WORDS, first_word, parse_line
-from assistant.program.pseudo.lines import Line, end_of_line, lines_of
-from assistant.program.pseudo.rows import faults
+from assistant.program.pseudo.lines import CodeLine, code_lines, end_of_line
+from assistant.program.pseudo.rows import path_faults
 from assistant.program.pseudo.statements import read_statement
 from assistant.program.pseudo.tables import SideTables
 from assistant.program.pseudo.words import Node, read_raw, read_word, shortened
@@ -81,7 +81,7 @@ class _Reader:
         self._header: dict[str, str | None] | None = None
         self._header_line = 0
         self._comments: list[str] = []
-        self._pending: list[Line] = []
+        self._pending: list[CodeLine] = []
         self._tables: dict[str, dict[str, Any]] = {}
         self._first: dict[tuple[str, str], int] = {}
         self._declarations: list[Declaration] = []
@@ -91,7 +91,7 @@ class _Reader:
     def program(self) -> Program:
         odd = self._source.odd_characters()
         self._findings += islice((one for one in odd if has_errors([one])), MOST_FINDINGS)
-        for line in lines_of(self._source.text):
+        for line in code_lines(self._source.text):
             self._guarded(self._line, line)
         for block in reversed(self._stack):
             self._find(NOT_ENDED, block.span, word=block.word)
@@ -114,7 +114,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------------ lines
 
-    def _line(self, line: Line) -> None:
+    def _line(self, line: CodeLine) -> None:
         block = self._stack[-1] if self._stack else None
         if isinstance(block, PathBlock):
             self._path_line(block, line)
@@ -127,7 +127,7 @@ class _Reader:
         else:
             self._statement(block, line)
 
-    def _guarded(self, read: Callable[[Line], None], line: Line) -> None:
+    def _guarded(self, read: Callable[[CodeLine], None], line: CodeLine) -> None:
         """Reads a line; what is wrong with it becomes a finding."""
         try:
             read(line)
@@ -146,12 +146,12 @@ class _Reader:
             last = self._source.finding(TOO_MANY, span, most=MOST_FINDINGS)
             raise Refused(*self._findings, last)
 
-    def _number(self, line: Line) -> int:
+    def _number(self, line: CodeLine) -> int:
         return self._source.line_column(line.start)[0]
 
     # --------------------------------------------------------------------------- comments
 
-    def _comment(self, line: Line) -> None:
+    def _comment(self, line: CodeLine) -> None:
         """Keeps the comment of a line: above the program, or as a statement."""
         if line.comment is None:
             return
@@ -169,7 +169,7 @@ class _Reader:
 
     # ---------------------------------------------------------------- outside of procedures
 
-    def _declaration(self, line: Line) -> None:
+    def _declaration(self, line: CodeLine) -> None:
         word = first_word(line.text)
         if self._header is None and word != "program" and not self._findings:
             self._find(NO_PROGRAM, line.span)
@@ -204,23 +204,23 @@ class _Reader:
             assert declared is not None
             self._declare(*declared, line)
 
-    def _program(self, tree: Node, line: Line) -> None:
+    def _program(self, tree: Node, line: CodeLine) -> None:
         if self._header is not None:
             raise Wrong(SECOND_PROGRAM, first=self._header_line)
         self._header, self._header_line = read_header(tree), self._number(line)
 
-    def _declare(self, table: str, name: str, value: object, line: Line) -> None:
+    def _declare(self, table: str, name: str, value: object, line: CodeLine) -> None:
         self._once(_KINDS[table], name, line)
         self._tables.setdefault(table, {})[name] = value
 
-    def _once(self, kind: str, name: str, line: Line, scope: str = "") -> None:
+    def _once(self, kind: str, name: str, line: CodeLine, scope: str = "") -> None:
         number = self._number(line)
         first = self._first.get((f"{scope}{kind}", name.lower()))
         if first is not None:
             raise Wrong(DUPLICATE, kind=kind, name=shortened(name), first=first)
         self._first[f"{scope}{kind}", name.lower()] = number
 
-    def _procedure(self, tree: Node, line: Line) -> None:
+    def _procedure(self, tree: Node, line: CodeLine) -> None:
         block = ProcedureBlock(tree, line.span, self._number(line))
         self._stack.append(block)
         assert block.body is not None
@@ -234,7 +234,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------- statements
 
-    def _statement(self, block: Block, line: Line) -> None:
+    def _statement(self, block: Block, line: CodeLine) -> None:
         word = first_word(line.text)
         outer = self._stack[0]
         if word in FIRST_WORDS["declaration"] and word not in FIRST_WORDS["statement"]:
@@ -252,7 +252,7 @@ class _Reader:
                 self._stack.append(Ignored(word, line.span, self._number(line)))
             raise
 
-    def _read(self, tree: Node, block: Block, line: Line) -> None:
+    def _read(self, tree: Node, block: Block, line: CodeLine) -> None:
         rule = str(tree.data)
         if rule == "end":
             self._end(line)
@@ -279,7 +279,7 @@ class _Reader:
                 assert statement is not None, rule
                 block.body.append(statement)
 
-    def _variable(self, tree: Node, block: Block, line: Line) -> None:
+    def _variable(self, tree: Node, block: Block, line: CodeLine) -> None:
         name, variable = read_variable(tree)
         if isinstance(block, Ignored):
             return
@@ -290,7 +290,7 @@ class _Reader:
         self._once("variable", name, line, scope=f"{block.line} ")
         block.variables[name] = variable
 
-    def _end(self, line: Line) -> None:
+    def _end(self, line: CodeLine) -> None:
         block = self._stack.pop()
         span = Span(block.span.start, line.span.end)
         if isinstance(block, ProcedureBlock):
@@ -311,7 +311,7 @@ class _Reader:
 
     # ----------------------------------------------------------------------- opaque texts
 
-    def _opaque(self, tree: Node, line: Line) -> None:
+    def _opaque(self, tree: Node, line: CodeLine) -> None:
         language, text = cast("list[Any]", tree.children)
         if text is None:
             self._stack.append(OpaqueBlock(tree, line.span, self._number(line)))
@@ -320,7 +320,7 @@ class _Reader:
         else:
             self._declarations.append(Declaration(read_word(language), read_raw(text)))
 
-    def _opaque_line(self, block: OpaqueBlock, line: Line) -> None:
+    def _opaque_line(self, block: OpaqueBlock, line: CodeLine) -> None:
         self._comment(line)
         if line.text == "end":
             self._end(line)
@@ -332,7 +332,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------------ paths
 
-    def _path_line(self, block: PathBlock, line: Line) -> None:
+    def _path_line(self, block: PathBlock, line: CodeLine) -> None:
         if line.comment is not None:
             self._comment(line)
         if line.text == "end":
@@ -344,7 +344,7 @@ class _Reader:
                 block.sound = False
                 raise
 
-    def _row(self, block: PathBlock, line: Line) -> None:
+    def _row(self, block: PathBlock, line: CodeLine) -> None:
         if block.table is not None:
             block.read_column(parse_line("column", line.text))
             return
@@ -368,7 +368,7 @@ class _Reader:
                 return
         else:
             path = block.rows.path()
-            for row, rule, fields in faults(path):
+            for row, rule, fields in path_faults(path):
                 start = block.starts[row]
                 self._find(rule, Span(start, end_of_line(self._source.text, start)), **fields)
         self._put(Follow(path, span=span))

@@ -14,7 +14,7 @@ from assistant.program.path import Path
 from assistant.program.program import Parameter, Procedure, Signal, Variable
 from assistant.program.pseudo.declarations import parameter_text, signal_text, variable_text
 from assistant.program.pseudo.expressions import expression_text
-from assistant.program.pseudo.paces import corner_text, pace_text
+from assistant.program.pseudo.paces import move_blend_text, move_speed_text
 from assistant.program.pseudo.printer import block_text, procedure_text
 from assistant.program.pseudo.statements import motion_text, statement_text, trigger_text
 from assistant.program.pseudo.values import (
@@ -42,12 +42,12 @@ from assistant.program.statements import (
 def part_text(part: object) -> str:
     """Any part of a program; of what holds statements its first line."""
     try:
-        return _text(part) or _kind(part)
+        return _printed_part(part) or _class_in_words(part)
     except (Refused, ValueError):  # what no text can say is named at least
-        return _kind(part)
+        return _class_in_words(part)
 
 
-def _text(part: object) -> str:
+def _printed_part(part: object) -> str:
     match part:
         case None:
             return "nothing"
@@ -70,10 +70,10 @@ def _text(part: object) -> str:
         case _ if isinstance(part, get_args(Statement)):
             return f"`{statement_text(part) or block_text(part)}`"
     printer = _PRINTERS.get(type(part))
-    return printer(part) if printer else _kind(part)
+    return printer(part) if printer else _class_in_words(part)
 
 
-def _kind(part: object) -> str:
+def _class_in_words(part: object) -> str:
     """`a wait until` of an object of the class `WaitUntil`."""
     words = re.sub(r"(?<!^)(?=[A-Z])", " ", type(part).__name__).lower()
     return f"an {words}" if words[0] in "aeiou" else f"a {words}"
@@ -81,8 +81,8 @@ def _kind(part: object) -> str:
 
 _PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
     Blend: blend_text,
-    ComputedBlend: corner_text,
-    ComputedSpeed: pace_text,
+    ComputedBlend: move_blend_text,
+    ComputedSpeed: move_speed_text,
     Configuration: configuration_text,
     Frame: frame_text,
     JointTarget: joints_text,

@@ -78,7 +78,9 @@ def row_lines(path: Path) -> Iterator[str]:
             yield f"{words[kind]} [{position}]{turn}{said.get(start + i, '')}"
 
 
-def codes(index: NDArray[np.int32], texts: Sequence[str]) -> tuple[NDArray[np.int32], list[str]]:
+def text_codes(
+    index: NDArray[np.int32], texts: Sequence[str]
+) -> tuple[NDArray[np.int32], list[str]]:
     """An index column into the texts that it uses, each once, in the order of first use."""
     if not len(index):
         return np.zeros(0, dtype=np.int32), []
@@ -107,7 +109,7 @@ def _attribute_texts(path: Path) -> dict[int, str]:
         ("tool", path.tool, [name_text(t) for t in path.tools], FLANGE),
         ("frame", path.frame, [name_text(f) for f in path.frames], BASE),
     ):
-        column, used = codes(index, texts)
+        column, used = text_codes(index, texts)
         start = used.index(usual) if usual in used else -1
         for i in np.flatnonzero(np.diff(column, prepend=start)).tolist():
             said[i] = f"{said.get(i, '')} {word} {used[column[i]]}"
@@ -156,13 +158,13 @@ class RowReader:
         self._name = name
         self._kinds = bytearray()
         self._positions = array("d")
-        self._turns = _Held(4)
-        self._branches = _Held(6)
-        self._axes = _Held(6)
-        self._speeds = _Table[Speed | Name]()
-        self._blends = _Table[Blend | Name]()
-        self._tools = _Table[str]()
-        self._frames = _Table[str]()
+        self._turns = _HeldColumn(4)
+        self._branches = _HeldColumn(6)
+        self._axes = _HeldColumn(6)
+        self._speeds = _TableColumn[Speed | Name]()
+        self._blends = _TableColumn[Blend | Name]()
+        self._tools = _TableColumn[str]()
+        self._frames = _TableColumn[str]()
         self._seen_branches: dict[str | None, tuple[int, ...] | None] = {None: None}
         self._seen_attributes: dict[str, _Attributes] = {"": _NOTHING_SAID}
 
@@ -285,7 +287,7 @@ class RowReader:
         return None
 
 
-class _Held:
+class _HeldColumn:
     """A column that is stated where it changes: (n, width)."""
 
     def __init__(self, width: int) -> None:
@@ -308,12 +310,12 @@ class _Held:
         return np.repeat(values, np.diff(np.array(self._rows), append=n), axis=0)
 
 
-class _Table(Generic[_Entry]):
+class _TableColumn(Generic[_Entry]):
     """An index column with its table of distinct entries."""
 
     def __init__(self) -> None:
         self._index: dict[_Entry, int] = {}
-        self._held = _Held(1)
+        self._held = _HeldColumn(1)
 
     @property
     def entries(self) -> tuple[_Entry, ...]:
@@ -356,7 +358,7 @@ def _attributes(tree: Node) -> _Attributes:
 # ------------------------------------------------------------------------------- what is wrong
 
 
-def faults(path: Path) -> Iterator[tuple[int, Rule, dict[str, object]]]:
+def path_faults(path: Path) -> Iterator[tuple[int, Rule, dict[str, object]]]:
     """What no robot could do, as row, rule and fields; each kind once, at its first row."""
     finite = np.isfinite(path.positions).all(axis=1)
     length = np.linalg.norm(path.quaternions, axis=1)

@@ -21,7 +21,12 @@ from assistant.program.pseudo.expressions import (
     read_expression,
 )
 from assistant.program.pseudo.findings import NOT_ASSIGNABLE, Wrong
-from assistant.program.pseudo.paces import corner_text, pace_text, read_corner, read_pace
+from assistant.program.pseudo.paces import (
+    move_blend_text,
+    move_speed_text,
+    read_move_blend,
+    read_move_speed,
+)
 from assistant.program.pseudo.words import (
     Node,
     comment_text,
@@ -66,7 +71,7 @@ from assistant.program.statements import (
 
 
 def motion_text(motion: Motion) -> str:
-    parts = [f"speed {pace_text(motion.speed)} blend {corner_text(motion.blend)}"]
+    parts = [f"speed {move_speed_text(motion.speed)} blend {move_blend_text(motion.blend)}"]
     parts += [f"tool {name_text(motion.tool)}"] if motion.tool != FLANGE else []
     parts += [f"frame {name_text(motion.frame)}"] if motion.frame != BASE else []
     return " ".join(parts)
@@ -76,8 +81,8 @@ def read_motion(tree: object) -> Motion:
     assert isinstance(tree, Tree)
     speed, blend, tool, frame = tree.children
     return Motion(
-        read_pace(speed),
-        read_corner(blend),
+        read_move_speed(speed),
+        read_move_blend(blend),
         FLANGE if tool is None else read_name(tool),
         BASE if frame is None else read_name(frame),
     )

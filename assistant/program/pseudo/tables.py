@@ -33,10 +33,10 @@ from assistant.program.pseudo.findings import (
     OTHER_TABLE,
     Wrong,
 )
-from assistant.program.pseudo.rows import codes, faults
+from assistant.program.pseudo.rows import path_faults, text_codes
 from assistant.program.pseudo.values import blend_text, speed_text
 from assistant.program.pseudo.words import name_text, quoted
-from assistant.program.system.budgets import unpacked
+from assistant.program.system.budgets import most_unpacked
 from assistant.program.text import read_bytes
 
 SideTables = FilePath | str | Mapping[str, bytes] | None
@@ -76,7 +76,7 @@ class TableWriter:
             "tool": [name_text(t) for t in path.tools],
             "frame": [name_text(f) for f in path.frames],
         }
-        index = {word: codes(getattr(path, word), texts) for word, texts in tables.items()}
+        index = {word: text_codes(getattr(path, word), texts) for word, texts in tables.items()}
         data = self.tables[name] = _packed(
             path, {word: column for word, (column, _) in index.items()}
         )
@@ -126,7 +126,7 @@ class TableReader:
             raise self._damaged("a row is of no known kind")
         if not _are_branches(path.configurations):
             raise self._damaged("a row is of no arm branch")
-        for row, rule, fields in faults(path):
+        for row, rule, fields in path_faults(path):
             raise self._damaged(f"row {row + 1}: {rule.message.format(**fields)}")
         return path
 
@@ -193,7 +193,7 @@ def _unpacked(data: bytes, rows: int) -> dict[str, NDArray[np.generic]]:
         if names != sorted(f"{name}.npy" for name in COLUMNS):
             raise ValueError("its members are not the columns of a path")
         size = sum(member.file_size for member in archive.infolist())
-        if size > unpacked():
+        if size > most_unpacked():
             raise ValueError(f"it unpacks to {size / 1e6:.0f} MB")
         return {
             name: _member(archive, name, rows, dtype, width)

@@ -12,17 +12,17 @@ import stat
 from pathlib import Path as FilePath
 from typing import BinaryIO, Final
 
-from assistant.program.system.budgets import FILE, factor
+from assistant.program.system.budgets import FILE, budget_factor
 
-KINDS: Final = {
+SPECIAL_FILES: Final = {
     stat.S_IFIFO: "a named pipe",
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
-PART: Final = 1 << 20
+READ_BYTES: Final = 1 << 20
 """Bytes that are read at once of what does not say how long it is."""
-_FLAGS: Final = (
+_OPEN_FLAGS: Final = (
     os.O_RDONLY
     | getattr(os, "O_BINARY", 0)
     | getattr(os, "O_CLOEXEC", 0)
@@ -46,19 +46,19 @@ def read_file(path: str | FilePath, most: int = FILE) -> bytes:
     may grow, and those of `/proc` say that they are empty.
     """
     check_regular(path)
-    number = os.open(path, _FLAGS)
+    number = os.open(path, _OPEN_FLAGS)
     with os.fdopen(number, "rb", buffering=0) as file:
         found = os.fstat(file.fileno())
-        _regular(found, path)
-        limit = int(most * factor())
+        _require_regular(found, path)
+        limit = int(most * budget_factor())
         if found.st_size > limit:
             raise too_large(limit, path)
-        return _all_of(file, limit, path, found.st_size + 1)
+        return _read_all(file, limit, path, found.st_size + 1)
 
 
 def check_regular(path: str | FilePath) -> None:
     """Raises NoFile for a pipe, a device or a socket, and OSError for a folder or nothing."""
-    _regular(FilePath(path).stat(), path)
+    _require_regular(FilePath(path).stat(), path)
 
 
 def read_text(path: str | FilePath, encoding: str = "utf-8", errors: str = "strict") -> str:
@@ -69,10 +69,10 @@ def read_text(path: str | FilePath, encoding: str = "utf-8", errors: str = "stri
 
 def read_stream(stream: BinaryIO, most: int = FILE, name: str = "") -> bytes:
     """All that comes until the stream ends; raises TooLarge and other OSErrors."""
-    return _all_of(stream, int(most * factor()), name, PART)
+    return _read_all(stream, int(most * budget_factor()), name, READ_BYTES)
 
 
-def _all_of(file: BinaryIO, limit: int, path: str | FilePath, first: int) -> bytes:
+def _read_all(file: BinaryIO, limit: int, path: str | FilePath, first: int) -> bytes:
     parts: list[bytes] = []
     total, wanted = 0, first
     while True:
@@ -82,7 +82,7 @@ def _all_of(file: BinaryIO, limit: int, path: str | FilePath, first: int) -> byt
         if not part:
             return parts[0] if len(parts) == 1 else b"".join(parts)
         parts.append(part)
-        total, wanted = total + len(part), PART
+        total, wanted = total + len(part), READ_BYTES
         if total > limit:
             raise too_large(limit, path)
 
@@ -91,9 +91,9 @@ def too_large(limit: int, path: str | FilePath) -> TooLarge:
     return TooLarge(errno.EFBIG, f"it is larger than {limit / 1e6:.0f} MB", str(path))
 
 
-def _regular(found: os.stat_result, path: str | FilePath) -> None:
+def _require_regular(found: os.stat_result, path: str | FilePath) -> None:
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(found.st_mode):
-        kind = KINDS.get(stat.S_IFMT(found.st_mode), "a special file")
+        kind = SPECIAL_FILES.get(stat.S_IFMT(found.st_mode), "a special file")
         raise NoFile(errno.EINVAL, f"it is {kind}", str(path))

@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import Final, ParamSpec, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.system.watchdog import Charge, Reached, installed, watch
+from assistant.program.system.watchdog import Charge, Reached, installed_memory, watch
 
 TIME: Final = error(
     "LM001",
@@ -55,7 +55,7 @@ NO_FACTOR: Final = error(
     "give a number from {least:g} to {most:g}, such as 10",
 )
 
-VARIABLE: Final = "ROBOT_ASSISTANT_BUDGET"
+FACTOR_VARIABLE: Final = "ROBOT_ASSISTANT_BUDGET"
 """Of the environment: the factor that all budgets and sizes are taken times."""
 FACTORS: Final = (0.001, 1e6)
 
@@ -88,11 +88,11 @@ class Stage:
     more_megabytes: float
 
     def time_for(self, size: int) -> float:
-        return factor() * (self.seconds + self.more_seconds * size / 1e6)
+        return budget_factor() * (self.seconds + self.more_seconds * size / 1e6)
 
     def memory_for(self, size: int) -> float:
         """Megabytes."""
-        return factor() * (self.megabytes + self.more_megabytes * size / 1e6)
+        return budget_factor() * (self.megabytes + self.more_megabytes * size / 1e6)
 
 
 READING: Final = Stage("reading", "bytes", 10, 60, 512, 2000)
@@ -142,13 +142,13 @@ may have at most.
 """
 
 
-def factor() -> float:
+def budget_factor() -> float:
     """What all budgets are taken times; raises Refused if the environment states none."""
-    stated = os.environ.get(VARIABLE)
-    return 1.0 if stated is None else factor_of(stated)
+    stated = os.environ.get(FACTOR_VARIABLE)
+    return 1.0 if stated is None else read_budget_factor(stated)
 
 
-def factor_of(text: str) -> float:
+def read_budget_factor(text: str) -> float:
     """A factor as it is written; raises Refused (exit status 2) for what is none."""
     least, most = FACTORS
     try:
@@ -160,9 +160,9 @@ def factor_of(text: str) -> float:
     return value
 
 
-def unpacked() -> int:
+def most_unpacked() -> int:
     """Bytes that an archive may unpack to."""
-    return int(UNPACKED * factor())
+    return int(UNPACKED * budget_factor())
 
 
 class within:  # noqa: N801 (used as a `with` word)
@@ -174,7 +174,7 @@ class within:  # noqa: N801 (used as a `with` word)
 
     def __init__(self, stage: Stage, place: str | None, size: int) -> None:
         self._stage, self._place, self._size = stage, place, size
-        room = min(stage.memory_for(size) * MEGABYTE, PART_OF_MACHINE * installed())
+        room = min(stage.memory_for(size) * MEGABYTE, PART_OF_MACHINE * installed_memory())
         self._charge = Charge(stage.time_for(size), room)
 
     def __enter__(self) -> None:

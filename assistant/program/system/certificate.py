@@ -11,10 +11,10 @@ from typing import Final
 
 from assistant.program.system.durably import write_whole
 
-LASTS: Final = timedelta(days=30)
+CERTIFICATE_LIFETIME: Final = timedelta(days=30)
 
 
-def certify(host: str, name: str, file: FilePath) -> ssl.SSLContext:
+def self_signed_context(host: str, name: str, file: FilePath) -> ssl.SSLContext:
     """Makes a key and a certificate; the certificate goes into a file, for clients to trust it.
 
     host: address by which the server is reached, beside `localhost`. name: of its owner. The key is
@@ -40,7 +40,7 @@ def certify(host: str, name: str, file: FilePath) -> ssl.SSLContext:
         .public_key(key.public_key())
         .serial_number(x509.random_serial_number())
         .not_valid_before(now - timedelta(days=1))
-        .not_valid_after(now + LASTS)
+        .not_valid_after(now + CERTIFICATE_LIFETIME)
         .add_extension(x509.SubjectAlternativeName(names), critical=False)
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(key, hashes.SHA256())

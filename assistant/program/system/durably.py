@@ -10,7 +10,7 @@ from typing import Final
 
 from assistant.program.system import locks
 
-ARRIVING: Final = ".arriving-"
+UNFINISHED: Final = ".arriving-"
 """First characters of the name of a file that is being written."""
 
 
@@ -19,7 +19,7 @@ def make_folders(folder: FilePath) -> list[FilePath]:
     missing = [one for one in (folder, *folder.parents) if not one.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     for one in missing:
-        settle(one.parent)
+        sync_folder(one.parent)
     return missing
 
 
@@ -36,23 +36,23 @@ def write_whole(path: FilePath, data: bytes) -> None:
 
     What others who were killed have left beside it is taken away.
     """
-    for one in path.parent.glob(f"{ARRIVING}*"):
+    for one in path.parent.glob(f"{UNFINISHED}*"):
         with suppress(OSError):
-            if locks.is_free(one):
+            if locks.is_unlocked(one):
                 one.unlink()
-    beside = path.with_name(f"{ARRIVING}{secrets.token_hex(8)}")
-    lock = locks.NONE
+    beside = path.with_name(f"{UNFINISHED}{secrets.token_hex(8)}")
+    lock = locks.NO_LOCK
     try:
         with beside.open("xb") as file:
-            lock = locks.hold(file.fileno())
+            lock = locks.lock_open_file(file.fileno())
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
-        locks.free(lock)
-    settle(path.parent)
+        locks.free_lock(lock)
+    sync_folder(path.parent)
 
 
 def add_line(path: FilePath, line: str) -> None:
@@ -68,10 +68,10 @@ def add_line(path: FilePath, line: str) -> None:
         file.flush()
         os.fsync(file.fileno())
     if new:
-        settle(path.parent)
+        sync_folder(path.parent)
 
 
-def settle(folder: FilePath) -> None:
+def sync_folder(folder: FilePath) -> None:
     """Waits until the names in a folder are on the disk; Windows does that by itself.
 
     Of a folder that may be written but not read nobody can wait for that.

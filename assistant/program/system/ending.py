@@ -21,20 +21,20 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final, Never
 
-ENDS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
+TERMINATING_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
 """What ends a program from outside: Ctrl-C, a pipeline that is cancelled, a terminal that is
 closed, a key beside Ctrl-C. One that Ctrl-Z halts could not see to its controller any more.
 """
-ORDINARY: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+ORDINARY_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
-BY_SIGNAL: Final = 128
+SIGNAL_EXIT_STATUS: Final = 128
 """What shells add to the number of a signal for the exit status of what it ended."""
-LOOKS: Final = 0.25
+WAKE_INTERVAL: Final = 0.25
 """Seconds after which a signal is met at the latest that the system gave to another thread."""
-Met = Callable[[int, object], None]
+SignalHandler = Callable[[int, object], None]
 
 
-class Ended(KeyboardInterrupt):
+class Terminated(KeyboardInterrupt):
     """number: of the signal that ends this program."""
 
     def __init__(self, number: int) -> None:
@@ -42,21 +42,21 @@ class Ended(KeyboardInterrupt):
         self.number = number
 
 
-def wait_for_end() -> Never:
+def wait_for_termination() -> Never:
     """Waits until a signal ends this program.
 
     The system may give a signal to any thread, but only the main one meets it, when it wakes.
     """
     while True:
-        time.sleep(LOOKS)
+        time.sleep(WAKE_INTERVAL)
 
 
-def by_hand(caught: KeyboardInterrupt) -> bool:
+def is_ctrl_c(caught: KeyboardInterrupt) -> bool:
     """Whether it was Ctrl-C, which is how some commands end as they should."""
-    return not isinstance(caught, Ended) or caught.number == signal.SIGINT
+    return not isinstance(caught, Terminated) or caught.number == signal.SIGINT
 
 
-class Ending:
+class Termination:
     """What comes raises Ended until it is held. number: of the first signal that came, or None."""
 
     def __init__(self, *, once: bool = False) -> None:
@@ -79,51 +79,55 @@ class Ending:
     def met(self, number: int, _frame: object) -> None:
         if not self._held:
             self._held = self._once
-            raise Ended(number)
+            raise Terminated(number)
 
 
 @dataclass(frozen=True, slots=True)
 class _Handler:
     """Meets signals for this module."""
 
-    met: Met
+    met: SignalHandler
 
     def __call__(self, number: int, frame: object) -> None:
-        for ending in _endings:
+        for ending in _terminations:
             if ending.number is None:
                 ending.number = number
         self.met(number, frame)
 
 
-_endings: Final[list[Ending]] = []
+_terminations: Final[list[Termination]] = []
 """Those that are waited for, the innermost last: all of them know what came."""
 
 
 @contextmanager
-def told_to_end(*, once: bool = False, signals: Sequence[str] = ENDS) -> Iterator[Ending]:
+def raise_on_termination(
+    *, once: bool = False, signals: Sequence[str] = TERMINATING_SIGNALS
+) -> Iterator[Termination]:
     """Meanwhile whatever would end this program at once raises Ended instead.
 
     once: only the first time. What somebody ignores or handles already stays so (nohup, a program
     that uses this package); in other threads than the main one, which get no signals, nothing
     changes.
     """
-    ending = Ending(once=once)
-    with handled(ending.met, signals):
-        _endings.append(ending)
+    ending = Termination(once=once)
+    with signals_handled(ending.met, signals):
+        _terminations.append(ending)
         try:
             yield ending
         finally:
-            _endings.remove(ending)
+            _terminations.remove(ending)
 
 
 @contextmanager
-def handled(met: Met, signals: Sequence[str] = ENDS) -> Iterator[None]:
+def signals_handled(
+    met: SignalHandler, signals: Sequence[str] = TERMINATING_SIGNALS
+) -> Iterator[None]:
     """Meanwhile that is called instead of ending this program; see `told_to_end`."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     known = [getattr(signal, name) for name in signals if hasattr(signal, name)]
-    before = {one: handler for one in known if _is_ours(handler := signal.getsignal(one))}
+    before = {one: handler for one in known if _is_own_handler(handler := signal.getsignal(one))}
     try:
         for number in before:
             signal.signal(number, _Handler(met))
@@ -133,20 +137,20 @@ def handled(met: Met, signals: Sequence[str] = ENDS) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _is_ours(handler: object) -> bool:
+def _is_own_handler(handler: object) -> bool:
     """Whether it is what Python begins with, or of this module."""
     first = handler in (signal.SIG_DFL, signal.default_int_handler)
     return first or isinstance(handler, _Handler)
 
 
 @contextmanager
-def held() -> Iterator[None]:
+def defer_termination() -> Iterator[None]:
     """Meanwhile nothing ends this program from outside: what comes is met behind the block.
 
     For what is short and must not be left half way.
     """
     came: list[int] = []
-    with handled(lambda number, _: came.append(number)):
+    with signals_handled(lambda number, _: came.append(number)):
         yield
     if came:
         signal.raise_signal(came[0])

@@ -23,7 +23,7 @@ from typing import Final
 
 from assistant.program.diagnostics import Diagnostic, warning
 from assistant.program.system import durably, locks
-from assistant.program.system.ending import held
+from assistant.program.system.ending import defer_termination
 
 HOLDING: Final = ".robot-assistant-"
 """How the folder begins that holds files until all of them are there."""
@@ -33,9 +33,9 @@ READY: Final = "ready"
 """The note of what is to be replaced."""
 BACK: Final = "back"
 """What the note is called once that is to be put back."""
-LONG: Final = 3600.0
+STALE_AFTER: Final = 3600.0
 """Seconds after which a folder counts as left where the file system has no locks."""
-PRIVATE: Final = 0o077
+RIGHTS_OF_OTHERS: Final = 0o077
 """Rights of others, which no folder of ours gives."""
 
 CUT_OFF: Final = warning(
@@ -43,26 +43,26 @@ CUT_OFF: Final = warning(
     "a run was cut off while it wrote {names}: {state}",
     "run it again, if what it was to write is wanted",
 )
-KEPT: Final = warning(
+OLD_FILES_KEPT: Final = warning(
     "CO204",
     "`{holding}` has {names} as they were before a run that was cut off: {state}",
     "take from there what is needed, and delete that folder",
 )
-Tell = Callable[[Diagnostic], None]
-_tell: Final[ContextVar[Tell | None]] = ContextVar("tell", default=None)
+LeftoverReporter = Callable[[Diagnostic], None]
+_reporter: Final[ContextVar[LeftoverReporter | None]] = ContextVar("tell", default=None)
 
 
 @contextmanager
-def told_by(tell: Tell) -> Iterator[None]:
+def reporting_leftovers(tell: LeftoverReporter) -> Iterator[None]:
     """Meanwhile what was left is told by that; else it is a warning of Python."""
-    before = _tell.set(tell)
+    before = _reporter.set(tell)
     try:
         yield
     finally:
-        _tell.reset(before)
+        _reporter.reset(before)
 
 
-def see_to(folder: FilePath, locked: bool) -> None:
+def recover_folder(folder: FilePath, locked: bool) -> None:
     """Puts in order what others have left in a folder, which nobody else is at; raises OSError.
 
     locked: whether the file system has locks, which tell what is left from what is under way.
@@ -73,17 +73,17 @@ def see_to(folder: FilePath, locked: bool) -> None:
         return
     for holding in sorted(found):
         if not _is_under_way(holding, locked):
-            _see_to(folder, holding)
+            _recover_from(folder, holding)
 
 
-def turn_back(holding: FilePath) -> None:
+def mark_for_recovery(holding: FilePath) -> None:
     """Says that what was replaced is to be put back, also where all of it was."""
     with suppress(OSError):
         (holding / READY).rename(holding / BACK)
-        durably.settle(holding)
+        durably.sync_folder(holding)
 
 
-def take_away(holding: FilePath, lock: int = locks.NONE) -> None:
+def remove_holding_folder(holding: FilePath, lock: int = locks.NO_LOCK) -> None:
     """Takes a hidden folder away, and frees its lock; the note goes first."""
     with suppress(OSError):
         for note in (READY, BACK):
@@ -92,7 +92,7 @@ def take_away(holding: FilePath, lock: int = locks.NONE) -> None:
             shutil.rmtree(holding / part, ignore_errors=True)
     with suppress(OSError):
         holding.rmdir()
-    locks.free(lock)
+    locks.free_lock(lock)
     with suppress(OSError):  # where the lock was a file in it
         holding.rmdir()
 
@@ -100,36 +100,42 @@ def take_away(holding: FilePath, lock: int = locks.NONE) -> None:
 def _is_under_way(holding: FilePath, locked: bool) -> bool:
     with suppress(OSError):
         if not locked:
-            return time.time() - holding.stat().st_mtime < LONG
-        lock = locks.take(holding)
+            return time.time() - holding.stat().st_mtime < STALE_AFTER
+        lock = locks.take_lock(holding)
         if lock is not None:
-            locks.free(lock)
+            locks.free_lock(lock)
         return lock is None
     return True  # it is gone meanwhile, or nobody may look
 
 
-def _see_to(folder: FilePath, holding: FilePath) -> None:
-    if not _is_ours(holding):
+def _recover_from(folder: FilePath, holding: FilePath) -> None:
+    if not _is_own_folder(holding):
         names = "files"
-        say(KEPT(path=str(folder), holding=holding, names=names, state="not ours"))
+        report_leftover(
+            OLD_FILES_KEPT(path=str(folder), holding=holding, names=names, state="not ours")
+        )
         return
-    rows = _ready(holding)
+    rows = _read_note(holding)
     if rows is None:
-        names, state = _listed(_names(holding)), "each is whole, or as it was"
+        names, state = _first_names(_names_in_folder(holding)), "each is whole, or as it was"
     else:
-        names = _listed(rows)
-        back, changed = _put_back(folder, holding, rows)
+        names = _first_names(rows)
+        back, changed = _put_files_back(folder, holding, rows)
         if changed:
             state = "somebody has written them since"
-            say(KEPT(path=str(folder), holding=holding, names=_listed(changed), state=state))
+            report_leftover(
+                OLD_FILES_KEPT(
+                    path=str(folder), holding=holding, names=_first_names(changed), state=state
+                )
+            )
             return
         state = "they are as they were before" if back else "they are all there"
-    with held():
-        take_away(holding)
-    say(CUT_OFF(path=str(folder), names=names, state=state))
+    with defer_termination():
+        remove_holding_folder(holding)
+    report_leftover(CUT_OFF(path=str(folder), names=names, state=state))
 
 
-def _put_back(
+def _put_files_back(
     folder: FilePath, holding: FilePath, rows: Mapping[str, tuple[bool, str]]
 ) -> tuple[bool, list[str]]:
     """Whether files are as they were before, and names of those that somebody has changed.
@@ -141,20 +147,20 @@ def _put_back(
     if len(replaced) == len(rows) and not (holding / BACK).exists():
         return False, []
     changed: list[str] = []
-    with held():
-        turn_back(holding)
+    with defer_termination():
+        mark_for_recovery(holding)
         for name in replaced:
             was_there, digest = rows[name]
             target, old = folder / name, holding / OLD / name
             if was_there and (not old.exists() or _are_one(target, old)):
                 continue  # it is back already
-            if old.is_symlink() or not _says(target, digest):
+            if old.is_symlink() or not _has_digest(target, digest):
                 changed += [name] if was_there else []
             elif was_there:
                 old.replace(target)
             else:
                 target.unlink()
-        durably.settle(folder)
+        durably.sync_folder(folder)
     return True, changed
 
 
@@ -162,14 +168,14 @@ def _are_one(target: FilePath, old: FilePath) -> bool:
     return target.exists() and target.samefile(old)
 
 
-def _says(file: FilePath, digest: str) -> bool:
+def _has_digest(file: FilePath, digest: str) -> bool:
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest() == digest
     except FileNotFoundError:
         return False
 
 
-def _ready(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
+def _read_note(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
     """What was to be replaced, None if nothing was yet: the note is whole before anything is."""
     note = BACK if (holding / BACK).exists() else READY
     try:
@@ -181,30 +187,30 @@ def _ready(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
     return found if plain else None
 
 
-def _is_ours(holding: FilePath) -> bool:
+def _is_own_folder(holding: FilePath) -> bool:
     facts = holding.lstat()
     if not stat.S_ISDIR(facts.st_mode):
         return False
-    if os.name != "nt" and (facts.st_uid != os.geteuid() or facts.st_mode & PRIVATE):
+    if os.name != "nt" and (facts.st_uid != os.geteuid() or facts.st_mode & RIGHTS_OF_OTHERS):
         return False
-    return {one.name for one in holding.iterdir()} <= {NEW, OLD, READY, BACK, locks.LOCK}
+    return {one.name for one in holding.iterdir()} <= {NEW, OLD, READY, BACK, locks.LOCK_FILE}
 
 
-def _names(holding: FilePath) -> list[str]:
+def _names_in_folder(holding: FilePath) -> list[str]:
     found = (one.name for part in (NEW, OLD) for one in (holding / part).glob("*"))
     return sorted({*found})
 
 
-def _listed(names: Mapping[str, object] | list[str]) -> str:
+def _first_names(names: Mapping[str, object] | list[str]) -> str:
     """Some names, and how many more."""
     some = [f"`{name}`" for name in names]
     more = f" and {len(some) - 3} more" if len(some) > 3 else ""
     return (", ".join(some[:3]) or "files") + more
 
 
-def say(finding: Diagnostic) -> None:
+def report_leftover(finding: Diagnostic) -> None:
     """Tells it to whom `told_by` named."""
-    tell = _tell.get()
+    tell = _reporter.get()
     if tell is not None:
         tell(finding)
     else:

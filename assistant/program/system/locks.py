@@ -11,84 +11,84 @@ from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
 from typing import Final
 
-PATIENCE: Final = 30.0
+LOCK_TIMEOUT: Final = 30.0
 """Seconds for which somebody else may have a folder."""
-BETWEEN: Final = 0.02
+LOCK_INTERVAL: Final = 0.02
 """Seconds between two looks at whether it is free."""
-LOCK: Final = ".lock"
+LOCK_FILE: Final = ".lock"
 """The file that is the lock where folders themselves have none: on Windows."""
-TAKEN: Final = (errno.EAGAIN, errno.EACCES, errno.EEXIST)
+TAKEN_ERRORS: Final = (errno.EAGAIN, errno.EACCES, errno.EEXIST)
 
 
 @contextmanager
-def alone(folder: FilePath) -> Iterator[bool]:
+def locked_folder(folder: FilePath) -> Iterator[bool]:
     """While nobody else of this computer has the folder; raises OSError if that takes too long.
 
     Tells whether the file system has locks at all; where it has none, nobody is kept out.
     """
-    until = time.monotonic() + PATIENCE
-    while (lock := take(folder)) is None:
+    until = time.monotonic() + LOCK_TIMEOUT
+    while (lock := take_lock(folder)) is None:
         if time.monotonic() > until:
             raise BlockingIOError(errno.EBUSY, "another process writes there", str(folder))
-        time.sleep(BETWEEN)
+        time.sleep(LOCK_INTERVAL)
     try:
-        yield lock != NONE
+        yield lock != NO_LOCK
     finally:
-        free(lock)
+        free_lock(lock)
 
 
-NONE: Final = -1
+NO_LOCK: Final = -1
 """Instead of a lock where there are none."""
 
 if sys.platform == "win32":
 
-    def take(folder: FilePath) -> int | None:
+    def take_lock(folder: FilePath) -> int | None:
         """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
         try:  # a file that goes away with who has it open
-            return os.open(folder / LOCK, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
+            return os.open(folder / LOCK_FILE, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
         except (FileExistsError, PermissionError):
             return None
 
-    def free(lock: int) -> None:
-        if lock != NONE:
+    def free_lock(lock: int) -> None:
+        if lock != NO_LOCK:
             os.close(lock)
 
-    def hold(_number: int) -> int:
+    def lock_open_file(_number: int) -> int:
         """Says that an open file is being written: Windows does by itself."""
-        return NONE
+        return NO_LOCK
 
-    def is_free(_file: FilePath) -> bool:
+    def is_unlocked(_file: FilePath) -> bool:
         """Whether nobody says that he writes a file: what is open cannot be deleted anyway."""
         return True
 
 else:
     import fcntl
 
-    def take(folder: FilePath) -> int | None:
+    def take_lock(folder: FilePath) -> int | None:
         """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
         try:
             number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         except PermissionError:  # one that may be written but not read
-            return NONE
+            return NO_LOCK
         try:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             os.close(number)
-            return None if error.errno in TAKEN else NONE
+            return None if error.errno in TAKEN_ERRORS else NO_LOCK
         return number
 
-    def free(lock: int) -> None:
-        if lock != NONE:
+    def free_lock(lock: int) -> None:
+        if lock != NO_LOCK:
             fcntl.flock(lock, fcntl.LOCK_UN)  # which a process that was forked may have open, too
             os.close(lock)
 
-    def hold(number: int) -> int:
+    def lock_open_file(number: int) -> int:
         """Says that an open file is being written, until that is freed; raises OSError."""
         with suppress(OSError):
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return os.dup(number)
 
-    def is_free(_file: FilePath) -> bool:
+    def is_unlocked(_file: FilePath) -> bool:
         """Whether nobody says that he writes a file; raises OSError."""
         number = os.open(_file, os.O_RDONLY)
         try:

@@ -22,15 +22,15 @@ from weakref import ReferenceType, ref
 
 PERIOD: Final = 0.05
 """Seconds between two looks."""
-AGAIN: Final = 1.0
+REPEAT_AFTER: Final = 1.0
 """Seconds after which what has not ended yet is told once more."""
 MOST_TIMES: Final = 5
 """How often one is told: what came in the moment of leaving a stage finds nobody to hear it."""
 RESTS: Final = 20
 """Looks at nothing after which the thread waits to be woken."""
-SLACK: Final = 1 << 31
+RESERVED_MARGIN: Final = 1 << 31
 """Bytes beyond a charge that may be reserved, as libraries do for their threads, but not used."""
-SLACK_OF_A_PROCESSOR: Final = 1 << 26
+MARGIN_PER_PROCESSOR: Final = 1 << 26
 
 
 class Reached(BaseException):
@@ -81,7 +81,7 @@ class Watchdog:
         charge.thread = threading.get_ident()
         charge.clock = _clock(charge.thread)
         charge.began = charge.clock()
-        charge.resident, charge.data = memory()
+        charge.resident, charge.data = memory_in_use()
         with self._lock:
             self._entered.append(ref(charge))
             self._limit_data()
@@ -136,10 +136,10 @@ class Watchdog:
         if not charges:
             self._limit_data()
             return 0
-        now, (resident, _) = time.monotonic(), memory()
+        now, (resident, _) = time.monotonic(), memory_in_use()
         worst: Charge | None = None
         for one in charges:
-            if (one.times and now - one.told < AGAIN) or one.times >= MOST_TIMES:
+            if (one.times and now - one.told < REPEAT_AFTER) or one.times >= MOST_TIMES:
                 continue
             with contextlib.suppress(OSError):  # a thread that has ended
                 if one.clock() - one.began > one.seconds:
@@ -167,7 +167,12 @@ class Watchdog:
         if charges:
             least: dict[int, float] = {}
             for one in charges:
-                room = one.data + one.bytes + SLACK + SLACK_OF_A_PROCESSOR * (os.cpu_count() or 1)
+                room = (
+                    one.data
+                    + one.bytes
+                    + RESERVED_MARGIN
+                    + MARGIN_PER_PROCESSOR * (os.cpu_count() or 1)
+                )
                 least[one.thread] = min(room, least.get(one.thread, room))
             wanted = int(max(least.values()))
             for known in (soft, hard):
@@ -186,7 +191,7 @@ def _clock(thread: int) -> Callable[[], float]:
     return time.process_time
 
 
-def memory() -> tuple[float, float]:
+def memory_in_use() -> tuple[float, float]:
     """Bytes that the process has in the memory of the machine, and those of its data in all.
 
     Where the system does not tell: the most there ever were, and 0.
@@ -207,7 +212,7 @@ def memory() -> tuple[float, float]:
 
 
 @cache
-def installed() -> float:
+def installed_memory() -> float:
     """Bytes of memory that the machine has, infinite where the system does not tell."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES")) * _PAGE

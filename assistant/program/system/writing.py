@@ -27,7 +27,7 @@ from typing import Final
 
 from assistant.program.diagnostics import Refused, error, warning
 from assistant.program.system import durably, leftovers, locks
-from assistant.program.system.ending import held
+from assistant.program.system.ending import defer_termination
 from assistant.program.system.leftovers import HOLDING, NEW, OLD, READY
 
 NOT_WRITTEN: Final = error(
@@ -72,10 +72,10 @@ def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[Fil
 
     Raises Refused (exit status 2) if the folder or a file cannot be written.
     """
-    return write_all({place_of(name, folder): data for name, data in files.items()})
+    return write_all({file_in_folder(name, folder): data for name, data in files.items()})
 
 
-def place_of(name: str, folder: str | FilePath) -> FilePath:
+def file_in_folder(name: str, folder: str | FilePath) -> FilePath:
     """A file of a folder; raises Refused (exit status 2) for a name that leads elsewhere."""
     if FilePath(name).name != name or name in {"", ".", ".."}:
         raise Refused(BAD_NAME(path=str(folder), name=name), exit_status=2)
@@ -89,94 +89,96 @@ def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
     (exit status 2).
     """
     try:
-        put(files)
+        write_or_raise(files)
     except OSError as wrong:
         first = next(iter(files))
-        name = _as_given(wrong, files) or first.parent
+        name = _name_as_given(wrong, files) or first.parent
         reason = wrong.strerror or str(wrong)
         finding = NOT_WRITTEN(path=str(first.parent), name=name, reason=reason)
         raise Refused(finding, exit_status=2) from None
     return tuple(files)
 
 
-def put(files: Mapping[FilePath, bytes]) -> None:
+def write_or_raise(files: Mapping[FilePath, bytes]) -> None:
     """The same for who says in words of his own what went wrong; raises OSError.
 
     A link stays one, and what it leads to is written. Raises Refused where files are not as they
     were: no words of others are right then.
     """
     made: list[FilePath] = []
-    sets: list[_Set] = []
+    sets: list[_FileSet] = []
     try:
         for folder, inside in _by_folder(files).items():
             made += durably.make_folders(folder)
-            sets.append(_Set(folder, inside))
+            sets.append(_FileSet(folder, inside))
             sets[-1].begin()
         for one in sets:
             one.prepare()
         with ExitStack() as here:
             for one in sorted(sets, key=lambda one: one.folder):
-                here.enter_context(locks.alone(one.folder))
+                here.enter_context(locks.locked_folder(one.folder))
             for one in sets:
                 one.keep_old()
-            with held():
+            with defer_termination():
                 _take_their_places(sets)
     except BaseException as wrong:
-        with held():
+        with defer_termination():
             _give_up(sets, made)
         if isinstance(wrong, Stuck):
             raise wrong.told() from None
         raise
-    with held():
+    with defer_termination():
         for one in sets:
             one.end()
 
 
 @contextmanager
-def scratch(folder: FilePath) -> Iterator[FilePath]:
+def scratch_folder(folder: FilePath) -> Iterator[FilePath]:
     """A hidden folder in one that is made, for as long as the block lasts; raises OSError."""
     made = durably.make_folders(folder)
-    one = _Set(FilePath(os.path.realpath(folder)), {})
+    one = _FileSet(FilePath(os.path.realpath(folder)), {})
     try:
         one.begin()
         one.prepare()
         yield one.inside(NEW)
     except BaseException:
-        with held():
+        with defer_termination():
             _give_up([one], made)
         raise
-    with held():
+    with defer_termination():
         one.end()
 
 
 @contextmanager
-def appearing(target: FilePath) -> Iterator[FilePath]:
+def new_folder(target: FilePath) -> Iterator[FilePath]:
     """A folder to write into, which is `target` when the block ends well and gone else.
 
     Raises OSError; nothing that is there may have that name. Where the disk neither confirms the
     name nor lets it be taken back, the folder stays and a warning is told.
     """
-    with scratch(target.parent) as place:
+    with scratch_folder(target.parent) as place:
         new = place / target.name
         new.mkdir()
         yield new
         for one in (*(one for one in new.rglob("*") if one.is_dir()), new):
-            durably.settle(one)
-        with held():
+            durably.sync_folder(one)
+        with defer_termination():
             new.rename(target)
             try:
-                durably.settle(target.parent)
+                durably.sync_folder(target.parent)
             except OSError as wrong:
                 try:
                     target.rename(new)  # what is told as not written must not be there
                 except OSError:
                     reason = wrong.strerror or str(wrong)
-                    leftovers.say(UNCONFIRMED(path=str(target), name=target, reason=reason))
+                    leftovers.report_leftover(
+                        UNCONFIRMED(path=str(target), name=target, reason=reason)
+                    )
                 else:
                     raise
 
 
-def _give_up(sets: Iterable[_Set], made: Iterable[FilePath]) -> None:
+def _give_up(sets: Iterable[_FileSet], made: Iterable[FilePath]) -> None:
     for one in sets:
         one.end()
     for folder in made:
@@ -213,24 +215,24 @@ def check_replaceable(target: FilePath) -> os.stat_result | None:
 
 
 @dataclass(slots=True)
-class _Set:
+class _FileSet:
     """The files of one folder. placed: those that have taken their places, with their inodes."""
 
     folder: FilePath
     files: Mapping[str, bytes]
     holding: FilePath | None = None
-    lock: int = locks.NONE
+    lock: int = locks.NO_LOCK
     placed: dict[str, int] = field(default_factory=dict)
     stuck: bool = False
 
     def begin(self) -> None:
         """Makes the hidden folder; what others have left is seen to before."""
-        with locks.alone(self.folder) as locked:
-            leftovers.see_to(self.folder, locked)
-            with held():
+        with locks.locked_folder(self.folder) as locked:
+            leftovers.recover_folder(self.folder, locked)
+            with defer_termination():
                 self.holding = FilePath(tempfile.mkdtemp(prefix=HOLDING, dir=self.folder))
-                lock = locks.take(self.holding)
-                self.lock = locks.NONE if lock is None else lock
+                lock = locks.take_lock(self.holding)
+                self.lock = locks.NO_LOCK if lock is None else lock
 
     def prepare(self) -> None:
         """Writes the new files, with the permissions of those that they replace."""
@@ -240,35 +242,35 @@ class _Set:
             facts = check_replaceable(self.folder / name)
             durably.write_new(new / name, data)
             if facts is not None:
-                _make_alike(new / name, facts)
+                _copy_permissions(new / name, facts)
 
     def keep_old(self) -> None:
         """Links the old files aside, and says what is to be replaced."""
         old = self.inside(OLD)
         old.mkdir()
-        kept = [name for name in self.files if _is_kept(self.folder / name, old / name)]
+        kept = [name for name in self.files if _link_aside(self.folder / name, old / name)]
         if len(self.files) == 1:
             return  # one file takes its place at once, there is nothing to be put back
         rows = {
             name: {"old": name in kept, "new": hashlib.sha256(data).hexdigest()}
             for name, data in self.files.items()
         }
-        durably.settle(old)
+        durably.sync_folder(old)
         durably.write_new(self.inside(READY), json.dumps(rows).encode())
-        durably.settle(self.inside(""))
-        durably.settle(self.folder)
+        durably.sync_folder(self.inside(""))
+        durably.sync_folder(self.folder)
 
     def place(self) -> None:
         for name in self.files:
             new = self.inside(NEW) / name
             self.placed[name] = new.stat().st_ino
             new.replace(self.folder / name)
-        durably.settle(self.folder)
+        durably.sync_folder(self.folder)
 
     def put_back(self) -> None:
         """Raises Stuck if that cannot be."""
         failed: dict[str, OSError] = {}
-        leftovers.turn_back(self.inside(""))
+        leftovers.mark_for_recovery(self.inside(""))
         for name, inode in reversed(self.placed.items()):
             target, old = self.folder / name, self.inside(OLD) / name
             try:
@@ -284,24 +286,24 @@ class _Set:
             self.stuck = True
             raise Stuck(next(iter(failed.values())), failed, self.inside(""))
         with suppress(OSError):
-            durably.settle(self.folder)
+            durably.sync_folder(self.folder)
 
     def end(self) -> None:
         """Takes the hidden folder away, unless it has what nobody else has."""
         if self.holding is not None and not self.stuck:
-            leftovers.take_away(self.holding, self.lock)
+            leftovers.remove_holding_folder(self.holding, self.lock)
         else:
-            locks.free(self.lock)
-        self.holding, self.lock = None, locks.NONE
+            locks.free_lock(self.lock)
+        self.holding, self.lock = None, locks.NO_LOCK
 
     def inside(self, part: str) -> FilePath:
         assert self.holding is not None
         return self.holding / part
 
 
-def _take_their_places(sets: Iterable[_Set]) -> None:
+def _take_their_places(sets: Iterable[_FileSet]) -> None:
     """All new files, or none of them; raises OSError."""
-    begun: list[_Set] = []
+    begun: list[_FileSet] = []
     try:
         for one in sets:
             begun.append(one)
@@ -318,7 +320,7 @@ def _take_their_places(sets: Iterable[_Set]) -> None:
         raise
 
 
-def _is_kept(target: FilePath, aside: FilePath) -> bool:
+def _link_aside(target: FilePath, aside: FilePath) -> bool:
     """Whether there is an old file; it has a second name then, or a copy."""
     try:
         os.link(target, aside)
@@ -326,11 +328,11 @@ def _is_kept(target: FilePath, aside: FilePath) -> bool:
         return False
     except OSError:
         durably.write_new(aside, target.read_bytes())
-        _make_alike(aside, target.stat())
+        _copy_permissions(aside, target.stat())
     return True
 
 
-def _make_alike(file: FilePath, facts: os.stat_result) -> None:
+def _copy_permissions(file: FilePath, facts: os.stat_result) -> None:
     """Gives a file the permissions of another and, where that is allowed, its owner."""
     own = file.stat()
     if (own.st_uid, own.st_gid) != (facts.st_uid, facts.st_gid) and hasattr(os, "chown"):
@@ -339,7 +341,7 @@ def _make_alike(file: FilePath, facts: os.stat_result) -> None:
     file.chmod(stat.S_IMODE(facts.st_mode))
 
 
-def _as_given(wrong: OSError, files: Mapping[FilePath, bytes]) -> FilePath | str | None:
+def _name_as_given(wrong: OSError, files: Mapping[FilePath, bytes]) -> FilePath | str | None:
     """The file or folder that an error is about, as the user names it; None for one of ours."""
     named = str(wrong.filename or "")
     if not named or HOLDING in named:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program.arrays import Rows
-from assistant.program.effects import unknown
+from assistant.program.effects import unknown_effect
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.kept import effect_of
 from assistant.program.lines import lines_of
@@ -271,7 +271,7 @@ class Walker:
         if not self.kept_motion.possible(effect):
             self.note(f"`{line}` is taken as neither time nor motion")
             return state
-        if effect.moves and effect != unknown(text):
+        if effect.moves and effect != unknown_effect(text):
             self.note(f"`{line}` is a motion whose time is not known")
         else:
             self.note(f"`{line}` may move the arm, in a time that is not known")

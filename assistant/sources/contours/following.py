@@ -21,14 +21,7 @@ from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import TakenNames, identifier
-from assistant.program.statements import (
-    Follow,
-    Motion,
-    Move,
-    MoveCircular,
-    Statement,
-    Trigger,
-)
+from assistant.program.statements import Follow, Motion, Move, MoveCircular, Statement, Trigger
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import (
     Arc,

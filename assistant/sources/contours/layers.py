@@ -13,10 +13,7 @@ import numpy as np
 from assistant.program.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
-from assistant.program.statements import (
-    Comment,
-    Statement,
-)
+from assistant.program.statements import Comment, Statement
 from assistant.sources.contours.chaining import Contour, chain, wide_gaps
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.following import Placed, follow, highest, measured

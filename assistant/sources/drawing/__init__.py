@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 
 from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 from assistant.sources.drawing.assembly import assemble
 from assistant.sources.drawing.contents import Contents, read_contents
 from assistant.sources.process import Process
@@ -14,7 +14,7 @@ from assistant.sources.reading import Reading
 __all__ = ["Contents", "read", "read_contents"]
 
 
-@uncollected()
+@without_gc()
 def read(path: FilePath, process: Process) -> Reading:
     """The pseudo-program of a drawing.
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
-from assistant.program.system.budgets import factor
+from assistant.program.system.budgets import budget_factor
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.counting import Count
 from assistant.sources.drawing.document import library_errors
@@ -148,8 +148,8 @@ class Traversal:
         """Entities of the model space with all inserts; raises Refused if there are too many."""
         entities = self.document.modelspace()
         count = Count(self.document, self._layered, MOST_NESTED).of(entities)
-        if count > MOST_ENTITIES * factor():
-            raise Refused(TOO_MANY(path=self.path, most=int(MOST_ENTITIES * factor())))
+        if count > MOST_ENTITIES * budget_factor():
+            raise Refused(TOO_MANY(path=self.path, most=int(MOST_ENTITIES * budget_factor())))
         return count
 
     def _layered(self, entity: DXFGraphic, around: str) -> tuple[str, bool]:

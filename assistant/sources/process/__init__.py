@@ -10,7 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
@@ -129,7 +129,7 @@ class Process:
     merges: bool = False
     joint_speed: float | None = None
     joint_percent: float | None = None
-    lines: Mapping[int, Line] = field(default_factory=dict)
+    lines: Mapping[int, ChannelLine] = field(default_factory=dict)
     interface: Interface | None = None
     home: tuple[float, ...] | None = None
     seen: Seen = NOT_SAID

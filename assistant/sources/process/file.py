@@ -120,13 +120,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
 from assistant.program.system.budgets import SETTINGS_FILE
 from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.toml_text import toml
+from assistant.program.toml_text import parse_toml
 from assistant.sources.process import Defaults, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.known import MOTION, Known
@@ -276,7 +276,7 @@ def read_toml(source: SourceText) -> Table:
     Raises Refused if reading takes more than its budget.
     """
     try:
-        content = toml(source.text, source.path)
+        content = parse_toml(source.text, source.path)
     except Refused:
         raise
     except tomllib.TOMLDecodeError as error:
@@ -363,12 +363,12 @@ def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> P
     return Pose(found.get(position, (0.0, 0.0, 0.0)), turn)
 
 
-def _line(name: str, table: Table) -> Iterator[tuple[int, Line]]:
+def _line(name: str, table: Table) -> Iterator[tuple[int, ChannelLine]]:
     found, number = table.read(LINE), re.fullmatch(r"(?i)line_([1-8])", name)
     if number is None or len(found) < len(LINE) - (found.get("role") == "serial"):
         table.say(NO_LINE, name=name)
     else:
-        yield int(number[1]), Line(**found)
+        yield int(number[1]), ChannelLine(**found)
 
 
 def _signal(name: str, table: Table) -> Signal:

@@ -12,12 +12,12 @@ KeyPath = tuple[str, ...]
 
 BLANK: Final = re.compile(r"[ \t]*")
 SPACE: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-KEY: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
-TEXT: Final = re.compile(
+KEY_PART: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
+QUOTED_TEXT: Final = re.compile(
     r'"""(?:[^\\]|\\.)*?"{3,5}|' + r"'''.*?'{3,5}|" + r"""\"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""",
     re.DOTALL,
 )
-BARE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
+BARE_VALUE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
 
 
 def key_spans(text: str) -> dict[KeyPath, Span]:
@@ -26,19 +26,19 @@ def key_spans(text: str) -> dict[KeyPath, Span]:
     text: TOML that `tomllib` has read. Of a table that is opened several times, or implied
     by a longer name, the first mention counts. Entries of arrays go by their number from 0.
     """
-    reader = _Keys(text)
+    reader = _KeyReader(text)
     reader.document()
     return reader.spans
 
 
 def value_spans(text: str) -> dict[KeyPath, Span]:
     """The span of each value, by the path of its key from the top; see `key_spans`."""
-    reader = _Keys(text)
+    reader = _KeyReader(text)
     reader.document()
     return reader.values
 
 
-class _Keys:
+class _KeyReader:
     """Reads keys and skips values; the text is known to be valid."""
 
     def __init__(self, text: str) -> None:
@@ -86,10 +86,10 @@ class _Keys:
         path = table
         while True:
             self._skip(BLANK)
-            match = KEY.match(self.text, self.at)
+            match = KEY_PART.match(self.text, self.at)
             if match is None:
                 raise ValueError(f"no key at character {self.at}")
-            path = (*path, _plain(match[0]))
+            path = (*path, _unquoted_key(match[0]))
             self.spans.setdefault(path, Span(*match.span()))
             self.at = match.end()
             self._skip(BLANK)
@@ -115,7 +115,7 @@ class _Keys:
                 self.at += self.text.startswith(",", self.at)
             self.at += 1
             return
-        match = TEXT.match(self.text, self.at) or BARE.match(self.text, self.at)
+        match = QUOTED_TEXT.match(self.text, self.at) or BARE_VALUE.match(self.text, self.at)
         if match is None:
             raise ValueError(f"no value at character {self.at}")
         self.at = match.end()
@@ -126,6 +126,6 @@ class _Keys:
         return self.at
 
 
-def _plain(key: str) -> str:
+def _unquoted_key(key: str) -> str:
     """A key as `tomllib` knows it, quotes and escapes resolved."""
     return next(iter(tomllib.loads(f"{key} = 0"))) if key[0] in "\"'" else key

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Severity, Unreadable, error
-from assistant.program.system.budgets import unpacked
+from assistant.program.system.budgets import most_unpacked
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
@@ -107,7 +107,7 @@ def _members(data: bytes, path: str) -> list[tuple[str, bytes]]:
     too_large = None
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            size, most = sum(member.file_size for member in archive.infolist()), unpacked()
+            size, most = sum(member.file_size for member in archive.infolist()), most_unpacked()
             if size <= most:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
             too_large = TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)

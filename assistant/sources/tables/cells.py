@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.columns import numbers
+from assistant.program.columns import read_numbers
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error
 from assistant.sources.tables.headers import shown
 
@@ -149,7 +149,7 @@ class Cells:
         if text.translate(None, _NUMERIC):
             return None
         try:
-            found = numbers(text)
+            found = read_numbers(text)
         except ValueError:
             return None
         # a cell holds at least one number, so as many numbers as cells is one in each

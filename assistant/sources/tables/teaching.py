@@ -10,7 +10,7 @@ from typing import Any, Final
 from assistant.program.diagnostics import Refused, Span, error
 from assistant.program.program import identifier
 from assistant.program.text import SourceText
-from assistant.program.toml_text import toml
+from assistant.program.toml_text import parse_toml
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import read_toml
 from assistant.sources.process.lines import key_spans, value_spans
@@ -204,7 +204,7 @@ def is_kept(before: str, after: str, name: str) -> bool:
 
 
 def _without(text: str, name: str) -> str:
-    content = toml(text)
+    content = parse_toml(text)
     entries = content.get("targets", [])
     number = _entry(entries, name)
     kept = [entry for i, entry in enumerate(entries) if i != number]

@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.system.bounded import read_file, read_text
-from assistant.program.system.durably import ARRIVING, write_whole
+from assistant.program.system.durably import UNFINISHED, write_whole
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 
@@ -25,7 +25,7 @@ SUFFIXES: Final = {False: ".mod", True: ".sys"}
 
 def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
     """Makes a folder, which appears whole or not at all; raises OSError."""
-    beside = target.with_name(f"{ARRIVING}{target.name}")
+    beside = target.with_name(f"{UNFINISHED}{target.name}")
     shutil.rmtree(beside, ignore_errors=True)
     try:
         _write(programs, beside, cabinet)
@@ -36,7 +36,7 @@ def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
 
 def _write(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
     home = cabinet.disk.folder("HOME")
-    arriving = shutil.ignore_patterns(f"{ARRIVING}*")
+    arriving = shutil.ignore_patterns(f"{UNFINISHED}*")
     (folder / "BACKINFO").mkdir(parents=True)
     told = f">>SYSTEM_ID:\n{cabinet.name}\n\n>>PRODUCTS_ID:\nRobotWare\n\n>>TASK1: ({TASK},,)\n"
     (folder / "BACKINFO" / "backinfo.txt").write_text(told, "latin-1")

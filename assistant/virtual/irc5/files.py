@@ -19,7 +19,7 @@ from pyftpdlib.handlers import DTPHandler, FTPHandler
 
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import ARRIVING, write_whole
+from assistant.program.system.durably import UNFINISHED, write_whole
 from assistant.virtual.irc5.modules import is_looked_at, look
 
 UNIT: Final = "HOME:"
@@ -81,7 +81,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         self.report(f"renamed {source.name} to {target.name}")
 
     def listdir(self, path: str) -> list[str]:
-        return [name for name in super().listdir(path) if not name.startswith(ARRIVING)]
+        return [name for name in super().listdir(path) if not name.startswith(UNFINISHED)]
 
     listdirinfo = listdir
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
-from assistant.program.failing import details_wanted, failure
+from assistant.program.failing import internal_error, traceback_wanted
 from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
 from assistant.virtual.kernel.looking import Level
 
@@ -176,9 +176,9 @@ class Task:
             self.ended = broken.ending
         except Exception as error:
             # Nobody's program may take the whole controller down with it.
-            if self.kernel.live is None or details_wanted():
+            if self.kernel.live is None or traceback_wanted():
                 raise
-            self.ended = Ending("unknown", failure(error).message)
+            self.ended = Ending("unknown", internal_error(error).message)
 
     def kill(self) -> None:
         """Ends it where it is."""

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, evenly
+from assistant.program.arrays import Floats, Ints, evenly_spaced
 from assistant.vision.recognition.edges import sampled
 from assistant.vision.recognition.objects import Outline
 
@@ -118,7 +118,7 @@ class Pairs:
     def poses(self, seen: Contour, kept: int = KEPT) -> list[Flat]:
         """Poses that the most pairs of a seen contour vote for, the best first."""
         count = len(seen.points)
-        firsts = evenly(count, FIRST)
+        firsts = evenly_spaced(count, FIRST)
         one, other = (a.ravel() for a in np.meshgrid(firsts, np.arange(count), indexing="ij"))
         gap = np.linalg.norm(seen.points[one] - seen.points[other], axis=1)
         near = (gap > 0.04 * self.largest) & (gap < self.largest)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
-from assistant.program.effects import Effect, unknown
+from assistant.program.effects import Effect, unknown_effect
 
 MELFA = languages.get("melfa-basic-6")
 
@@ -31,7 +31,7 @@ def does(*flags: str, reads: str = "", writes: str = "", calls: str = "") -> Eff
         ("On M1 GoSub *One,*Two", does(reads="m1 one two", calls="one two")),
         ("On M1 GoTo *One,*Two", does("jumps", reads="m1 one two")),
         ('CallP "FETCH",M1,P2', does(reads="fetch m1 p2", writes="m1 p2", calls="fetch")),
-        ("CallP C1$", unknown("CallP C1$")),
+        ("CallP C1$", unknown_effect("CallP C1$")),
         ("Def Act 1,M_In(8)=1 GoSub *Alarm", does(reads="m_in alarm")),
         ("Wait M_In(8)=1", does("waits", reads="m_in")),
         ("Dly M1", does("waits", reads="m1")),
@@ -65,4 +65,4 @@ def test_functions_are_declarations() -> None:
 @pytest.mark.parametrize("text", ["Mov Mov", "MoveL p1,v100,fine,tool0;", "10 Mov P1"])
 def test_what_cannot_be_read_may_do_anything(text: str) -> None:
     for kind in ("statement", "expression", "declaration"):
-        assert MELFA.effect(text, kind) == unknown(text)  # type: ignore[arg-type]
+        assert MELFA.effect(text, kind) == unknown_effect(text)  # type: ignore[arg-type]

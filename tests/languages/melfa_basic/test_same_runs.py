@@ -10,7 +10,7 @@ import assistant
 from assistant import languages
 from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
-from assistant.program.passes.cycles import repeats
+from assistant.program.passes.cycles import repeats_cycle
 from assistant.program.text import SourceText
 from assistant.virtual import melfa, rapid
 from assistant.virtual.comparing import difference
@@ -142,7 +142,7 @@ def as_its_source(main: str, more: str, to: str) -> None:
     target = languages.get(to)
     first = rapid.run(source)
     assert any(isinstance(event, Moved) for event in first.events) and first.ended == "end"
-    if repeats(translation.compiled.program):
+    if repeats_cycle(translation.compiled.program):
         first = rapid.run(source, most_cycles=3)
     second = melfa.run(target.parse(target.decode(written)), most_steps=5_000)
     assert difference(first, second) is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
-from assistant.program.effects import Effect, unknown
+from assistant.program.effects import Effect, unknown_effect
 
 RAPID = languages.get("rapid")
 
@@ -115,5 +115,5 @@ def test_many_moves_in_a_routine_name_each_target() -> None:
 )
 def test_what_does_not_tell_what_it_does_may_do_anything(text: str) -> None:
     for kind in ("statement", "expression", "declaration"):
-        assert RAPID.effect(text, kind) == unknown(text)  # type: ignore[arg-type]
-    assert unknown(text).moves and unknown(text).jumps and unknown(text).waits
+        assert RAPID.effect(text, kind) == unknown_effect(text)  # type: ignore[arg-type]
+    assert unknown_effect(text).moves and unknown_effect(text).jumps and unknown_effect(text).waits

@@ -13,7 +13,7 @@ import pytest
 
 from assistant.program.diagnostics import Refused, Unreadable
 from assistant.program.system.bounded import NoFile, TooLarge, read_file, read_stream
-from assistant.program.system.budgets import VARIABLE
+from assistant.program.system.budgets import FACTOR_VARIABLE
 from assistant.program.text import read_bytes
 
 
@@ -55,9 +55,9 @@ def test_a_file_has_a_limit_before_it_is_read(
     file.write_bytes(bytes(1001))
     with pytest.raises(TooLarge):
         read_file(file, 1000)
-    monkeypatch.setenv(VARIABLE, "2")
+    monkeypatch.setenv(FACTOR_VARIABLE, "2")
     assert len(read_file(file, 1000)) == 1001
-    monkeypatch.setenv(VARIABLE, "no")
+    monkeypatch.setenv(FACTOR_VARIABLE, "no")
     with pytest.raises(Refused) as wrong:
         read_file(file, 1000)
     assert wrong.value.findings[0].code == "LM006"

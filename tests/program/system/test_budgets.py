@@ -12,7 +12,7 @@ from collections.abc import Callable
 import pytest
 
 from assistant.program.diagnostics import Refused
-from assistant.program.system.budgets import STAGES, VARIABLE, Stage, within
+from assistant.program.system.budgets import FACTOR_VARIABLE, STAGES, Stage, within
 
 SMALL = Stage("trying", "bytes", 0.1, 0.0, 60, 0)
 ROOM = Stage("trying", "bytes", 1e6, 0.0, 60, 0)
@@ -109,9 +109,9 @@ def test_waiting_is_no_processor_time() -> None:
 
 def test_the_factor_multiplies_time_and_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     for stage in STAGES:
-        monkeypatch.delenv(VARIABLE, raising=False)
+        monkeypatch.delenv(FACTOR_VARIABLE, raising=False)
         before = stage.time_for(1000), stage.memory_for(1000)
-        monkeypatch.setenv(VARIABLE, "3")
+        monkeypatch.setenv(FACTOR_VARIABLE, "3")
         assert (stage.time_for(1000), stage.memory_for(1000)) == pytest.approx(
             [3 * value for value in before]
         )

@@ -7,18 +7,18 @@ import os
 import pytest
 
 from assistant.program.system import locks
-from assistant.program.system.durably import ARRIVING, write_whole
+from assistant.program.system.durably import UNFINISHED, write_whole
 
 
 @pytest.mark.skipif(os.name == "nt", reason="what is open cannot be deleted there")
 def test_what_a_killed_one_has_left_goes_and_what_is_under_way_stays(tmp_path):
-    (tmp_path / f"{ARRIVING}left").write_bytes(b"half")
-    under_way = tmp_path / f"{ARRIVING}now"
+    (tmp_path / f"{UNFINISHED}left").write_bytes(b"half")
+    under_way = tmp_path / f"{UNFINISHED}now"
     with under_way.open("wb") as file:
-        lock = locks.hold(file.fileno())
+        lock = locks.lock_open_file(file.fileno())
     write_whole(tmp_path / "a.mod", b"one")
     assert sorted(os.listdir(tmp_path)) == [under_way.name, "a.mod"]
-    locks.free(lock)
+    locks.free_lock(lock)
     write_whole(tmp_path / "a.mod", b"two")
     assert os.listdir(tmp_path) == ["a.mod"]
     assert (tmp_path / "a.mod").read_bytes() == b"two"

@@ -10,8 +10,8 @@ import sys
 import pytest
 
 from assistant.program.diagnostics import Refused
-from assistant.program.system.leftovers import told_by
-from assistant.program.system.writing import scratch, write_all, write_files
+from assistant.program.system.leftovers import reporting_leftovers
+from assistant.program.system.writing import scratch_folder, write_all, write_files
 
 
 def test_writes_all_files_and_nothing_else(tmp_path):
@@ -82,7 +82,7 @@ def test_no_room_for_the_second_file_keeps_the_first_as_it_was(tmp_path):
 def told():
     """Codes and sentences of what earlier runs have left."""
     found = []
-    with told_by(lambda finding: found.append((finding.code, finding.message))):
+    with reporting_leftovers(lambda finding: found.append((finding.code, finding.message))):
         yield found
 
 
@@ -239,7 +239,7 @@ def test_what_is_not_ours_is_told_and_left_alone(tmp_path, told):
 
 
 def test_what_is_under_way_is_no_leftover(tmp_path, told):
-    with scratch(tmp_path) as place:
+    with scratch_folder(tmp_path) as place:
         (place / "a.mod").write_bytes(b"under way")
         write_files({"a.mod": b"new a"}, tmp_path)
         assert (place / "a.mod").read_bytes() == b"under way"

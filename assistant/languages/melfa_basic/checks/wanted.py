@@ -28,7 +28,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_name
 from assistant.program.diagnostics import Span
-from assistant.program.wanted import STATE, Argument, Plain, Wanted, WantedKind
+from assistant.program.wanted import STATE_TYPE, CallArgument, Plain, Wanted, WantedKind
 
 _OF_TYPE: Final[dict[str, str]] = {"Pos": "P", "Jnt": "J", "Char": "C"}
 """Type of a `Def` → the letter that names of it begin with elsewhere; numbers otherwise."""
@@ -194,7 +194,7 @@ def _outside(look: Look) -> Iterator[Wanted]:
             yield Wanted(
                 name,
                 "routine",
-                arguments=(Argument("num"),) * len(given),
+                arguments=(CallArgument("num"),) * len(given),
                 uses=(_place(look, line.span),),
             )
     written = {use.variable.key for _, use in look.uses if use.role != "read"}
@@ -202,7 +202,7 @@ def _outside(look: Look) -> Iterator[Wanted]:
         name, key = use.variable.name, use.variable.key
         if outside.is_state(key) and key not in written:
             kind, type, nothing = _KINDS[key[0]]
-            type = type or STATE
+            type = type or STATE_TYPE
             yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))
 
 
@@ -223,7 +223,7 @@ def _functions(look: Look) -> Iterator[Wanted]:
         if key in look.functions or key in made or key in names.dimensioned:
             continue
         if vocabulary.function(key) is None and vocabulary.status(key) is None:
-            given = tuple(Argument(_KINDS[_letter(one)][1]) for one in function.arguments or ())
+            given = tuple(CallArgument(_KINDS[_letter(one)][1]) for one in function.arguments or ())
             uses = (_place(look, line.span),)
             yield Wanted(function.name, "routine", result, arguments=given, uses=uses)
 

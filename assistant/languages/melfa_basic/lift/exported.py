@@ -26,11 +26,11 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.left_settings import left_settings
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Program, walk
-from assistant.program.rewriting import exchanged, head, records, rewrite
+from assistant.program.rewriting import head, records, rewrite, with_vendor_statements_replaced
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
 _OWN_ARM: Final = (
@@ -134,12 +134,12 @@ def exported(program: Program) -> Adapted:
         if caution:
             yield p.Message((e.Text(f"caution {caution[1]}"),), span=node.span)
 
-    return Adapted(exchanged(program, told), tuple(findings))
+    return Adapted(with_vendor_statements_replaced(program, told), tuple(findings))
 
 
 def _with_stated_lines(program: Program) -> Program:
     """The program with clients for the lines that it states one address of."""
-    texts = [match for one in everywhere(program, p.Opaque) if (match := _stated(one))]
+    texts = [match for one in records_in_procedures(program, p.Opaque) if (match := _stated(one))]
     if not texts:
         return program
     ends: dict[int, set[tuple[str, int]]] = {}
@@ -159,7 +159,7 @@ def _with_stated_lines(program: Program) -> Program:
         if match is None or int(match[1]) not in known:
             yield node
 
-    return exchanged(rewrite(program, opened), left)
+    return with_vendor_statements_replaced(rewrite(program, opened), left)
 
 
 def _stated(node: p.Opaque) -> re.Match[str] | None:
@@ -184,7 +184,7 @@ def _as_settings_begin(program: Program) -> Program:
     """With the variables that hold settings at what a cycle begins with: its end sets them back."""
     held = {
         told.target.name
-        for one in everywhere(program, p.Opaque)
+        for one in records_in_procedures(program, p.Opaque)
         if one.reason == DEPENDED_ON
         for told in one.told
         if isinstance(told, p.Assign) and isinstance(told.target, e.Name)

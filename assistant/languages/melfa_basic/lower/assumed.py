@@ -26,9 +26,9 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assumptions import (
     first_move,
-    read_unset,
-    signed_bits,
-    with_changing_limits,
+    functions_of_signed_bits,
+    loops_with_changing_limits,
+    variables_read_unset,
 )
 from assistant.program.analysis.uses import unordered
 from assistant.program.diagnostics import Diagnostic, Span
@@ -235,7 +235,7 @@ def _without_value(program: Program) -> Iterator[Diagnostic]:
     """Variables that other languages begin with a value. A position that has none is no place
     there either; of arrays it is not known which elements are read.
     """
-    for name, variable, span in read_unset(program):
+    for name, variable, span in variables_read_unset(program):
         if variable.type == "joints":
             yield rules.JOINTS_UNTOLD(name=name, span=span)
         elif variable.type in FIRST:
@@ -244,12 +244,12 @@ def _without_value(program: Program) -> Iterator[Diagnostic]:
 
 def _signed_bits(program: Program) -> Iterator[Diagnostic]:
     """Bits of numbers that may be below 0: MELFA-BASIC takes those of their complement."""
-    for function, span in signed_bits(program, BITS):
+    for function, span in functions_of_signed_bits(program, BITS):
         yield rules.SIGNED_BITS(word=BITS[function], span=span)
 
 
 def _loops(program: Program) -> Iterator[Diagnostic]:
     """Loops whose end or step changes inside: not every language works them out again."""
-    for loop, changed in with_changing_limits(program):
+    for loop, changed in loops_with_changing_limits(program):
         names = ", ".join(f"`{name.upper()}`" for name in changed)
         yield rules.LOOP_CHANGED(names=names, span=loop.span)

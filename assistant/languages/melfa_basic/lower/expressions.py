@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
-from assistant.program.analysis.kinds import COMPONENTS, kinds
+from assistant.program.analysis.kinds import COMPONENTS, known_types
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Procedure, Program, Signal
 
@@ -303,7 +303,7 @@ class Expressions:
         if not isinstance(value, e.Name):
             return None
         procedure = self.procedure or Procedure("", ())
-        return kinds(self.program, procedure).get(value.name.lower())
+        return known_types(self.program, procedure).get(value.name.lower())
 
     def unit(self, component: str) -> s.Variable:
         """One mm or degree of an additional axis, as the controller keeps it."""

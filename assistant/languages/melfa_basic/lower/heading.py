@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.elsewhere import said
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.analysis.interrupts import spelled
+from assistant.program.analysis.interrupts import interrupt_names
 from assistant.program.program import Parameter, ValueType, Variable
 from assistant.program.timers import timers
 
@@ -43,7 +43,7 @@ def heading(w: Writer) -> list[s.Item]:
         str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
     }
     if w.unit is None:
-        head.names["interrupt"] = spelled(program, names.interrupts)
+        head.names["interrupt"] = interrupt_names(program, names.interrupts)
     _name_labels(w, head)
     for kind, table, given in named(w):
         head.names[kind] = {table[n.lower()]: n for n in given}

@@ -24,14 +24,13 @@ from assistant.languages.melfa_basic.tables.variables import (
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
-from assistant.program.analysis.interrupts import interrupts
-from assistant.program.analysis.interrupts import numbered as numbered_interrupts
-from assistant.program.analysis.open_channels import together
-from assistant.program.channels import numbered as numbered_channels
+from assistant.program.analysis.interrupts import interrupts, numbered_interrupts
+from assistant.program.analysis.open_channels import channels_open_together
+from assistant.program.channels import numbered_channels
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
 from assistant.program.statements import Label
-from assistant.program.timers import numbered
+from assistant.program.timers import numbered_timers
 
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""
@@ -136,8 +135,8 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                     names.labels[key] = short
                     names.original_labels[short] = statement.name
     names.units = unit_names(program)
-    names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
-    names.channels = numbered_channels(program, NUMBERS, together)
+    names.timers, names.wait_timer = numbered_timers(program, range(1, MOST_TIMERS + 1), _TIMER)
+    names.channels = numbered_channels(program, NUMBERS, channels_open_together)
     names.interrupts = numbered_interrupts(program, INTERRUPTS)
     names.defined = frozenset(one.name.lower() for one in interrupts(program))
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)

@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.diagnostics import Refused
-from assistant.program.passes.procedures import noted
+from assistant.program.passes.procedures import notes_and_body
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 from assistant.program.subjects import Declared
 
@@ -123,7 +123,7 @@ class UnitLines(Writer):
         """What all of them share, the entry as `Main`, and the others."""
         self.definitions()
         for procedure in [*([first] if first else []), *others]:
-            notes, body = noted(procedure.body)
+            notes, body = notes_and_body(procedure.body)
             self.body(notes)
             self.add(self.head(procedure, procedure is first))
             if procedure is first:

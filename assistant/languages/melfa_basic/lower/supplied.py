@@ -23,7 +23,7 @@ from assistant.program.path import configuration_row
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 from assistant.program.text import SourceText
-from assistant.program.wanted import Supplied, Value, Wanted
+from assistant.program.wanted import Supplied, SuppliedValue, Wanted
 
 NO_FLAGS: Final = (0, 0)
 NOTHING: Final = (Tool(), Frame())
@@ -177,7 +177,7 @@ def _is_no_turn(value: s.Expression) -> bool:
     return False
 
 
-def _routine(wanted: Wanted, value: Value | None, dialect: str, folder: str) -> s.File:
+def _routine(wanted: Wanted, value: SuppliedValue | None, dialect: str, folder: str) -> s.File:
     """A program that stops where others come to it, or that does nothing."""
     names = ",".join(f"M{number}" for number, _ in enumerate(wanted.arguments, 1))
     lines = [f"FPrm {names}"] if names else []
@@ -191,7 +191,7 @@ def _is_of(wanted: Wanted, tree: s.File) -> bool:
     return any(use.rpartition(":")[0] == program for use in wanted.uses)
 
 
-def _line(name: str, value: Value) -> str:
+def _line(name: str, value: SuppliedValue) -> str:
     match value:
         case Tool():
             return f"{name}={_placed(value.tip, NO_FLAGS)}"

@@ -9,7 +9,7 @@ from typing import Final
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.text import SourceText
-from assistant.program.wanted import ROUTINES, Value, Wanted
+from assistant.program.wanted import ROUTINES, SuppliedValue, Wanted
 
 _RESULTS: Final = {"num": ("M", "0"), "string": ("C", '""'), "": ("V", "")}
 """By the type of what a function gives: its letter, and what it gives until it is written."""
@@ -19,7 +19,7 @@ _LETTERS: Final = {"num": "M", "string": "C", "position": "P", "joints": "J"}
 
 def with_functions(
     tree: s.File,
-    wanted: Sequence[tuple[Wanted, Value | None]],
+    wanted: Sequence[tuple[Wanted, SuppliedValue | None]],
     trees: Sequence[s.File],
     dialect: str,
 ) -> s.File:
@@ -35,7 +35,7 @@ def with_functions(
     return replace(tree, items=(*tree.items[:below], *bare, *tree.items[below:]))
 
 
-def _text(wanted: Wanted, value: Value | None) -> str:
+def _text(wanted: Wanted, value: SuppliedValue | None) -> str:
     letter, nothing = _RESULTS.get(wanted.type, ("M", "0"))
     given = ",".join(
         f"ByVal {_LETTERS.get(one.type, 'M')}G{number}"

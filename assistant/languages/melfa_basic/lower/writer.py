@@ -24,7 +24,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import base, texts_in
+from assistant.program.analysis.uses import base_variable, texts_in
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.kept import effect_of
@@ -297,7 +297,7 @@ class Writer:
 
     def changed_tool(self, place: e.Expression) -> None:
         """After an assignment: a tool that was changed is set again before it is used."""
-        if (name := base(place)) in self.names.tools and self._mounts(name):
+        if (name := base_variable(place)) in self.names.tools and self._mounts(name):
             self.state.pop("Tool", None)
 
     def changed_frame(self, place: e.Expression) -> s.Variable | None:

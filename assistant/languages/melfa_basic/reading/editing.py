@@ -15,11 +15,11 @@ from assistant.program.editing import (
     Declaration,
     DeclaredKind,
     Editable,
-    Facts,
-    Known,
+    KnownWord,
+    LineFacts,
     Word,
     WordKind,
-    names_of,
+    names_among,
 )
 
 _WORD: Final = re.compile(
@@ -64,23 +64,23 @@ class EditableMelfaBasic(Editable):
     def __init__(self, dialect: Dialect) -> None:
         self._dialect = dialect
 
-    def facts(self, line: str) -> Facts:
+    def facts(self, line: str) -> LineFacts:
         said = tuple(_words(line))
         code = [word for word in said if word.kind != "comment"]
         step = code[0] if code and _STEP.match(line) and code[0].kind == "number" else None
         code = code[1:] if step else code
         keys = [word.text.lower() for word in code if word.kind == "keyword"]
         function = keys[:1] == ["function"]
-        return Facts(
+        return LineFacts(
             said,
-            names_of(said, str.lower),
+            names_among(said, str.lower),
             tuple(_declared(code, keys, numbered=step is not None)),
             begins=function,
             ends=keys[:1] == ["fend"],
             opens=_opened(code, keys),
         )
 
-    def known(self) -> Mapping[str, Known]:
+    def known(self) -> Mapping[str, KnownWord]:
         return _known(self._dialect.level)
 
     def no_name(self, name: str, instead_of: str) -> str:
@@ -228,27 +228,29 @@ def _declaration(
 
 
 @cache
-def _known(level: int) -> Mapping[str, Known]:
+def _known(level: int) -> Mapping[str, KnownWord]:
     about = abouts("assistant.languages.melfa_basic.tables")
-    found: dict[str, Known] = {}
+    found: dict[str, KnownWord] = {}
     for row in vocabulary.statements().values():
         sort = "keyword" if row.role == "part" else "instruction"
         low = row.word.lower()
-        found[low] = Known(row.word, sort, row.word, _told(about.get(low, ""), row, level))
+        found[low] = KnownWord(row.word, sort, row.word, _told(about.get(low, ""), row, level))
     for called in vocabulary.functions().values():
         plain = called.name.lower().removesuffix("$")
         shown = ", ".join(
             f"[{_types(a.types)}]" if a.optional else _types(a.types) for a in called.arguments
         )
         detail = f"{called.name}({shown}) → {_types(called.result)}"
-        known = Known(called.name, "function", detail, _told(about.get(plain, ""), called, level))
+        known = KnownWord(
+            called.name, "function", detail, _told(about.get(plain, ""), called, level)
+        )
         found[called.name.lower()] = known
     for name, status in vocabulary.variables().items():
         index = f"({', '.join(status.index)})" if status.index else ""
         access = "" if status.writable else ", read only"
         detail = f"{status.name}{index}: {_types(status.type)}{access}"
         low = name.lower()
-        known = Known(status.name, "variable", detail, _told(about.get(low, ""), status, level))
+        known = KnownWord(status.name, "variable", detail, _told(about.get(low, ""), status, level))
         found.setdefault(low, known)
     return found
 

@@ -21,7 +21,7 @@ from assistant.languages.melfa_basic.tables.variables import KEPT
 from assistant.languages.tasks import CommunicationLine, Configured, Texts, file_named
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.wanted import Value, WantedKind
+from assistant.program.wanted import SuppliedValue, WantedKind
 
 HEAD: Final = "NARC parameter system"
 SUFFIX: Final = ".prm"
@@ -103,7 +103,9 @@ def _rows(file: FilePath | None, read: Texts) -> dict[str, list[str]]:
     return {name: [a or b for a, b in _VALUE.findall(body)] for name, body in _ROW.findall(joined)}
 
 
-def _places(rows: Mapping[str, list[str]]) -> Iterator[tuple[tuple[WantedKind, str], Value]]:
+def _places(
+    rows: Mapping[str, list[str]],
+) -> Iterator[tuple[tuple[WantedKind, str], SuppliedValue]]:
     """Tools and bases, those that hold until a program sets others among them."""
     for name, values in rows.items():
         numbered = _NUMBERED.fullmatch(name)

@@ -26,7 +26,7 @@ from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.lines import with_line_feeds
 from assistant.program.text import SourceText
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 
 __all__ = ["parse", "statement"]
 
@@ -34,7 +34,7 @@ TOO_LARGE: Final = "a number is too large"
 SMALLER: Final = "write one that a variable can hold"
 
 
-@uncollected()
+@without_gc()
 def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.File:
     """The tree of a program or position list; what cannot be read is a finding, never raised.
 

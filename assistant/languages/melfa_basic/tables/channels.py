@@ -10,11 +10,11 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.program.statements import Mode
+from assistant.program.statements import ChannelMode
 
 NUMBERS: Final = range(1, 9)
 """Files that may be open at once."""
-MODES: Final[Mapping[str, Mode]] = {"Input": "read", "Output": "write", "Append": "append"}
+MODES: Final[Mapping[str, ChannelMode]] = {"Input": "read", "Output": "write", "Append": "append"}
 WORDS: Final[Mapping[str, str]] = {mode: word for word, mode in MODES.items()}
 LINE: Final = re.compile(r"\s*COM([1-8]):\s*", re.IGNORECASE)
 ETHERNET: Final = (3, 4, 5, 6, 7, 8, 2)

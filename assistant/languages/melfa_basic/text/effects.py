@@ -12,7 +12,13 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.texts.effects import Does, Effects, Untold
-from assistant.program.effects import Collected, Effect, KeptKind, together, unknown
+from assistant.program.effects import (
+    Effect,
+    EffectBuilder,
+    VendorTextKind,
+    combined_effect,
+    unknown_effect,
+)
 from assistant.program.text import words_of
 
 
@@ -21,57 +27,57 @@ def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:
 
     text: of it.
     """
-    return _EFFECTS.of(tree) or unknown(text)
+    return _EFFECTS.of(tree) or unknown_effect(text)
 
 
 @lru_cache(maxsize=1 << 14)
-def of_text(text: str, kind: KeptKind) -> Effect:
+def of_text(text: str, kind: VendorTextKind) -> Effect:
     """What a text does; anything if it is no MELFA-BASIC."""
     if kind == "expression":
         node = expression(text)
-        return unknown(text) if node is None else of_node(node, text)
-    return together(map(_of_line, text.split("\n")))
+        return unknown_effect(text) if node is None else of_node(node, text)
+    return combined_effect(map(_of_line, text.split("\n")))
 
 
 def _of_line(text: str) -> Effect:
     line = read_statement(text)
     if line is None:
-        return unknown(text)
+        return unknown_effect(text)
     label = Effect(frozenset((line.label.lower(),))) if line.label else Effect()
-    return together((label, of_node(line.statement, text) if line.statement else Effect()))
+    return combined_effect((label, of_node(line.statement, text) if line.statement else Effect()))
 
 
-def _variable(done: Collected, node: s.Variable) -> None:
+def _variable(done: EffectBuilder, node: s.Variable) -> None:
     done.reads.add(node.key)
     if node.arguments and status(node.key) is None:  # an element, or a call of a function:
         done.writes.update(_EFFECTS.names(node.arguments))  # both look the same
 
 
-def _jump(done: Collected, node: s.Jump | s.OnJump) -> None:
+def _jump(done: EffectBuilder, node: s.Jump | s.OnJump) -> None:
     done.jumps |= node.keyword == "GoTo"
     if node.keyword == "GoSub":
         targets = (node.target,) if isinstance(node, s.Jump) else node.targets
         done.calls.update(str(target.place) for target in targets if target is not None)
 
 
-def _if(done: Collected, node: s.If) -> None:
+def _if(done: EffectBuilder, node: s.If) -> None:
     ways = (node.then, node.otherwise)
     done.jumps |= is_word(node) or any(isinstance(way, s.Target) for way in ways)
 
 
-def _program(done: Collected, node: s.CallP) -> None:
+def _program(done: EffectBuilder, node: s.CallP) -> None:
     if not isinstance(node.program, s.String):
         raise Untold
     done.writes.update(_EFFECTS.names(node.arguments))
     done.calls.update(words_of(node.program.value))
 
 
-def _include(done: Collected, node: s.Include) -> None:
+def _include(done: EffectBuilder, node: s.Include) -> None:
     done.declare(*words_of(node.program))
     done.calls.update(words_of(node.program))
 
 
-def _command(done: Collected, node: s.Command) -> None:
+def _command(done: EffectBuilder, node: s.Command) -> None:
     """What no source tells of a command, it may do."""
     known = node.keyword in commands("reads")
     done.moves |= node.keyword in commands("moves")

@@ -43,7 +43,7 @@ from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of,
 from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
-from assistant.program.wanted import Argument, Wanted
+from assistant.program.wanted import CallArgument, Wanted
 
 
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
@@ -283,7 +283,7 @@ class _Module:
                 case s.Positional(value):
                     given.append(self._given(value, scope))
                 case s.Option(option, None):
-                    given.append(Given(Argument("switch", option)))
+                    given.append(Given(CallArgument("switch", option)))
                 case s.Option(option, s.Node() as value):
                     given.append(self._given(value, scope, option))
                 case s.Conditional(option, variable):
@@ -294,22 +294,22 @@ class _Module:
         """An argument with the type that is declared for it, or the name that has to tell it."""
         kind = scope.kind(value)
         if kind is not None:
-            return Given(Argument(_type(kind) or "", option, kind.dimensions))
+            return Given(CallArgument(_type(kind) or "", option, kind.dimensions))
         name, element = value, False
         if isinstance(value, s.Element):
             whole = any(isinstance(index, s.Whole) for index in value.indices)
             name, element = (value, False) if whole else (value.value, True)
         if not isinstance(name, s.NameRef):
-            return Given(Argument("", option))
+            return Given(CallArgument("", option))
         if name.name.lower() in self.met:
-            return Given(Argument("", option), name.name.lower(), element)
+            return Given(CallArgument("", option), name.name.lower(), element)
         found = scope.find(name.name)
         match None if found is None or scope.doubtful(found) else found.node:
             case s.Data(type=type, dimensions=extents):
-                return Given(Argument(type.lower(), option, 0 if element else len(extents)))
+                return Given(CallArgument(type.lower(), option, 0 if element else len(extents)))
             case s.ParameterNode(type=type, dimensions=dimensions):
-                return Given(Argument(type.lower(), option, 0 if element else dimensions))
-        return Given(Argument("", option))
+                return Given(CallArgument(type.lower(), option, 0 if element else dimensions))
+        return Given(CallArgument("", option))
 
     def _argument(self, argument: s.Argument, scope: Scope) -> None:
         if not isinstance(argument, s.Conditional) and argument.value is not None:

@@ -11,7 +11,7 @@ from typing import Final
 from assistant.languages.rapid.checks.kinds import SIGNALS, Types
 from assistant.languages.rapid.checks.wanted_records import Shape, Solved
 from assistant.program.program import Signal
-from assistant.program.wanted import Argument, Plain, Wanted, WantedKind
+from assistant.program.wanted import CallArgument, Plain, Wanted, WantedKind
 
 OF_TYPE: Final[Mapping[str, WantedKind]] = {
     "tooldata": "tool", "wobjdata": "frame", "speeddata": "speed", "zonedata": "blend",
@@ -37,7 +37,7 @@ class Given:
     other uses give the type. element: it is one element of them.
     """
 
-    argument: Argument
+    argument: CallArgument
     name: str = ""
     element: bool = False
 
@@ -122,14 +122,14 @@ def _ordered(slots: Mapping[int | str, list[Given]]) -> Iterator[list[Given]]:
     yield from (slot for key, slot in slots.items() if isinstance(key, str))
 
 
-def _parameter(slot: Sequence[Given], data: Mapping[str, Wanted | None]) -> Argument:
+def _parameter(slot: Sequence[Given], data: Mapping[str, Wanted | None]) -> CallArgument:
     """The parameter that takes what all calls give; a signal may be given for its value."""
     known = [one for given in slot if (one := _resolved(given, data)).type]
     values = (one for one in known if one.type not in SIGNALS)
     return next(values, known[0] if known else slot[-1].argument)
 
 
-def _resolved(given: Given, data: Mapping[str, Wanted | None]) -> Argument:
+def _resolved(given: Given, data: Mapping[str, Wanted | None]) -> CallArgument:
     found = data.get(given.name)
     if found is None:
         return given.argument

@@ -28,11 +28,11 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, walk
-from assistant.program.rewriting import Body, exchanged, map_bodies, rewrite
+from assistant.program.rewriting import Body, map_bodies, rewrite, with_vendor_statements_replaced
 
 TYPES: Final = frozenset(("iodev", "socketdev"))
 SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)
-MODES: Final[Mapping[str, p.Mode]] = {"read": "read", "write": "write", "append": "append"}
+MODES: Final[Mapping[str, p.ChannelMode]] = {"read": "read", "write": "write", "append": "append"}
 USUAL_TIME: Final = 60.0
 r"""Seconds that a socket waits without `\Time` (reference manual: SocketAccept, SocketConnect)."""
 FOR_EVER: Final = "wait_max"
@@ -126,7 +126,9 @@ def _without_unopened(program: Program, opened: set[str]) -> Program:
 
 def _without_handles(program: Program) -> Program:
     """Without the declarations of files and sockets, which channels have none of."""
-    program = exchanged(program, lambda node: () if _declares(node.text) else (node,))
+    program = with_vendor_statements_replaced(
+        program, lambda node: () if _declares(node.text) else (node,)
+    )
     kept = tuple(one for one in program.declarations if not _declares(one.text))
     return replace(program, declarations=kept)
 
@@ -183,7 +185,7 @@ def _asked(part: Any, known: set[str]) -> Any:
 # ------------------------------------------------------------------------- opening, closing
 
 
-def _open(q: KeptCall, one_way: Mapping[str, p.Mode]) -> Said:
+def _open(q: KeptCall, one_way: Mapping[str, p.ChannelMode]) -> Said:
     """one_way: what is done with files that are opened for nothing."""
     channel = q.name(1)
     of, file = q.given(0), q.option("file")

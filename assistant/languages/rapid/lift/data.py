@@ -16,7 +16,7 @@ from assistant.languages.records import frame_of, shape, tool_of
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.motions import Words
+from assistant.program.passes.motions import ValueNames
 from assistant.program.program import Variable
 
 T = TypeVar("T", Speed, Blend)
@@ -61,7 +61,7 @@ class DataLift:
     def holds(self, item: s.Data) -> bool:
         return id(item) in self._held
 
-    def named(self, table: Words[T], values: Mapping[str, T]) -> dict[str, T]:
+    def named(self, table: ValueNames[T], values: Mapping[str, T]) -> dict[str, T]:
         """Those of some speeds or blends that have names."""
         return {self.original(self._spelled[n]): v for n, v in table.named(values).items()}
 
@@ -126,7 +126,7 @@ class DataLift:
         return Variable(type, initial, extents, storage, item.scope == "LOCAL", span)
 
 
-def _named(table: Words[T], item: s.Data, known: Mapping[str, T]) -> T | None:
+def _named(table: ValueNames[T], item: s.Data, known: Mapping[str, T]) -> T | None:
     """The value of data that have the one of other data, which are constant; None for others."""
     if not isinstance(item.value, s.NameRef):
         return None

@@ -10,7 +10,7 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.program import expressions as e
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
@@ -31,7 +31,7 @@ def with_own_dates(program: Program) -> Program:
 
 
 def _exchanged(program: Program, old: str, new: str, between: str) -> Program:
-    used = any(part.function.lower() == old for part in everywhere(program, e.Apply))
+    used = any(part.function.lower() == old for part in records_in_procedures(program, e.Apply))
     if not used or program.procedure(old) is not None:
         return program
     pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _PARTS]

@@ -68,9 +68,9 @@ from assistant.languages.rapid.tree.gather import literal_number, numbers
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import with_used
+from assistant.program.analysis.signals import with_used_signals
 from assistant.program.analysis.uses import locals_of
-from assistant.program.contents import everywhere, saying
+from assistant.program.contents import records_in_procedures, statements_with
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.kept import effect_of
@@ -78,10 +78,10 @@ from assistant.program.passes.angles import with_read_angles
 from assistant.program.passes.constants import with_constants, with_predefined
 from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.passes.stops import stopped, with_stops
-from assistant.program.passes.table_rows import Named, Table, with_table_rows
+from assistant.program.passes.table_rows import RowName, RowTable, with_table_rows
 from assistant.program.passes.triggers import with_triggers
 from assistant.program.program import Declaration, Program, Variable
-from assistant.program.rewriting import exchanged, records, rewrite
+from assistant.program.rewriting import records, rewrite, with_vendor_statements_replaced
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -122,7 +122,7 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     if tables := _tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     program = _with_outputs_on_way(program)
-    if any(map(is_text, everywhere(program, p.Opaque, e.Verbatim))):
+    if any(map(is_text, records_in_procedures(program, p.Opaque, e.Verbatim))):
         program, limit = with_limit(program)
         program = with_held_moves(with_aliases(program), findings)
         program = with_interrupts(program, findings)
@@ -131,7 +131,9 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
         program = program if handled is program else _with_other_words(handled, findings)
         program = with_timed_moves(with_own_waits(program), arm, findings)
         program = with_channels(with_operator(program, findings), findings)
-        program = exchanged(program, lambda node: (_without_near(node, findings),))
+        program = with_vendor_statements_replaced(
+            program, lambda node: (_without_near(node, findings),)
+        )
         if arm is not None:
             program = with_open_lines(program, steps)
         stop = _always_stopping(findings)
@@ -143,7 +145,9 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
             losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
         program = with_moves_broken_off(program)
         booked = _booked(program)
-        program = exchanged(program, lambda node: _told(node, nothing, losses, findings, booked))
+        program = with_vendor_statements_replaced(
+            program, lambda node: _told(node, nothing, losses, findings, booked)
+        )
         program = with_limited_speeds(program, limit)  # once all that moves is a move
         program, early = with_active(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
@@ -164,14 +168,14 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
 
 def _signs(program: Program) -> Iterator[Diagnostic]:
     """Quaternions that are read where there are angles alone."""
-    for statement, parts in saying(program, e.Apply):
+    for statement, parts in statements_with(program, e.Apply):
         if statement.span is not None and any(part.function == PART for part in parts):
             yield rules.SIGNS(span=statement.span)
 
 
 def _taken(program: Program) -> Iterator[Diagnostic]:
     """Warn where a truth is tested and set in more than one step."""
-    for statement, parts in saying(program, e.Apply):
+    for statement, parts in statements_with(program, e.Apply):
         if statement.span is not None and any(part.function == TAKES for part in parts):
             loss, cure = BETWEEN
             yield rules.LEFT_OUT(
@@ -182,7 +186,7 @@ def _taken(program: Program) -> Iterator[Diagnostic]:
 def _numbered(program: Program) -> Iterator[Diagnostic]:
     """Warn where the number of an error is used."""
     numbers = error_numbers()
-    for statement, parts in saying(program, e.Name):
+    for statement, parts in statements_with(program, e.Name):
         named = [part.name for part in parts if part.name.lower() in numbers]
         if statement.span is not None:
             for name in dict.fromkeys(named):
@@ -202,7 +206,7 @@ def _states(program: Program) -> Iterator[Diagnostic]:
     """Where the cell says what the controller would tell of itself."""
     if not any(name.lower() in STATE_OF for name in program.variables):
         return
-    for statement, parts in saying(program, e.Name):
+    for statement, parts in statements_with(program, e.Name):
         read = (part.name.lower() for part in parts)
         for name in dict.fromkeys(one for one in read if one in STATE_OF):
             if statement.span is not None:
@@ -223,7 +227,7 @@ def _key(call: s.ProcedureCall) -> str:
 
 def _with_outputs_on_way(program: Program) -> Program:
     """The program with what moves set on their way that plain data and named rows have cleared."""
-    if not any("trigg" in node.text.lower() for node in everywhere(program, p.Opaque)):
+    if not any("trigg" in node.text.lower() for node in records_in_procedures(program, p.Opaque)):
         return program
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     blends = {name.lower(): blend for name, blend in program.blends.items()}
@@ -241,7 +245,7 @@ def _with_outputs_on_way(program: Program) -> Program:
     program, used = with_triggers(
         program, understood.told, FUNCTIONS.__contains__, REASONS, chosen=True
     )
-    return replace(program, signals=with_used(program.signals, [*used, *meaning.used]))
+    return replace(program, signals=with_used_signals(program.signals, [*used, *meaning.used]))
 
 
 def _with_other_words(program: Program, findings: Findings) -> Program:
@@ -255,13 +259,13 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
         weld_speeds(program), task_lists(program),
         cache(lambda: spot_programs(program)), cache(lambda: beads(program)),
     )  # fmt: skip
-    program = exchanged(program, lambda node: told(telling, node))
+    program = with_vendor_statements_replaced(program, lambda node: told(telling, node))
     counted = dict(map(shared, telling.points))
     if counted:
         counted[DUE] = Variable("number")
     return replace(
         program,
-        signals=with_used(program.signals, meaning.used),
+        signals=with_used_signals(program.signals, meaning.used),
         variables={**counted, **program.variables},
     )
 
@@ -273,7 +277,7 @@ def _without_unused(program: Program) -> Program:
         return program
     named: set[str] = set()
     kinds = p.Opaque, e.Verbatim, e.Name, p.SetSignal, p.Trigger, p.WaitSignal
-    for record in chain(everywhere(program, *kinds), records(program.variables)):
+    for record in chain(records_in_procedures(program, *kinds), records(program.variables)):
         match record:
             case p.Opaque() | e.Verbatim():
                 named |= effect_of(record).names
@@ -311,7 +315,7 @@ def _says(program: Program, words: re.Pattern[str]) -> bool:
 def _booked(program: Program) -> Mapping[str, int]:
     """Numbers of the program's own errors that expressions ask for, by lower-case name."""
     used = {one.name.lower() for one in records(program.procedures) if isinstance(one, e.Name)}
-    names = (_own_error(call_of(node)) for node in everywhere(program, p.Opaque))
+    names = (_own_error(call_of(node)) for node in records_in_procedures(program, p.Opaque))
     found = [name for name in dict.fromkeys(names) if name and name in used]
     return {name: at for at, name in enumerate(found, FIRST_BOOKED)}
 
@@ -401,7 +405,7 @@ def _is_stop_point(argument: s.Argument) -> bool:
 # ------------------------------------------------------------------------------------ tables
 
 
-def _with_named_rows(node: p.Opaque, named: Named) -> p.Statement:
+def _with_named_rows(node: p.Opaque, named: RowName) -> p.Statement:
     """A move whose tools and work objects are rows of tables; any other text as it is."""
 
     def change(part: Any) -> Any:
@@ -425,7 +429,7 @@ _ROW_OF: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {
 }
 
 
-def _tables(program: Program) -> Mapping[str, Table]:
+def _tables(program: Program) -> Mapping[str, RowTable]:
     """Declared tables of tools and work objects, by lower-case name."""
     found = {}
     for declaration in program.declarations:

@@ -8,7 +8,7 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program.analysis.uses import names_in
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
@@ -18,7 +18,7 @@ Sizes = Mapping[str, tuple[int, ...]]
 
 def with_extents(program: Program) -> Program:
     """The program with numbers for `Dim(array,1)`; of an array parameter it stays a call."""
-    if not any(part.function.lower() == "dim" for part in everywhere(program, e.Apply)):
+    if not any(part.function.lower() == "dim" for part in records_in_procedures(program, e.Apply)):
         return program
     shared = {name.lower(): v.size for name, v in program.variables.items()}
     procedures = []

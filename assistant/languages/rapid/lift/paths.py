@@ -28,7 +28,7 @@ from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import over
+from assistant.program.diagnostics import span_over
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import TakenNames, Variable, identifier
@@ -83,7 +83,7 @@ class PathLift:
             path = self._path(rows, part, places, index, motions) if part.numbered else None
             moves = rows.moves[part.start : part.stop]
             if path is not None:
-                span = over(spans(int(moves[0])), spans(int(moves[-1])))
+                span = span_over(spans(int(moves[0])), spans(int(moves[-1])))
                 yield p.Follow(replace(path, places=_places(node, moves)), span=span)
                 continue
             made = rows.one_by_one(part, self.original, lambda move: motions[index[move]])

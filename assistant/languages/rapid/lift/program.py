@@ -30,9 +30,9 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import uses, with_used
+from assistant.program.analysis.signals import signal_uses, with_used_signals
 from assistant.program.passes.constants import with_constants
-from assistant.program.passes.counted_loops import apart
+from assistant.program.passes.counted_loops import with_hiding_loops_renamed
 from assistant.program.passes.messages import with_values
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.triggers import with_triggers
@@ -46,7 +46,7 @@ from assistant.program.program import (
     Variable,
     identifier,
 )
-from assistant.program.rewriting import counted_on, renamed
+from assistant.program.rewriting import with_names_replaced, with_spans_from
 from assistant.program.text import starts_of
 
 NOTHING_KEPT: Final = MappingProxyType[int, str]({})
@@ -142,7 +142,9 @@ class _Lift:
             self.data.start = start
             procedures, declarations = self.module(module, own)
             hidden = self._hidden(module)
-            self.procedures += [renamed(counted_on(q, start), hidden) for q in procedures]
+            self.procedures += [
+                with_names_replaced(with_spans_from(q, start), hidden) for q in procedures
+            ]
             self.declarations += [
                 replace(d, span=d.span and d.span.moved(start)) for d in declarations
             ]
@@ -171,9 +173,15 @@ class _Lift:
         declared = {n: v for h in self.headers for n, v in h.signals.items()}
         stated = signals_in(program.statements(), lambda name: name in self.declared)
         used = chain(
-            set_on_way, self.meaning.used, uses(program.statements()), stated, self.chosen.items()
+            set_on_way,
+            self.meaning.used,
+            signal_uses(program.statements()),
+            stated,
+            self.chosen.items(),
         )
-        program = apart(replace(program, signals=with_used(declared, used)))
+        program = with_hiding_loops_renamed(
+            replace(program, signals=with_used_signals(declared, used))
+        )
         program = with_constants(program, PREDEFINED_VALUES)
         program = with_values(with_places(program, self.original))
         return with_paths(program, self.original)

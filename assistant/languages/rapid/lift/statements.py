@@ -20,7 +20,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused, over
+from assistant.program.diagnostics import Refused, span_over
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.program import Program
 
@@ -160,7 +160,9 @@ class StatementLift:
         clock = restarted(nodes)
         if clock is None or clock.name.lower() not in self._meaning.timers:
             return None
-        return p.StartTimer(self._original(clock.name), span=over(nodes[0].span, nodes[1].span))
+        return p.StartTimer(
+            self._original(clock.name), span=span_over(nodes[0].span, nodes[1].span)
+        )
 
     def _loaded_call(self, nodes: Sequence[s.StatementNode]) -> p.Call | None:
         r"""`Load \Dynamic, "HOME:/u.mod"; %"name"% …; UnLoad "HOME:/u.mod";` as one call."""
@@ -176,7 +178,7 @@ class StatementLift:
                 module, given = _LOADED.fullmatch(file), self._given(call)
                 if module is None or given is None or file != same or not _WORD.fullmatch(name):
                     return None
-                unit, span = self._original(module[1]), over(first.span, last.span)
+                unit, span = self._original(module[1]), span_over(first.span, last.span)
                 return p.Call(self._original(name), given, unit, span=span)
         return None
 

@@ -19,7 +19,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import all_names
+from assistant.program.contents import names_in_procedures
 from assistant.program.diagnostics import Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
@@ -90,7 +90,7 @@ def _speaks_of(program: Program, name: str) -> bool:
     """Whether a clock that nothing declares is meant."""
     if any(name in effect_of(one).names for one in program.declarations):
         return False
-    return any(name == one.lower() for one in all_names(program))
+    return any(name == one.lower() for one in names_in_procedures(program))
 
 
 def _clock(read: Any, text: str) -> str:

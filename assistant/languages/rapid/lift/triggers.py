@@ -24,8 +24,14 @@ from assistant.languages.rapid.tree.triggers import set_up, taken
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.kept import Kept
-from assistant.program.passes.triggers import Declared, Reasons, SetUp, Taking, Told
+from assistant.program.kept import VendorText
+from assistant.program.passes.triggers import (
+    Reasons,
+    Told,
+    TriggerData,
+    TriggeredMove,
+    TriggerSetUp,
+)
 from assistant.program.program import Declaration, Signal
 
 REASONS: Final = Reasons(
@@ -50,38 +56,38 @@ class Triggers:
     def __init__(self, meaning: Meaning, own: Callable[[str], bool]) -> None:
         self.meaning, self.own = meaning, own
 
-    def told(self, kept: Kept) -> Told | None:
+    def told(self, kept: VendorText) -> Told | None:
         """What a text is to outputs on the way of moves."""
         match _node(kept):
             case s.Data(storage=storage, type=type, name=name) as node if type.lower() == TYPE:
                 plain = storage == "VAR" and node.scope != "TASK" and not node.dimensions
                 inside = not isinstance(kept, Declaration)
-                return Declared(name.lower(), plain, own=inside or node.scope == "LOCAL")
+                return TriggerData(name.lower(), plain, own=inside or node.scope == "LOCAL")
             case s.ProcedureCall(str(word)) as node if word.lower() in MOVES:
                 return self._taking(MOVES[word.lower()], node)
             case s.ProcedureCall(str(word)) as node if name := set_up(node):
                 return self._set_up(SETUPS[word.lower()], name, node)
         return None
 
-    def _taking(self, known: Move, node: s.ProcedureCall) -> Taking:
+    def _taking(self, known: Move, node: s.ProcedureCall) -> TriggeredMove:
         """It can be said where plain variables alone are taken."""
         call, names = called(node), tuple(one.name.lower() for one in taken(node))
         if call is None:
-            return Taking(names, None)
+            return TriggeredMove(names, None)
         given = [*call.given[: known.place], *call.given[known.place + 1 :]]
         options = {name: x for name, x in call.options.items() if name not in MORE}
         plain = len(names) == 1 + len(call.options) - len(options)
         move = of_call(Called(known.plain, given, options), self.meaning) if plain else None
-        return Taking(names, move if isinstance(move, p.MoveStatement) else None)
+        return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
 
-    def _set_up(self, known: Setup, name: str, node: s.ProcedureCall) -> SetUp:
+    def _set_up(self, known: Setup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
         """It can be said of one output, without more options or functions of the user's.
 
         Those are to be called once, and there.
         """
         call, calls = called(node), (x for x in nodes(node) if isinstance(x, s.FunctionCall))
         if call is None or any(self.own(x.name.lower()) for x in calls):
-            return SetUp(name)
+            return TriggerSetUp(name)
         kinds = [kind for option, kind in OUTPUTS.items() if option in call.options]
         signals = [x for option, x in call.options.items() if option in OUTPUTS]
         measures = [option for option in call.options if option in known.measures]
@@ -96,11 +102,11 @@ class Triggers:
                     self.meaning.original(signal), value, amount, measure, None, *delay
                 )
                 fixed = all(isinstance(self.meaning.known(x), e.Number) for x in values)
-                return SetUp(name, trigger, Signal(kinds[0], "output"), fixed)
-        return SetUp(name)
+                return TriggerSetUp(name, trigger, Signal(kinds[0], "output"), fixed)
+        return TriggerSetUp(name)
 
 
-def _node(kept: Kept) -> Any:
+def _node(kept: VendorText) -> Any:
     """The one declaration or statement that a text is, if it has to do with triggers."""
     if kept.language != verbatim.LANGUAGE or "trigg" not in kept.text.lower():
         return None

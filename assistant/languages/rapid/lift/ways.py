@@ -8,7 +8,7 @@ from typing import Final
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.analysis.ways import Step
+from assistant.program.analysis.ways import MotionStep
 
 STANDING: Final = {
     ("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos"), ("waituntil", "inpos")
@@ -16,30 +16,30 @@ STANDING: Final = {
 """Instructions behind which the robot stands at its target, with their options (RAPID manual)."""
 
 
-def steps(text: str) -> Sequence[Step] | None:
+def steps(text: str) -> Sequence[MotionStep] | None:
     """None for what is no list of statements: an error handler, for one, which may move."""
     read = verbatim.understood(verbatim.statements, text)
     return None if read is None else [_step(node) for node in read]
 
 
-def _step(node: s.StatementNode) -> Step:
+def _step(node: s.StatementNode) -> MotionStep:
     """`ConfL` without an option watches configurations (RAPID reference manual)."""
     match node:
         case s.Data():
-            return Step.NOTHING
+            return MotionStep.NOTHING
         case s.ProcedureCall(str(name), arguments):
             given = options(arguments)
             if name.lower() == "confl":
-                return Step.OPENS if "off" in given else Step.WATCHES
+                return MotionStep.OPENS if "off" in given else MotionStep.WATCHES
             if any((name.lower(), one) in STANDING for one in given):
-                return Step.STOPS
+                return MotionStep.STOPS
             known = signature(name)
             if known is None:
-                return Step.CALLS
+                return MotionStep.CALLS
             slots = () if known.open else known.slots
             tools = any(q.type == "tooldata" for slot in slots for q in slot.alternatives)
-            return Step.MOVES if known.open or tools else Step.NOTHING
-    return Step.CALLS
+            return MotionStep.MOVES if known.open or tools else MotionStep.NOTHING
+    return MotionStep.CALLS
 
 
 def options(arguments: Iterable[s.Argument]) -> list[str]:

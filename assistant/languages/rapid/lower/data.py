@@ -26,7 +26,7 @@ from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import SIZES_PLACES
 from assistant.languages.scoped_names import Naming
-from assistant.program.analysis.motions import motions
+from assistant.program.analysis.motions import stated_motions
 from assistant.program.geometry import BASE, FLANGE, Load
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program, Variable
@@ -87,7 +87,7 @@ def _data(program: Program, names: Naming) -> Iterator[s.Data]:
     yield from (node for node in _equipment(program, names) if not _is_there(node, program))
     speeds = {names.get("speeds", n): v for n, v in program.speeds.items()}
     blends = {names.get("blends", n): v for n, v in program.blends.items()}
-    for speed, blend in motions(program):
+    for speed, blend in stated_motions(program):
         if isinstance(speed, Speed) and (name := speed_name(speed)) not in SPEEDS:
             speeds[name] = speed
         if isinstance(blend, Blend) and (name := zone_name(blend)) not in ZONES:

@@ -24,11 +24,11 @@ from assistant.languages.rapid.tree.gather import gathered
 from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_value, kinds
+from assistant.program.analysis.kinds import is_value, known_types
 from assistant.program.diagnostics import Findings, Refused
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.counted_loops import ascends
-from assistant.program.passes.messages import parts
+from assistant.program.passes.messages import message_parts
 from assistant.program.program import Procedure, Program, Signal
 
 Lowered = Iterator[s.StatementNode]
@@ -57,7 +57,7 @@ class Body:
             "other": lambda frame, _: s.NameRef(n) if (n := frame_in(names, frame)) else None,
         }
         self.writing = replace(self.expressions.writing, kinds=writers)
-        self.known = kinds(program, procedure)
+        self.known = known_types(program, procedure)
         self.signals = {n.lower(): g for n, g in program.signals.items()}
         self.resident = resident(program)
         self.findings = Findings()
@@ -245,7 +245,7 @@ def _goto(b: Body, x: p.Goto) -> Lowered:
 
 def _message(b: Body, x: p.Message) -> Lowered:
     whole: s.Expression | None = None
-    for part in parts(x, b.known) or (e.Text(""),):
+    for part in message_parts(x, b.known) or (e.Text(""),):
         if is_value(part, b.known):
             own: s.Expression = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
         else:

@@ -15,11 +15,11 @@ from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import has_no_value
-from assistant.program.channels import Line
+from assistant.program.channels import ChannelLine
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import identifier
-from assistant.program.wanted import Argument, Plain, Supplied, Value, Wanted
+from assistant.program.wanted import CallArgument, Plain, Supplied, SuppliedValue, Wanted
 
 _FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
 _OF_KIND: Final[Mapping[str, str]] = {
@@ -63,7 +63,7 @@ def with_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File],
     return made, [one for one in given if one[0].name.lower() not in found]
 
 
-def _item(wanted: Wanted, value: Value | None) -> s.Item:
+def _item(wanted: Wanted, value: SuppliedValue | None) -> s.Item:
     if wanted.kind == "routine":
         return _routine(wanted, stops=value != "empty")
     if wanted.kind == "record":
@@ -78,7 +78,7 @@ def _item(wanted: Wanted, value: Value | None) -> s.Item:
     return s.Data("", "CONST" if fixed else "PERS", type, wanted.name, size, _written(value))
 
 
-def _written(value: Value) -> s.Expression:
+def _written(value: SuppliedValue) -> s.Expression:
     match value:
         case Tool():
             return bracketed(RECORDS.values(replace(value, load=value.load or NO_LOAD)))
@@ -88,7 +88,7 @@ def _written(value: Value) -> s.Expression:
             return bracketed(RECORDS.rounded(speed_values(value), 3, "a speed"))
         case Blend():
             return bracketed([value.fine, *RECORDS.rounded(zone_values(value), 3, "a zone")])
-        case Line():  # stands in the statements that open it
+        case ChannelLine():  # stands in the statements that open it
             return s.BoolLiteral(False)
         case _:
             return _plain(value)
@@ -118,7 +118,7 @@ def _routine(wanted: Wanted, *, stops: bool) -> s.Routine:
     return s.Routine("FUNC", False, wanted.name, body, wanted.type, parameters)
 
 
-def _group(at: int, argument: Argument) -> s.ParameterGroup:
+def _group(at: int, argument: CallArgument) -> s.ParameterGroup:
     type = argument.type or "num"
     mode = "VAR" if type.startswith("signal") or is_handle(type) else ""
     name = argument.option or f"p{at}"

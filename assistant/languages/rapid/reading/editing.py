@@ -16,12 +16,12 @@ from assistant.program.editing import (
     Declaration,
     DeclaredKind,
     Editable,
-    Facts,
-    Known,
+    KnownWord,
+    LineFacts,
     Scope,
     Word,
     WordKind,
-    names_of,
+    names_among,
 )
 
 _KINDS: Final[Mapping[str, WordKind]] = {
@@ -51,7 +51,7 @@ class EditableRapid(Editable):
         for word in ("if", "for", "while", "test", "proc", "func", "trap", "record", "module")
     )
 
-    def facts(self, line: str) -> Facts:
+    def facts(self, line: str) -> LineFacts:
         said = tuple(_words(line))
         code = [word for word in said if word.kind != "comment"]
         keys = [word.text.lower() for word in code if word.kind == "keyword"]
@@ -60,9 +60,9 @@ class EditableRapid(Editable):
         last = code[-1].text.lower() if code else ";"
         opens = sum(_OPENS.get(key, 0) for key in keys) - sum(key in _CLOSES for key in keys)
         begins = head in _ROUTINES
-        return Facts(
+        return LineFacts(
             said,
-            names_of(said, str.lower),
+            names_among(said, str.lower),
             tuple(_declared(head, code, local=first == "local")),
             begins=begins,
             ends=any(key in _ENDS for key in keys),
@@ -71,7 +71,7 @@ class EditableRapid(Editable):
             complete=last in (";", ":", ")") or last in _COMPLETE or (begins and head == "trap"),
         )
 
-    def known(self) -> Mapping[str, Known]:
+    def known(self) -> Mapping[str, KnownWord]:
         return _known()
 
     def no_name(self, name: str, instead_of: str) -> str:  # noqa: ARG002
@@ -171,13 +171,13 @@ def _shown(code: Sequence[Word]) -> str:
 
 
 @cache
-def _known() -> Mapping[str, Known]:
-    found = {word: Known(word.upper(), "keyword") for word in sorted(RESERVED)}
+def _known() -> Mapping[str, KnownWord]:
+    found = {word: KnownWord(word.upper(), "keyword") for word in sorted(RESERVED)}
     for low, type in predefined.types().items():
         parts = ", ".join(f"{of} {name}" for name, of in (type.components or {}).items())
-        found[low] = Known(type.name, "type", f"RECORD: {parts}" if parts else "")
+        found[low] = KnownWord(type.name, "type", f"RECORD: {parts}" if parts else "")
     for low, datum in predefined.data().items():
-        found[low] = Known(datum.name, "variable", f"{datum.storage} {datum.type}")
+        found[low] = KnownWord(datum.name, "variable", f"{datum.storage} {datum.type}")
     about = abouts("assistant.languages.rapid.tables")
     for low, (line, option) in signatures.rows().items():
         sort = "function" if line.startswith("FUNC") else "instruction"
@@ -186,5 +186,5 @@ def _known() -> Mapping[str, Known]:
         shown = f"{head.partition(' ')[2]}({tail}" if sort == "function" else f"{name} {tail[:-1]}"
         with_option = f"Comes with the option {option}." if option else ""
         told = " ".join(part for part in (about.get(low, ""), with_option) if part)
-        found[low] = Known(name, sort, shown.strip(), told)
+        found[low] = KnownWord(name, sort, shown.strip(), told)
     return found

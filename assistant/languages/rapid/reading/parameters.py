@@ -26,7 +26,7 @@ from assistant.languages.rapid.tree.external_axes import AXES, place_of
 from assistant.languages.tasks import Configured, Texts, catalogue_name, file_named
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
-from assistant.program.wanted import Value, WantedKind
+from assistant.program.wanted import SuppliedValue, WantedKind
 
 SIGNALS: Final = "eio.cfg"
 FOLDER: Final = "syspar"
@@ -106,7 +106,7 @@ class _Parameters:
     read: Texts
 
     def stated(self) -> Configured:
-        values = dict[tuple[WantedKind, str], Value]()
+        values = dict[tuple[WantedKind, str], SuppliedValue]()
         task = self.task()
         findings = [*self.found.findings]
         if task:
@@ -199,7 +199,7 @@ class _Parameters:
                 return f"({x}, {y}, {z}) mm{turned}"
         return None
 
-    def axes(self) -> Iterator[tuple[tuple[WantedKind, str], Value]]:
+    def axes(self) -> Iterator[tuple[tuple[WantedKind, str], SuppliedValue]]:
         """That external axes stand still which the controller has not."""
         rows = list(rows_of(self.texts.get("moc", ""), "JOINT"))
         if not rows:

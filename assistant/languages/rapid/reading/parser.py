@@ -17,7 +17,7 @@ from assistant.languages.shortened import RunInTheWay, Shortened
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.lines import with_line_feeds
 from assistant.program.text import SourceText
-from assistant.program.without_gc import uncollected
+from assistant.program.without_gc import without_gc
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:
@@ -95,7 +95,7 @@ def _part(text: str, start: str) -> Any:
     return findings[0] if findings else tree
 
 
-@uncollected()
+@without_gc()
 def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:

@@ -11,7 +11,7 @@ from assistant.languages.rapid.tables import words
 from assistant.languages.rapid.tables.words import usual_sizes
 from assistant.program.expressions import Binary, Expression, Number, Truth
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.motions import Words
+from assistant.program.passes.motions import ValueNames
 from assistant.program.statements import ComputedBlend
 
 _SPEED_NAMES: Final = {speed: name for name, speed in words.SPEEDS.items()}
@@ -136,5 +136,5 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     return Blend(radius), changed
 
 
-SPEEDS: Final = Words("speed", words.SPEEDS, speed_name)
-BLENDS: Final = Words("blend", words.ZONES, zone_name)
+SPEEDS: Final = ValueNames("speed", words.SPEEDS, speed_name)
+BLENDS: Final = ValueNames("blend", words.ZONES, zone_name)

@@ -17,7 +17,7 @@ from assistant.languages.signatures import Parameter, Signature
 from assistant.languages.texts.effects import Does, Effects, Untold
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Refused
-from assistant.program.effects import Collected, Effect, KeptKind, unknown
+from assistant.program.effects import Effect, EffectBuilder, VendorTextKind, unknown_effect
 from assistant.program.text import words_of
 
 _SPEED: Final = "speeddata"
@@ -34,14 +34,14 @@ def of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
     """What nodes do; anything with a hole or a call whose name is worked out. text: of them."""
     done = _EFFECTS.of(tuple(tree))
     if done is None:
-        return unknown(text)
+        return unknown_effect(text)
     if all(isinstance(node, s.Handler) for node in tree):  # only once an error has happened
         return replace(done, calls=frozenset(), moves=False, waits=False)
     return done
 
 
 @lru_cache(maxsize=1 << 14)
-def of_text(text: str, kind: KeptKind) -> Effect:
+def of_text(text: str, kind: VendorTextKind) -> Effect:
     """What a text does; anything if it is no RAPID."""
     try:
         match kind:
@@ -52,10 +52,10 @@ def of_text(text: str, kind: KeptKind) -> Effect:
         handlers = verbatim.handlers(text)
         return of_nodes(verbatim.statements(text) if handlers is None else handlers, text)
     except Refused:
-        return unknown(text)
+        return unknown_effect(text)
 
 
-def _call(done: Collected, node: s.ProcedureCall | s.FunctionCall) -> None:
+def _call(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
     """Runs a routine; one of the user's may change what it is given."""
     if not isinstance(node.name, str) or node.name.lower() in CALLING:
         raise Untold
@@ -75,7 +75,7 @@ def _call(done: Collected, node: s.ProcedureCall | s.FunctionCall) -> None:
             done.writes.update(_EFFECTS.names(argument))
 
 
-def _moves(done: Collected, node: s.MoveRunNode) -> None:
+def _moves(done: EffectBuilder, node: s.MoveRunNode) -> None:
     done.moves = True
     done.reads.update((*_each(node.run.names), *_each(node.run.vias)))
     for motion in node.run.motions.table:

@@ -15,7 +15,7 @@ from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.wanted import STANDS
+from assistant.program.wanted import BASE_FRAME_SUFFIX
 
 COMPONENT: Final = "extax"
 AXES: Final = tuple(f"eax_{letter}" for letter in "abcdef")
@@ -58,7 +58,7 @@ def used_axes(modules: Sequence[s.Module]) -> frozenset[str]:
 
 def place_of(axis: str) -> str:
     """The name of what says whether an axis stands still."""
-    return axis + STANDS
+    return axis + BASE_FRAME_SUFFIX
 
 
 def asked(modules: Sequence[s.Module]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.wanted import STANDS
+from assistant.program.wanted import BASE_FRAME_SUFFIX
 
 _FOLLOWING: Final = frozenset(("waitwobj", "dropwobj"))
 """Instructions that follow a work object on a conveyor (option Conveyor Tracking)."""
@@ -31,7 +31,7 @@ def unit_of(value: Any) -> str:
 
 def place_of(unit: str) -> str:
     """The name of a work object that is where a unit stands."""
-    return unit + STANDS
+    return unit + BASE_FRAME_SUFFIX
 
 
 def can_stand(modules: Sequence[s.Module]) -> bool:

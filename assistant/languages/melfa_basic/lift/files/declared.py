@@ -20,7 +20,7 @@ from assistant.languages.melfa_basic.tree.positions import (
 )
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
-from assistant.program.passes.arrays import nested
+from assistant.program.passes.arrays import elements_by_indices
 from assistant.program.program import Variable, identifier
 
 
@@ -113,7 +113,7 @@ def elements(file: File, symbols: Symbols) -> None:
     for key, (written, given) in file.positions.plain.items():
         size = symbols.scope.sizes.get(key)
         if not file.own and size is not None:
-            _keep(written, nested(size, _others_empty(given)), symbols)
+            _keep(written, elements_by_indices(size, _others_empty(given)), symbols)
 
 
 def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
@@ -141,7 +141,7 @@ def _all_elements(
             return e.NEVER_GIVEN
         return symbols.value_of(constant, "position")
 
-    return nested(size, value)
+    return elements_by_indices(size, value)
 
 
 def targets(file: File, symbols: Symbols, placed: Collection[str], runs: Runs) -> dict[str, Target]:

@@ -257,7 +257,7 @@ class Unit:
                 self._procedure(number, form, reading)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.procedure for forms in several for form in forms}
-        reading.procedures = equal_procedures.as_one(reading.procedures, origin)
+        reading.procedures = equal_procedures.without_equal_procedures(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 

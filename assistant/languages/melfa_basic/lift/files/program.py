@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.lift.files.file import Unit
 from assistant.languages.melfa_basic.lift.files.parts import File, interrupting, touching
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Program, identifier
-from assistant.program.rewriting import counted_on
+from assistant.program.rewriting import with_spans_from
 from assistant.program.text import starts_of
 from assistant.program.wholes import without_needless_rounding
 
@@ -66,7 +66,7 @@ def _lifted(
             following, followed,
         ).added(divide)  # fmt: skip
         added = program.procedures[len(known) :]
-        counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
+        counted = (with_spans_from(procedure, starts[id(file)]) for procedure in added)
         program = replace(program, procedures=(*known, *counted))
     if not any(file.own for file in files):
         program = without_needless_rounding(program)

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unlifta
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
-from assistant.program.constructions import between, halfway_across, halfway_around
+from assistant.program.constructions import arc_middle_across, arc_middle_around, target_between
 from assistant.program.geometry import Target
 from assistant.program.motion import Blend
 from assistant.program.statements import Reason
@@ -54,12 +54,12 @@ def circle_of(
     """
     first, via, last = _three(points, symbols)
     start, other, end = (np.array(t.pose.position) for t in (first, via, last))
-    back = halfway_across(end, start, other)
-    there = None if back is None else halfway_across(start, end, back)
+    back = arc_middle_across(end, start, other)
+    there = None if back is None else arc_middle_across(start, end, back)
     if back is None or there is None:
         raise Unliftable(KEPT)
     around, half, home = (
-        e.TargetValue(between(first, first, place)) for place in (there, end, back)
+        e.TargetValue(target_between(first, first, place)) for place in (there, end, back)
     )
     radius = float(np.linalg.norm(there - back)) / 2.0
     return around, half, home, Blend(min(WIDEST, PASSING * radius))
@@ -75,11 +75,11 @@ def via_of(
     first, last, third = _three(points, symbols)
     start, end, other = (np.array(t.pose.position) for t in (first, last, third))
     if keyword == "Mvr2":
-        middle = halfway_across(start, end, other)
+        middle = arc_middle_across(start, end, other)
         if middle is None:
             return None
     else:
-        middle = halfway_around(start, end, other, SAME_RADIUS)
+        middle = arc_middle_around(start, end, other, SAME_RADIUS)
         if middle is None:
             raise Unliftable(KEPT)
-    return e.TargetValue(between(first, last, middle))
+    return e.TargetValue(target_between(first, last, middle))

@@ -24,7 +24,7 @@ def name(node: s.Expression | None, lift: Expressions) -> str:
     value = None if node is None else lift.m.value(node)
     if not isinstance(value, float) or round(value) not in NUMBERS:
         raise Unliftable
-    return channels.name_of(round(value))
+    return channels.name_of_channel(round(value))
 
 
 def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
@@ -44,7 +44,7 @@ def detach(node: s.Close, lift: Expressions) -> list[p.Statement]:
     if not node.numbers:
         if not lift.m.telling or lift.m.opened is None:
             raise Unliftable
-        return [p.Detach(channels.name_of(number)) for number in lift.m.opened]
+        return [p.Detach(channels.name_of_channel(number)) for number in lift.m.opened]
     return [p.Detach(name(number, lift)) for number in node.numbers]
 
 

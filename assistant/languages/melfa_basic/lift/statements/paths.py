@@ -29,7 +29,7 @@ from assistant.languages.runs.paths import path_kinds, settings_of_parts
 from assistant.languages.settings.flow import UNKNOWN, Computed
 from assistant.program import statements as p
 from assistant.program.arrays import Ints, Rows, Truths
-from assistant.program.diagnostics import Span, over
+from assistant.program.diagnostics import Span, span_over
 from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
@@ -260,7 +260,7 @@ class Runs:
         )
         if not self.own:
             path = replace(path, original=(self.stem, self.first))
-        span = over(chunks[0].span, chunks[-1].span)
+        span = span_over(chunks[0].span, chunks[-1].span)
         made.append(p.Follow(replace(path, places=_places(chunks)), span=span))
 
     def name(self) -> str:

@@ -24,8 +24,8 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.analysis.uses import base, declared, handed_over
-from assistant.program.contents import everywhere
+from assistant.program.analysis.uses import base_variable, declared, handed_over
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Pose
 from assistant.program.program import (
@@ -59,8 +59,8 @@ Three = tuple[e.Expression, e.Expression, e.Expression]
 
 def with_angles_beside(program: Program, findings: Findings) -> Program:
     """The program whose positions have their angles beside them where those count."""
-    if not any(map(_is_angle, everywhere(program, e.Member))) and not any(
-        one.function == "oriented" for one in everywhere(program, e.Apply)
+    if not any(map(_is_angle, records_in_procedures(program, e.Member))) and not any(
+        one.function == "oriented" for one in records_in_procedures(program, e.Apply)
     ):
         return program
     work = _Work(program, findings)
@@ -155,7 +155,7 @@ class _Work:
 
     def key(self, place: Any) -> Key | None:
         """The position variable or target that a place is, or is a component of."""
-        name = base(place)
+        name = base_variable(place)
         if not name:
             return None
         owner = self.owner

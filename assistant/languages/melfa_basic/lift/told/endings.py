@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import ENDED
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import Body, map_bodies, records
@@ -81,7 +81,7 @@ def _called_otherwise(program: Program) -> set[str]:
                 found.add(name.lower())
             case p.Interrupt():
                 found |= {x.procedure.lower() for x in records(record) if isinstance(x, p.Call)}
-    for text in everywhere(program, p.Opaque):
+    for text in records_in_procedures(program, p.Opaque):
         if not _ends(text):
             found |= {name.lower() for name in effect_of(text).names}
     return found

@@ -15,7 +15,7 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.geometry import Target
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
@@ -29,7 +29,7 @@ KEPT: Final = "configured"
 
 def with_flags(program: Program) -> Program:
     """The program in which both flags of a position are assigned as its configuration."""
-    if not any(_FLAGS.match(one.text) for one in everywhere(program, p.Opaque)):
+    if not any(_FLAGS.match(one.text) for one in records_in_procedures(program, p.Opaque)):
         return program
     if any(
         isinstance(one, Target) and not np.isnan(one.external).all() for one in records(program)

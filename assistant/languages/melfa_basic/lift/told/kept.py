@@ -18,14 +18,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import (
-    Body,
-    head,
-    map_bodies,
-    map_expressions,
-    map_head,
-    records,
-)
+from assistant.program.rewriting import Body, head, map_bodies, map_expressions, map_head, records
 
 STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     "M_SVO": (

@@ -16,14 +16,14 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.possible import MOST, Numbers, Possible
+from assistant.program.analysis.possible import MOST_VALUES, Numbers, PossibleValues
 from assistant.program.analysis.possible_along import numbers_at
-from assistant.program.analysis.signals import Addressed
+from assistant.program.analysis.signals import AddressedSignals
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Findings
 from assistant.program.kept import effect_of
-from assistant.program.passes.counted_loops import writes
+from assistant.program.passes.counted_loops import written_names
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -66,10 +66,10 @@ class Numbered:
 
     def __init__(self, program: Program, findings: Findings) -> None:
         self.program, self.findings = program, findings
-        self.possible = Possible(program)
+        self.possible = PossibleValues(program)
         self.signals = dict(program.signals)
         self.taken = TakenNames(declared(program))
-        self.addressed = Addressed(self.signals, self.free)
+        self.addressed = AddressedSignals(self.signals, self.free)
         self.choosers: dict[Any, _Chooser] = {}
         self.counting: tuple[p.For, ...] = ()
         """The loops around the statement at hand, the outer one first."""
@@ -121,7 +121,7 @@ class Numbered:
 
     @cached_property
     def _hands(self) -> set[int]:
-        return {one.hand for one in everywhere(self.program, p.Gripper)}
+        return {one.hand for one in records_in_procedures(self.program, p.Gripper)}
 
     def added(self, program: Program) -> Program:
         """The program with the procedures that were asked for, and the signals that they name."""
@@ -160,7 +160,7 @@ class Numbered:
         """Values of a loop's variable inside the loop, if its bounds are plain numbers."""
         first, last, step = (e.plain_number(x) for x in (loop.first, loop.last, loop.step or p.ONE))
         name = loop.variable.lower()
-        changed = writes(loop.body, self.program, verbatim=False)
+        changed = written_names(loop.body, self.program, verbatim=False)
         for text in (one for one in walk(loop.body) if isinstance(one, p.Opaque) and not one.told):
             changed |= effect_of(text).writes
         if first is None or last is None or not step or name in changed:
@@ -170,7 +170,9 @@ class Numbered:
         called = (x.procedure if isinstance(x, p.Call) else x.function for x in named)
         calls = any(self.program.procedure(one) for one in called)
         others = (q for q in self.program.procedures if q is not procedure)
-        if count > MOST or (calls and any(name in writes(q.body, self.program) for q in others)):
+        if count > MOST_VALUES or (
+            calls and any(name in written_names(q.body, self.program) for q in others)
+        ):
             return {}
         return {name: frozenset(first + turn * step for turn in range(count))}
 

@@ -56,10 +56,10 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
-from assistant.program.channels import name_of
+from assistant.program.channels import name_of_channel
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.rewriting import records
-from assistant.program.timers import in_seconds
+from assistant.program.timers import timer_in_seconds
 
 T = TypeVar("T")
 
@@ -190,7 +190,7 @@ class Expressions(Types):
             if not (self.m.own and are_truths(left, right)):
                 raise Unliftable  # logic of truths is no number
         operand = self.rounded if operator in WHOLE else self.number
-        return in_seconds(operator, operand(left), operand(right), MILLISECONDS)
+        return timer_in_seconds(operator, operand(left), operand(right), MILLISECONDS)
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
         """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
@@ -368,7 +368,7 @@ class Expressions(Types):
             number = self.m.value(values[0])
             if not isinstance(number, float) or round(number) not in NUMBERS:
                 raise Unliftable
-            return e.Apply("connected", (e.Text(name_of(round(number))),))
+            return e.Apply("connected", (e.Text(name_of_channel(round(number))),))
         if (timer := elapsed(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
         if key in _HERE and values == [s.Number(1)]:

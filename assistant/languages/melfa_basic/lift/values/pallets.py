@@ -26,8 +26,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.constructions import along_arc
-from assistant.program.constructions import grid as points_of_grid
+from assistant.program.constructions import grid_points as points_of_grid
+from assistant.program.constructions import points_on_arc
 from assistant.program.geometry import Target
 from assistant.program.program import Variable
 from assistant.program.rewriting import records
@@ -100,7 +100,7 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
     points = points_of_grid(places, columns, rows, direction == ZIGZAG)
     if arc:
-        points = along_arc(places, columns)
+        points = points_on_arc(places, columns)
     made = []
     for point in points:
         values = (*(float(v) for v in point), *known[0].values[3:6])

@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions, joints_of, target_of
 from assistant.program import expressions as e
-from assistant.program.analysis.signals import Addressed
+from assistant.program.analysis.signals import AddressedSignals
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
 from assistant.program.statements import Reason
@@ -110,7 +110,7 @@ class Symbols:
     inside: Inside | None = None
 
     def __post_init__(self) -> None:
-        self.addressed = Addressed(self.signals, self.free)
+        self.addressed = AddressedSignals(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
         self.worked_out: dict[int, WorkedOut] = {}

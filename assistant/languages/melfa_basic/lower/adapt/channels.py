@@ -17,15 +17,15 @@ from assistant.languages.melfa_basic.tables.channels import (
 from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.open_channels import together
+from assistant.program.analysis.open_channels import channels_open_together
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Program
 from assistant.program.pseudo.expressions import expression_text
 
 
-def with_channels(job: Legalising) -> Program:
+def with_channels(job: Legalisation) -> Program:
     """The program with numbered channels to lines and files."""
     program = job.program
     if not channels.channels(program):
@@ -33,16 +33,18 @@ def with_channels(job: Legalising) -> Program:
     reworded = _Channels(job)
     procedures = tuple(map(reworded.procedure, program.procedures))
     made = replace(program, procedures=procedures)
-    numbers = channels.numbered(made, NUMBERS, together)
-    return channels.renamed(made, {n: channels.name_of(k) for n, k in numbers.items()})
+    numbers = channels.numbered_channels(made, NUMBERS, channels_open_together)
+    return channels.with_channels_renamed(
+        made, {n: channels.name_of_channel(k) for n, k in numbers.items()}
+    )
 
 
 class _Channels(Rewording):
     """lines: those of channels that no line was stated for, by the channel's lower-case name."""
 
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
-        self.numbers = channels.numbered(job.program, NUMBERS, together)
+        self.numbers = channels.numbered_channels(job.program, NUMBERS, channels_open_together)
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
         places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))

@@ -36,11 +36,11 @@ from assistant.program.passes.arrays import (
     with_filled_arrays,
 )
 from assistant.program.passes.base_frames import in_base
-from assistant.program.passes.comments import lines
+from assistant.program.passes.comments import comment_lines
 from assistant.program.passes.cycles import with_kept_values
 from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.interrupts import with_interrupts_first
-from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.legalising import Legalisation, Pass, legalise, pure
 from assistant.program.passes.long_sums import with_short_sums
 from assistant.program.passes.many_pulses import with_few_pulses
 from assistant.program.passes.moving_functions import with_functions_before_moves
@@ -58,7 +58,7 @@ from assistant.program.passes.spacing import with_blank_lines, with_comments_in_
 from assistant.program.passes.spelling import with_declared_names
 from assistant.program.passes.splitting import split
 from assistant.program.passes.switches import with_single_reads
-from assistant.program.passes.watching import passed
+from assistant.program.passes.watching import traced
 from assistant.program.program import Program
 from assistant.program.subjects import Declared
 
@@ -79,13 +79,13 @@ def adapt(
     """
     dialect, findings = DIALECTS[dialect_name], Findings()
     program = replace(program, robot=robot.name if robot is not None else program.robot)
-    job = Legalising(program, capabilities(dialect, robot, most_targets), findings)
-    comments = tuple(line for text in program.comments for line in lines(text, job))
+    job = Legalisation(program, capabilities(dialect, robot, most_targets), findings)
+    comments = tuple(line for text in program.comments for line in comment_lines(text, job))
     job = replace(job, program=replace(program, comments=comments))
-    job = replace(job, program=legalised(job, FIRST))
+    job = replace(job, program=legalise(job, FIRST))
     plain = Plain(job, dialect, robot, products)
-    job = replace(job, program=passed("sayable", plain.program()))
-    adapted = legalised(job, LAST)
+    job = replace(job, program=traced("sayable", plain.program()))
+    adapted = legalise(job, LAST)
     adapted = with_short_conditions(adapted, dialect, robot, products=products)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))

@@ -24,18 +24,22 @@ from assistant.program.geometry import BASE
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.motions import ByValue
 from assistant.program.passes.places import (
     by_speed,
-    constants,
-    plain_trigger,
+    constant_numbers,
+    with_constant_values,
     with_ends_apart,
 )
-from assistant.program.passes.plain_expressions import fixed, of_numbers, shifted
+from assistant.program.passes.plain_expressions import (
+    fixed_text,
+    with_shift_parts,
+    without_truth_values,
+)
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.passes.switches import plain_switch
-from assistant.program.passes.waits import fit, set_signal, wait_signal, wait_until
+from assistant.program.passes.waits import check_fit, set_signal, wait_signal, wait_until
 from assistant.program.program import Procedure, Program, Variable
 
 if TYPE_CHECKING:
@@ -46,7 +50,7 @@ class Plain(Rewording):
     """The parts of a program. constants: numbers of those that the procedure at hand sees."""
 
     def __init__(
-        self, job: Legalising, dialect: Dialect, robot: Robot | None, products: bool
+        self, job: Legalisation, dialect: Dialect, robot: Robot | None, products: bool
     ) -> None:
         super().__init__(job)
         self.dialect, self.products, self.five_axes = dialect, products, job.can.five_axes
@@ -74,7 +78,7 @@ class Plain(Rewording):
         )
 
     def procedure(self, procedure: Procedure) -> Procedure:
-        self.constants = constants(self.job.program, procedure)
+        self.constants = constant_numbers(self.job.program, procedure)
         self.enter(procedure)
         body = self.body(procedure.body)
         while body and body[-1] == p.Return():
@@ -89,7 +93,7 @@ class Plain(Rewording):
     def expression(self, x: e.Expression) -> e.Expression:
         match x:
             case e.Truth() | e.Unary():
-                return of_numbers(x)
+                return without_truth_values(x)
             case e.Here(tool, frame):
                 return self.here(e.Here(self.motions.tool(tool), self.motions.frame(frame)))
             case e.Binary(operator, e.Binary("*", e.Elapsed() as timer, e.Number(1000)), limit) if (
@@ -101,11 +105,11 @@ class Plain(Rewording):
             ):
                 return e.Binary(operator, _seconds(limit), timer)
             case e.Apply("relative" | "offset"):
-                return shifted(x)
+                return with_shift_parts(x)
             case e.Apply("fixed", (number, e.Number(places))) if not math.isnan(places):
                 if places > 0:
                     self.job.findings.append(rules.ROUNDED_TEXT())
-                return fixed(number, places)
+                return fixed_text(number, places)
             case e.Text(text):
                 return self.text(text)
             case e.Verbatim():
@@ -136,12 +140,12 @@ class Plain(Rewording):
 
     def move(self, node: Any) -> Iterator[p.Statement]:
         joint = isinstance(node, p.MoveJoints) or getattr(node, "kind", "") == "joint"
-        triggers = tuple(plain_trigger(one, self.constants) for one in node.triggers)
+        triggers = tuple(with_constant_values(one, self.constants) for one in node.triggers)
         motion = self.motions.motion(node.motion, joint)
         speed = motion.speed if isinstance(motion.speed, Speed) and not joint else None
         triggers = tuple(by_speed(self.job, one, speed) for one in triggers)
         for one in triggers:
-            fit(self, one.signal, one.value)
+            check_fit(self, one.signal, one.value)
         said = replace(node, motion=motion, triggers=triggers)
         if isinstance(motion.blend, p.ComputedBlend) and motion.blend.stops is not None:
             yield self._by_corner(said, motion.blend, motion.blend.stops)

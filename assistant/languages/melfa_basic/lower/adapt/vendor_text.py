@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import keeping
+from assistant.program.contents import statements_with_vendor_text
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Program
 from assistant.program.rewriting import records
@@ -44,7 +44,7 @@ def _has_all(node: s.Expression, dialect: Dialect) -> bool:
 def check_names(program: Program, names: Names, findings: Findings) -> None:
     """Complains of vendor text whose variables and labels are written under other names."""
     for procedure in program.procedures:
-        for node, parts in keeping(procedure):
+        for node, parts in statements_with_vendor_text(procedure):
             for kept in parts:
                 if kept.language in DIALECTS:
                     read = statement if isinstance(kept, p.Opaque) else expression

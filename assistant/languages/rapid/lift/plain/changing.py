@@ -10,7 +10,7 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.signatures import Parameter
-from assistant.program.analysis.circles import circular
+from assistant.program.analysis.circles import recursive_names
 
 Routines = Mapping[str, Sequence[s.Routine]]
 """Those of a program by lower-case name."""
@@ -33,7 +33,7 @@ def _called(routine: s.Routine) -> set[str]:
 
 def repeated(calls: Mapping[str, set[str]]) -> frozenset[str]:
     """Routines that may be called again while they run; a name that is worked out may be any."""
-    return circular({**calls, "": frozenset(calls)})
+    return recursive_names({**calls, "": frozenset(calls)})
 
 
 def assigned(routine: s.Routine) -> set[str]:

@@ -24,8 +24,8 @@ from assistant.program.diagnostics import Findings
 from assistant.program.geometry import JointTarget, Target, Tool
 from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Procedure, Program, walk
-from assistant.program.rewriting import exchanged, records
-from assistant.program.subjects import Declared, Table
+from assistant.program.rewriting import records, with_vendor_statements_replaced
+from assistant.program.subjects import Declared, ProgramTable
 
 T = TypeVar("T")
 
@@ -67,13 +67,15 @@ def _without_idle_locals(program: Program, procedure: Procedure, findings: Findi
         else:
             _tell(findings, item, node)
 
-    (made,) = exchanged(replace(program, procedures=(procedure,)), needed).procedures
+    (made,) = with_vendor_statements_replaced(
+        replace(program, procedures=(procedure,)), needed
+    ).procedures
     return made
 
 
 def _without_idle_targets(program: Program, findings: Findings) -> Program:
     """The program without such targets and tools that nothing speaks of."""
-    idle: dict[Table, set[str]] = {
+    idle: dict[ProgramTable, set[str]] = {
         "targets": {n for n, one in program.targets.items() if _has_more_axes(one)},
         "joint_targets": {n for n, one in program.joint_targets.items() if _has_more_axes(one)},
         "tools": {n for n, one in program.tools.items() if _is_nowhere(one)},

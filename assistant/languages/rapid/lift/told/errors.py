@@ -17,7 +17,7 @@ from assistant.languages.rapid.lift.told.handled import Making
 from assistant.languages.rapid.lift.told.interrupts import with_own_errors
 from assistant.languages.rapid.lift.told.raising import ZERO, Errors
 from assistant.program import statements as p
-from assistant.program.analysis.signals import with_used
+from assistant.program.analysis.signals import with_used_signals
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, records
@@ -38,7 +38,7 @@ def _concerns(node: p.Statement) -> bool:
 
 def _said(errors: Errors) -> Program:
     procedures = tuple(_procedure(errors, key) for key in errors.known)
-    signals = with_used(errors.program.signals, errors.meaning.used)
+    signals = with_used_signals(errors.program.signals, errors.meaning.used)
     program = replace(errors.program, procedures=procedures, signals=signals)
     program = with_own_errors(program, errors.error)
     procedures = program.procedures

@@ -26,10 +26,10 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.interrupts import interrupts
-from assistant.program.analysis.signals import with_used
+from assistant.program.analysis.signals import with_used_signals
 from assistant.program.analysis.uses import called as calls_of
 from assistant.program.analysis.uses import declared, names_in
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.diagnostics import Findings
 from assistant.program.program import (
     Procedure,
@@ -40,7 +40,13 @@ from assistant.program.program import (
     identifier,
     walk,
 )
-from assistant.program.rewriting import Body, exchanged, map_bodies, records, rewrite
+from assistant.program.rewriting import (
+    Body,
+    map_bodies,
+    records,
+    rewrite,
+    with_vendor_statements_replaced,
+)
 
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
@@ -254,7 +260,7 @@ class _Telling:
     # ------------------------------------------------------------------------------ what is said
 
     def said(self) -> Program:
-        program = exchanged(self.program, self.statement)
+        program = with_vendor_statements_replaced(self.program, self.statement)
         procedures = [*program.procedures, *self.procedures]
         left = {name.lower() for name in names_in(tuple(procedures))}
         told = {
@@ -266,7 +272,7 @@ class _Telling:
             program,
             procedures=tuple(procedures),
             variables={**told, **self.variables},
-            signals=with_used(program.signals, self.meaning.used),
+            signals=with_used_signals(program.signals, self.meaning.used),
         )
 
     def statement(self, node: p.Opaque) -> tuple[p.Statement, ...]:
@@ -324,7 +330,9 @@ def with_moves_broken_off(program: Program) -> Program:
     Elsewhere the arm would go on to the end of the move that the interrupt came in.
     """
     going_on = {
-        one.call.procedure.lower() for one in everywhere(program, p.Interrupt) if one.ends is None
+        one.call.procedure.lower()
+        for one in records_in_procedures(program, p.Interrupt)
+        if one.ends is None
     }
     inside = _inside(program, going_on)
 

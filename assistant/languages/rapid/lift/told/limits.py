@@ -17,15 +17,15 @@ from assistant.languages.rapid.tables.words import SPEED_CAP
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.possible import Numbers, Possible
+from assistant.program.analysis.possible import Numbers, PossibleValues
 from assistant.program.analysis.possible_along import numbers_of_all
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import everywhere
+from assistant.program.contents import records_in_procedures
 from assistant.program.motion import ComputedSpeed, Speed
-from assistant.program.passes.motions import meant
+from assistant.program.passes.motions import declared_value
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
-from assistant.program.rewriting import Body, exchanged, map_bodies
+from assistant.program.rewriting import Body, map_bodies, with_vendor_statements_replaced
 
 LIMIT: Final = "speed_limit"
 """Name of the variable that holds mm/s that a move may state; a number behind it where taken."""
@@ -37,7 +37,11 @@ def with_limit(program: Program) -> tuple[Program, str]:
 
     There is none where no move states more than any of the limits.
     """
-    given = [found for node in everywhere(program, p.Opaque) if (found := _given(node)) is not None]
+    given = [
+        found
+        for node in records_in_procedures(program, p.Opaque)
+        if (found := _given(node)) is not None
+    ]
     if not given:
         return program, ""
     numbers = [e.plain_number(Meaning().known(most) or most) for _, most in given]
@@ -65,7 +69,7 @@ def with_limit(program: Program) -> tuple[Program, str]:
         procedures=tuple(replace(q, body=plain(q.body)) for q in program.procedures),
         variables={**program.variables, name: Variable("number", e.Number(SPEED_CAP))},
     )
-    return exchanged(program, kept), name
+    return with_vendor_statements_replaced(program, kept), name
 
 
 def _given(node: p.Opaque) -> tuple[e.Expression, e.Expression] | None:
@@ -93,10 +97,10 @@ def _stated(share: e.Expression, most: e.Expression) -> e.Expression:
 
 def _is_within(program: Program, limit: float) -> bool:
     """True if no move of a program states more than a limit in mm/s."""
-    motions = everywhere(program, p.Motion)
+    motions = records_in_procedures(program, p.Motion)
     paths = [one.path for one in program.statements() if isinstance(one, p.Follow)]
     stated = [*(one.speed for one in motions), *(x for path in paths for x in path.speeds)]
-    known = [meant(one, program.speeds) for one in stated]
+    known = [declared_value(one, program.speeds) for one in stated]
     kept = any(isinstance(one, p.Opaque) and _moves(one) for one in program.statements())
     return not kept and all(isinstance(one, Speed) and one.tcp <= limit for one in known)
 
@@ -110,7 +114,7 @@ def with_limited_speeds(program: Program, name: str) -> Program:
     """The program whose moves state no more than the limit that the variable holds."""
     if not name:
         return program
-    possible = Possible(program)
+    possible = PossibleValues(program)
     procedures = [_Limiting(program, possible, name, q).done() for q in program.procedures]
     program = replace(program, procedures=tuple(procedures))
     if any(one == e.Name(name) for one in _read(program, name)):
@@ -127,7 +131,7 @@ def _read(program: Program, name: str) -> Iterator[e.Name]:
         for node in program.statements()
         if isinstance(node, p.Assign) and node.target == e.Name(name)
     }
-    yield from (one for one in everywhere(program, e.Name) if id(one) not in targets)
+    yield from (one for one in records_in_procedures(program, e.Name) if id(one) not in targets)
 
 
 def _without(body: Body, name: str) -> Body:
@@ -143,7 +147,7 @@ class _Limiting:
     """The moves of one procedure."""
 
     def __init__(
-        self, program: Program, possible: Possible, name: str, procedure: Procedure
+        self, program: Program, possible: PossibleValues, name: str, procedure: Procedure
     ) -> None:
         self.program, self.name, self.procedure = program, name, procedure
         self.numbers = numbers_of_all(possible, e.Name(name), procedure)
@@ -173,7 +177,7 @@ class _Limiting:
     def speed(
         self, speed: Speed | ComputedSpeed | e.Name, limits: Numbers
     ) -> Speed | ComputedSpeed | e.Name:
-        known = meant(speed, self.program.speeds) if isinstance(speed, e.Name) else speed
+        known = declared_value(speed, self.program.speeds) if isinstance(speed, e.Name) else speed
         if isinstance(known, e.Name):
             return speed  # nothing declares it, which is told of
         if isinstance(known, ComputedSpeed):

@@ -16,14 +16,14 @@ from assistant.program.rewriting import head, records
 _NEITHER: Final = ("open", "close")
 
 
-def one_way(program: Program) -> Mapping[str, p.Mode]:
+def one_way(program: Program) -> Mapping[str, p.ChannelMode]:
     """Which of the two, by lower-case name; without those of which neither is sure."""
     ways: dict[str, set[str]] = {}
     for node in program.statements():
         for part in records(head(node)):
             for word, name in _named(part):
                 ways.setdefault(name.lower(), set()).add(_way(word.lower()))
-    modes: dict[str, p.Mode] = {}
+    modes: dict[str, p.ChannelMode] = {}
     for name, found in ways.items():
         match found - {""}:
             case one if one == {"write"}:

@@ -11,7 +11,7 @@ from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.pulses import OFF
+from assistant.program.analysis.pulses import OFF_VALUES
 from assistant.program.diagnostics import Findings
 from assistant.program.kept import effect_of
 from assistant.program.program import Program
@@ -28,7 +28,7 @@ def switched(program: Program) -> frozenset[str]:
     for record in records((program.procedures, program.declarations)):
         match record:
             case p.SetSignal(name, value, pulse) | p.Trigger(name, value, pulse=pulse):
-                if pulse is None and value not in OFF:
+                if pulse is None and value not in OFF_VALUES:
                     found.add(name.lower())
             case p.Opaque() as kept if not kept.text.lower().startswith("pulsedo"):
                 found |= effect_of(kept).names

@@ -23,7 +23,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.motions import meant
+from assistant.program.passes.motions import declared_value
 from assistant.program.program import Program
 
 
@@ -106,12 +106,12 @@ def _with_own_motion(telling: Telling, call: Called[s.Expression], _: p.Opaque) 
         return
     motion = move.motion
     if speed is not None:
-        known = meant(motion.speed, telling.program.speeds)
+        known = declared_value(motion.speed, telling.program.speeds)
         if not isinstance(known, Speed) or speed <= 0:
             return
         motion = replace(motion, speed=replace(known, tcp=speed))
     if size is not None:
-        blend = meant(motion.blend, telling.program.blends)
+        blend = declared_value(motion.blend, telling.program.blends)
         if not isinstance(blend, Blend) or blend.fine or size <= 0:
             return
         motion = replace(motion, blend=Blend(size))
@@ -201,7 +201,7 @@ def _process(telling: Telling, call: Called[s.Expression], node: p.Opaque) -> Sa
 
 def _see_corner(telling: Telling, move: p.MoveStatement, node: p.Opaque) -> None:
     """Tells where something is done behind a move that does not stop."""
-    blend = meant(move.motion.blend, telling.program.blends)
+    blend = declared_value(move.motion.blend, telling.program.blends)
     if not (isinstance(blend, Blend) and blend.fine):
         telling.lost(f"the place of {node.text.split()[0]}", *_MIDDLE)
 

@@ -22,7 +22,7 @@ from assistant.program.analysis.uses import declared
 from assistant.program.diagnostics import Findings, Span
 from assistant.program.kept import effect_of
 from assistant.program.motion import Blend, ComputedSpeed
-from assistant.program.passes.motions import meant
+from assistant.program.passes.motions import declared_value
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -103,7 +103,7 @@ def _is_followed(node: p.Statement, meaning: Meaning, program: Program) -> bool:
             return _stops(motion, program)
         case p.Follow(path):
             last = path.blends[path.blend[-1]]
-            known = meant(last, program.blends)
+            known = declared_value(last, program.blends)
             return isinstance(known, Blend) and known.fine
         case p.Travel():
             return False
@@ -114,7 +114,7 @@ def _is_followed(node: p.Statement, meaning: Meaning, program: Program) -> bool:
 
 
 def _stops(motion: p.Motion, program: Program) -> bool:
-    known = meant(motion.blend, program.blends)
+    known = declared_value(motion.blend, program.blends)
     return isinstance(known, Blend) and known.fine
 
 

@@ -20,8 +20,8 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared, locals_of
-from assistant.program.contents import everywhere
-from assistant.program.passes.legalising import Legalising
+from assistant.program.contents import records_in_procedures
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.program import (
     Declaration,
     Procedure,
@@ -36,17 +36,17 @@ FLAG: Final = "broken_off"
 ENDED: Final = ("StopMove;", "ClearPath;", "StartMove;")
 
 
-def with_breaks(job: Legalising) -> Program:
+def with_breaks(job: Legalisation) -> Program:
     """The program with what RAPID has for its moves that are broken off."""
     program = job.program
-    moves = everywhere(program, p.Move, p.MoveCircular, p.MoveJoints)
+    moves = records_in_procedures(program, p.Move, p.MoveCircular, p.MoveJoints)
     if any(_until(one) is not None for one in moves) or any(map(_asks, _applied(program))):
         return _Breaks(job).said()
     return program
 
 
 def _applied(program: Program) -> Iterator[e.Apply]:
-    return everywhere(program, e.Apply)
+    return records_in_procedures(program, e.Apply)
 
 
 def _until(node: object) -> e.Expression | None:
@@ -62,7 +62,7 @@ class _Breaks:
     the last move was broken off, None where nothing asks for it.
     """
 
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         self.job, program = job, job.program
         self.naming = NAMES.naming(program)
         self.taken = TakenNames(declared(program))

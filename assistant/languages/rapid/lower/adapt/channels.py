@@ -22,8 +22,8 @@ from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_value
-from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.messages import lines
+from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.messages import lines_of_parts
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Declaration, Procedure, Program, Variable
 from assistant.program.rewriting import rewrite
@@ -38,7 +38,7 @@ CONNECTED: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<
 """What asks for the status of a socket as a comparison of `connected` with 0 or 1 does."""
 
 
-def with_channels(job: Legalising) -> Program:
+def with_channels(job: Legalisation) -> Program:
     """The program with what RAPID opens, writes and reads in place of its channels."""
     if not channels.channels(job.program):
         return job.program
@@ -56,10 +56,10 @@ def with_channels(job: Legalising) -> Program:
 class _Channels(Rewording):
     """kinds: of channels by lower-case name. variables: that reading takes."""
 
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
         self.names = NAMES.naming(job.program)
-        self.kinds: dict[str, p.Place] = {}
+        self.kinds: dict[str, p.ChannelKind] = {}
         self.variables: dict[str, Variable] = {}
         self.inner: dict[str, str] = {}
         for node in job.program.statements():
@@ -151,7 +151,7 @@ class _Channels(Rewording):
         socket = self.kind(node.channel) in ("server", "client")
         yield self.call("SocketClose" if socket else "Close", _named(node.channel.lower()))
 
-    def kind(self, channel: str) -> p.Place | None:
+    def kind(self, channel: str) -> p.ChannelKind | None:
         found = self.kinds.get(channel.lower())
         if found is None:
             self.job.cannot(f"the channel `{channel}`, which nothing opens", "open it first")
@@ -160,7 +160,7 @@ class _Channels(Rewording):
     def send(self, node: p.Send) -> Iterator[p.Statement]:
         kind, own = self.kind(node.channel), _named(node.channel.lower())
         rows: list[list[e.Expression]] = (
-            lines(node.parts, LONGEST) if node.parts else [[e.Text("")]]
+            lines_of_parts(node.parts, LONGEST) if node.parts else [[e.Text("")]]
         )
         for number, row in enumerate(rows, 1):
             whole = node.kind == "line" and number == len(rows)

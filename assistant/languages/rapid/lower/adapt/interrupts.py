@@ -22,8 +22,8 @@ from assistant.program import statements as p
 from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared
 from assistant.program.kept import effect_of
-from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.named_places import named, names_of
+from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.named_places import taken_names, with_named_positions
 from assistant.program.program import (
     Declaration,
     Procedure,
@@ -40,7 +40,7 @@ EVERY: Final = 0.1
 SUFFIXES: Final = ("", "_on", "_answer", "_trap")
 
 
-def with_interrupts(job: Legalising) -> Program:
+def with_interrupts(job: Legalisation) -> Program:
     """The program with what RAPID has for its interrupts."""
     found = {one.name.lower(): one for one in interrupts(job.program)}
     if not found:
@@ -51,7 +51,7 @@ def with_interrupts(job: Legalising) -> Program:
 class _Interrupts:
     """names: of the variable, the flag, the answer and the trap routine of each interrupt."""
 
-    def __init__(self, job: Legalising, found: dict[str, p.Interrupt]) -> None:
+    def __init__(self, job: Legalisation, found: dict[str, p.Interrupt]) -> None:
         self.job, self.found = job, found
         program = job.program
         self.naming = NAMES.naming(program)
@@ -164,7 +164,9 @@ class _Interrupts:
             if self.moves(node.call.procedure):
                 inner = (kept("StorePath;"), node.call, kept("RestoPath;"))
             body = (p.While(holds, (stop, *inner, *ends, start)),)
-        return named(Procedure(answer, body, span=node.span), names_of(self.job.program))
+        return with_named_positions(
+            Procedure(answer, body, span=node.span), taken_names(self.job.program)
+        )
 
     def moves(self, name: str) -> bool:
         """Whether a procedure, or what it calls, moves the arm, which goes back for that."""

@@ -26,9 +26,9 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.motions import Named, Sizing
-from assistant.program.passes.path_tables import at_lines
+from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.motions import CornerSizes, NamedValues
+from assistant.program.passes.path_tables import reported_at_lines
 from assistant.program.path import Path
 from assistant.program.subjects import Declared
 
@@ -41,13 +41,13 @@ PERCENT: Final = (
 class Motions:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
-    def __init__(self, job: Legalising, written: Written) -> None:
-        self._job, self._written, self._sizing = job, written, Sizing(job, CORNERS)
+    def __init__(self, job: Legalisation, written: Written) -> None:
+        self._job, self._written, self._sizing = job, written, CornerSizes(job, CORNERS)
         program = job.program
         overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))
         self._slowed = any(percent != e.Number(100) for percent in overrides)
-        self.speeds = Named(SPEEDS, program.speeds, self._speed, LONGEST_NAME)
-        self.blends = Named(BLENDS, program.blends, self._blend, LONGEST_NAME)
+        self.speeds = NamedValues(SPEEDS, program.speeds, self._speed, LONGEST_NAME)
+        self.blends = NamedValues(BLENDS, program.blends, self._blend, LONGEST_NAME)
 
     def motion(self, motion: p.Motion) -> p.Motion:
         speed, blend = motion.speed, motion.blend
@@ -65,10 +65,12 @@ class Motions:
         """line: where the move to a row is in the source text."""
         path = self._written.path(self._sizing.path(path))
 
-        def said(index: NDArray[np.int32], table: Sequence[Any], names: Named[Any]) -> Any:
+        def said(index: NDArray[np.int32], table: Sequence[Any], names: NamedValues[Any]) -> Any:
             used = set(np.unique(index).tolist())
             return tuple(
-                at_lines(self._job.findings, line, index, lambda i: names.said(table[i]), entry)
+                reported_at_lines(
+                    self._job.findings, line, index, lambda i: names.said(table[i]), entry
+                )
                 if entry in used
                 else names.said(table[entry])
                 for entry in range(len(table))

@@ -17,7 +17,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_position
 from assistant.program.geometry import IDENTITY
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Procedure, Program
 
@@ -30,7 +30,7 @@ PARTS: Final = ("trans", "rot")
 """Those of a position that are a pose."""
 
 
-def with_set_mounts(job: Legalising) -> Program:
+def with_set_mounts(job: Legalisation) -> Program:
     """The program with parts of tools and frames for those that it sets to a pose."""
     program = job.program
     if not (program.frames or program.tools):
@@ -42,7 +42,7 @@ def with_set_mounts(job: Legalising) -> Program:
 class _Mounts(Rewording):
     """own: names, in lower case, that the procedure at hand calls something else."""
 
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
         program = job.program
         self.frames = {name.lower(): frame for name, frame in program.frames.items()}

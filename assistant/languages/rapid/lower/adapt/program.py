@@ -28,15 +28,15 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
-from assistant.program.analysis.signals import uses, with_used
+from assistant.program.analysis.signals import signal_uses, with_used_signals
 from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.angles import with_whole_angles
-from assistant.program.passes.comments import lines
+from assistant.program.passes.comments import comment_lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.integers import with_one_kind_of_numbers, with_rounded_values
 from assistant.program.passes.interrupts import with_interrupts_first
-from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.legalising import Legalisation, Pass, legalise, pure
 from assistant.program.passes.named_places import with_named_places
 from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
@@ -55,8 +55,8 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     findings = Findings()
     try:
-        job = Legalising(program, capabilities(most_targets), findings)
-        adapted = legalised(job, PASSES)
+        job = Legalisation(program, capabilities(most_targets), findings)
+        adapted = legalise(job, PASSES)
         findings += NAMES.findings(adapted)
         find_outputs_of_two_names(replace(job, program=adapted))
         trees = _built(adapted, findings)
@@ -66,7 +66,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     return Adapted(adapted, tuple(findings), trees)
 
 
-def sayable(job: Legalising) -> Program:
+def sayable(job: Legalisation) -> Program:
     """The program with all its parts as RAPID has them."""
     program = job.program
     for declaration in program.declarations:
@@ -95,13 +95,13 @@ def sayable(job: Legalising) -> Program:
     return replace(
         program,
         entry=entry,
-        comments=tuple(line for text in program.comments for line in lines(text, job)),
+        comments=tuple(line for text in program.comments for line in comment_lines(text, job)),
         frames=written.frames(frames),
         tools=written.tools(tools),
         speeds=motions.speeds.table(),
         blends=motions.blends.table(),
-        signals=with_used(
-            program.signals, uses(replace(program, procedures=procedures).statements())
+        signals=with_used_signals(
+            program.signals, signal_uses(replace(program, procedures=procedures).statements())
         ),
         targets={**targets, **statements.targets},
         joint_targets=joints,

@@ -17,8 +17,8 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import everywhere
-from assistant.program.passes.legalising import Legalising
+from assistant.program.contents import records_in_procedures
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.program import Program
 from assistant.program.rewriting import is_repeatable, records
@@ -26,9 +26,11 @@ from assistant.program.rewriting import is_repeatable, records
 ON: Final = e.Number(1)
 
 
-def with_pulses(job: Legalising) -> Program:
+def with_pulses(job: Legalisation) -> Program:
     """The program with such pulses as two instructions."""
-    pulses = (one for one in everywhere(job.program, p.SetSignal) if one.pulse is not None)
+    pulses = (
+        one for one in records_in_procedures(job.program, p.SetSignal) if one.pulse is not None
+    )
     if all(one.value == ON for one in pulses):
         return job.program
     said = _Pulses(job)
@@ -36,7 +38,7 @@ def with_pulses(job: Legalising) -> Program:
 
 
 class _Pulses(Rewording):
-    def __init__(self, job: Legalising) -> None:
+    def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
         self.names = NAMES.naming(job.program)
         self.signals = {name.lower(): one for name, one in job.program.signals.items()}

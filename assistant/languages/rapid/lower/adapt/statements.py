@@ -24,10 +24,10 @@ from assistant.program.motion import FINE
 from assistant.program.passes.accelerations import one_acceleration
 from assistant.program.passes.comments import plain_comment
 from assistant.program.passes.conditions import as_truth, compared, with_conditions
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.legalising import Legalisation
 from assistant.program.passes.messages import short_messages
-from assistant.program.passes.motions import meant
-from assistant.program.passes.plain_expressions import floor, in_pairs, shifted
+from assistant.program.passes.motions import declared_value
+from assistant.program.passes.plain_expressions import floor, two_at_a_time, with_shift_parts
 from assistant.program.passes.points import move_at
 from assistant.program.passes.rewording import Rewording
 from assistant.program.passes.switches import plain_switch
@@ -39,7 +39,7 @@ from assistant.program.subjects import Declared
 class StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, job: Legalising, motions: Motions, written: Written) -> None:
+    def __init__(self, job: Legalisation, motions: Motions, written: Written) -> None:
         super().__init__(job)
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
@@ -101,11 +101,11 @@ class StatementAdapter(Rewording):
             case e.PoseValue(pose):
                 return e.PoseValue(self.written.pose(pose, "a pose") or pose)
             case e.Apply("relative", given) if 4 < len(given) < 7:
-                return shifted(x, 6)
+                return with_shift_parts(x, 6)
             case e.Here(tool, frame):
                 return e.Here(tool_name(tool), frame_name(frame))
             case e.Apply("min" | "max", (_, _, _, *_)):
-                return in_pairs(x)
+                return two_at_a_time(x)
             case e.Verbatim(verbatim.LANGUAGE):
                 return _understood(x)
         return x
@@ -141,7 +141,7 @@ def _motion(a: StatementAdapter, x: Any) -> Changed:
 
 def _standing(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
     """The motion of a move that is broken off, which the program has to wait for."""
-    if meant(x.motion.blend, a.program.blends) == FINE:
+    if declared_value(x.motion.blend, a.program.blends) == FINE:
         return x.motion
     a.job.changed(
         "a corner behind a move that may be broken off", "a stop there",

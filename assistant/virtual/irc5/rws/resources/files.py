@@ -15,7 +15,7 @@ from typing import Final
 from urllib.parse import unquote
 
 from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import ARRIVING, write_whole
+from assistant.program.system.durably import UNFINISHED, write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
@@ -64,7 +64,7 @@ def read(cabinet: Cabinet, request: Request) -> Answer:
     path = _asked(cabinet, request)
     try:
         if path.is_dir():
-            names = sorted(one for one in path.iterdir() if not one.name.startswith(ARRIVING))
+            names = sorted(one for one in path.iterdir() if not one.name.startswith(UNFINISHED))
             return Answer(listed=[_item(one) for one in names])
         return Answer(data=read_file(path))
     except OSError:
