@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from assistant.api.arrays import from_joints, from_poses
     from assistant.api.checking import check
     from assistant.api.simulating import simulate
+    from assistant.base.diagnostics import Refused
     from assistant.cell.planning.planner import plan
     from assistant.cell.reading.cell_file import read_scene
     from assistant.compiler import Proving, compare, compile, load, translate
     from assistant.controllers import connect
-    from assistant.program.diagnostics import Refused
     from assistant.program.geometry import Pose
 
 _LAZY: Final = {
     "Pose": ("assistant.program.geometry", "Pose"),
     "Proving": ("assistant.compiler", "Proving"),
-    "Refused": ("assistant.program.diagnostics", "Refused"),
+    "Refused": ("assistant.base.diagnostics", "Refused"),
     "check": ("assistant.api.checking", "check"),
     "compare": ("assistant.compiler", "compare"),
     "compile": ("assistant.compiler", "compile"),

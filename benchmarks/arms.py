@@ -12,9 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from assistant import checks, robots
-from assistant.program import rotations
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Path
+from assistant.base import rotations
+from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot, SolvedProgram

@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 
 from assistant import robots
+from assistant.base.arrays import Floats
 from assistant.cell import arms
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 
 ARM: Final = robots.get("irb1200-7-0.7")

@@ -12,16 +12,15 @@ from typing import Any, Final
 import numpy as np
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.cell import arms
 from assistant.cell.clearances import closeness, rows_of
 from assistant.cell.collision.continuous import Way, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
-from assistant.program import rotations
 from assistant.program.geometry import Pose
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Path
+from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.timing import Simulation, simulate

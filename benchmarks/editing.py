@@ -7,9 +7,9 @@ import time
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.base.budgets import freeze_loaded_objects
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
-from assistant.program.without_gc import freeze_loaded_objects
 from benchmarks.code import code
 
 LINES: Final = 5000

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from assistant import languages, sources
+from assistant.base import rotations
 from assistant.compiler.proof import prove
-from assistant.program import rotations
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Path
+from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 

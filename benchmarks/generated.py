@@ -14,9 +14,9 @@ from typing import Any, Final
 import numpy as np
 
 from assistant import robots
+from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
 from assistant.blocks.code.templates import identifier
-from assistant.program.system.writing import write_files
 from assistant.robots import Robot
 from benchmarks.arms import ARMS, joints
 

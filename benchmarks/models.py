@@ -19,6 +19,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant import robots
+from assistant.base.arrays import Floats
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
@@ -30,7 +31,6 @@ from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.leading.cycles import CyclicCarrier
 from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
-from assistant.program.arrays import Floats
 from assistant.virtual.cr.mxt_process import MxtProcess
 from assistant.vision.servoing.bounds import Bounds, Guard
 from benchmarks.real_time import PATIENT, ROBOT, busy, trajectory

@@ -21,13 +21,13 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 import assistant
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving, prove_motion
 from assistant.compiler.motion_sides import written
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from benchmarks import drawn_cells
 
 Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]

@@ -14,14 +14,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.moves import looked_at
 from assistant.cell.planning.planner import plan
 from assistant.cell.planning.search import library
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Scene
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from benchmarks.cells import ARM, CELLS, TIP, Problem, problems
 
 COUNTS: Final = {"shelf": 34, "window": 33, "two robots": 33}

@@ -14,11 +14,11 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.compiler import translate
 from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import whole_programs
 from assistant.compiler.motion import Proving
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
 
 
 def main() -> None:

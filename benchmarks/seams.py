@@ -13,8 +13,7 @@ from typing import Final
 import numpy as np
 
 from assistant import robots
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot

@@ -37,8 +37,8 @@ CLASSES: Final = (
     "assistant.compiler.motion.Proving",
     "assistant.api.checking.Check",
     "assistant.api.simulating.Simulated",
-    "assistant.program.diagnostics.Diagnostic",
-    "assistant.program.diagnostics.Refused",
+    "assistant.base.diagnostics.Diagnostic",
+    "assistant.base.diagnostics.Refused",
     "assistant.program.program.Program",
     "assistant.program.geometry.Pose",
 )

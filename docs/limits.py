@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 
-from assistant.program.system.budgets import (
+from assistant.base.budgets import (
     FACTOR_VARIABLE,
     FACTORS,
     FILE,

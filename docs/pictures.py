@@ -203,7 +203,7 @@ def pointing() -> bytes:
     import cv2
     import numpy as np
 
-    from assistant.program import rotations
+    from assistant.base import rotations
     from assistant.program.geometry import Pose
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.drawing import Optics

@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.compiler.running import programs
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.sources.sights import Seeing, Sight
 from assistant.virtual.events import Moved

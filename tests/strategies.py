@@ -16,7 +16,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.expressions import (
     FUNCTIONS,
     Aggregate,
@@ -51,8 +51,16 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
-from assistant.program.motion import FINE, FULL_BLEND, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.path import Kind, Path, configuration_row
+from assistant.program.motion import (
+    FINE,
+    FULL_BLEND,
+    MAXIMUM_SPEED,
+    Blend,
+    Kind,
+    Path,
+    Speed,
+    configuration_row,
+)
 from assistant.program.program import (
     Declaration,
     Parameter,

@@ -16,60 +16,65 @@ import pytest
 PACKAGE = FilePath(__file__).parent.parent / "assistant"
 
 ROOMS: dict[str, frozenset[str]] = {
-    "program": frozenset(),
-    "sources": frozenset({"program"}),
-    "robots": frozenset({"program"}),
-    "languages": frozenset({"program", "robots"}),
-    "cell": frozenset({"program", "sources", "robots"}),
-    "checks": frozenset({"program", "robots", "cell"}),
-    "virtual": frozenset({"program", "robots", "languages"}),
-    "controllers": frozenset({"program", "sources"}),
-    "vision": frozenset({"program", "sources", "robots", "cell", "controllers"}),
-    "learning": frozenset({"program", "robots", "vision"}),
-    "deploy": frozenset({"program", "languages", "controllers"}),
+    "base": frozenset(),
+    "program": frozenset({"base"}),
+    "sources": frozenset({"base", "program"}),
+    "robots": frozenset({"base", "program"}),
+    "languages": frozenset({"base", "program", "robots"}),
+    "cell": frozenset({"base", "program", "sources", "robots"}),
+    "checks": frozenset({"base", "program", "robots", "cell"}),
+    "virtual": frozenset({"base", "program", "robots", "languages"}),
+    "controllers": frozenset({"base", "program", "sources"}),
+    "vision": frozenset({"base", "program", "sources", "robots", "cell", "controllers"}),
+    "learning": frozenset({"base", "program", "robots", "vision"}),
+    "deploy": frozenset({"base", "program", "languages", "controllers"}),
     "compiler": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("base", "program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy"),
         }
     ),
     "blocks": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages"),
+            *("base", "program", "sources", "robots", "cell", "languages"),
             *("virtual", "controllers", "compiler", "vision"),
         }
     ),
-    "findings": frozenset({"program", "sources", "robots", "cell", "languages", "compiler"}),
+    "findings": frozenset(
+        {"base", "program", "sources", "robots", "cell", "languages", "compiler"}
+    ),
     "project": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages"),
+            *("base", "program", "sources", "robots", "cell", "languages"),
             *("virtual", "controllers", "deploy", "compiler", "findings"),
         }
     ),
     "editing": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("base", "program", "sources", "robots", "cell", "languages", "checks"),
             *("compiler", "findings", "project"),
         }
     ),
-    "report": frozenset({"program", "sources", "robots", "cell", "compiler", "findings"}),
-    "view": frozenset({"program", "robots", "cell", "checks", "compiler", "findings", "report"}),
+    "report": frozenset({"base", "program", "sources", "robots", "cell", "compiler", "findings"}),
+    "view": frozenset(
+        {"base", "program", "robots", "cell", "checks", "compiler", "findings", "report"}
+    ),
     "api": frozenset(
         {
-            *("program", "sources", "robots", "cell", "checks", "compiler", "findings"),
+            *("base", "program", "sources", "robots", "cell", "checks", "compiler", "findings"),
             *("report",),
         }
     ),
     "studio": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("base", "program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
             *("project", "view", "vision", "learning", "blocks", "editing"),
         }
     ),
     "cli": frozenset(
         {
-            *("program", "sources", "robots", "cell", "languages", "checks"),
+            *("base", "program", "sources", "robots", "cell", "languages", "checks"),
             *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
             *("project", "view", "vision", "learning", "blocks", "editing", "studio"),
         }
@@ -96,7 +101,17 @@ SHARED = frozenset({"lazy", "resources"})
 
 TOP_MAY_IMPORT = frozenset(
     {
-        *("lazy", "program", "languages", "robots", "cell", "controllers", "deploy", "compiler"),
+        *(
+            "lazy",
+            "base",
+            "program",
+            "languages",
+            "robots",
+            "cell",
+            "controllers",
+            "deploy",
+            "compiler",
+        ),
         *("api",),
     }
 )
@@ -300,7 +315,7 @@ def test_interpreters_share_no_reading_with_what_they_judge() -> None:
 
 def test_the_graph_is_read_at_all() -> None:
     seen = {(one.by, one.of) for one in imports(PACKAGE)}
-    assert ("assistant.program.statements", "assistant.program.path") in seen
+    assert ("assistant.program.statements", "assistant.program.motion") in seen
     assert ("assistant.languages.language", "assistant.robots") in seen  # for types only
     assert ("assistant.sources", "assistant.sources.process.file") in seen  # in a function
     assert ("assistant", "assistant.compiler") in seen  # as a text in a table
@@ -318,7 +333,7 @@ def house(tmp_path: FilePath) -> FilePath:
         "program/__init__.py": "from assistant.resources import x",
         "program/path.py": "import numpy",
         "program/program.py": "from assistant.program import path",
-        "robots/__init__.py": "from assistant.program.path import Path",
+        "robots/__init__.py": "from assistant.program.motion import Path",
         "languages/__init__.py": "from .language import Language",
         "languages/language.py": "from assistant.program.program import Program",
         "cli/__init__.py": "def main():\n    from assistant import languages, robots",

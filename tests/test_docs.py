@@ -15,14 +15,14 @@ import jsonschema
 import pytest
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Severity
 from assistant.compiler.pairing import read_names
 from assistant.compiler.project import configured
 from assistant.compiler.script_file import read_script
 from assistant.controllers import controllers_of
 from assistant.findings import rulebook
-from assistant.findings.severity import severities_for
+from assistant.findings.severities import severities_for
 from assistant.program import pseudo
-from assistant.program.diagnostics import Severity
 from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.comparing import NOT_COMPARED, Uncompared

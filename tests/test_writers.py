@@ -11,8 +11,8 @@ WRITES = re.compile(
     r"|\bnp\.savez?(?:_compressed)?\(|\bsavefig\(|\bto_csv\(|\bos\.(?:replace|rename)\(|\bshutil\.(?:move|copy)"
 )
 KNOWN = {
-    "program/system/durably.py": "it is the mechanism",
-    "program/pseudo/tables.py": "into memory",
+    "base/file_access.py": "it is the mechanism",
+    "program/pseudo/path_rows.py": "into memory",
     "cell/exploration/map_file.py": "into memory",
     "report/figures.py": "into memory",
     "report/reach_map.py": "into memory",
@@ -30,7 +30,7 @@ KNOWN = {
     "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
     "project/checking.py": "in a folder for the moment",
     "virtual/irc5/backup.py": "in a folder that appears whole, on the disk of a virtual controller",
-    "program/system/certificate.py": "a key, in a folder for the moment",
+    "base/certificate.py": "a key, in a folder for the moment",
     "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
     "virtual/proving/sides.py": "modules that a run loads, on a disk for the moment",
     "virtual/tracing.py": "into memory",

@@ -10,14 +10,13 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, number_of, reals
+from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.compiler.arms import robot_of
-from assistant.program import rotations
-from assistant.program.arrays import Floats, number_of, reals
-from assistant.program.diagnostics import Refused, Severity, error, has_errors
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind
+from assistant.program.motion import FINE, Blend, Kind, Speed
 from assistant.program.program import Program, identifier
 from assistant.program.statements import Motion, MoveJoints
 from assistant.robots import Robot

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from os import fspath
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, FailOn
+from assistant.base.source_text import path_of
 from assistant.compiler.checking import Checked, check_files, check_program
 from assistant.compiler.compiling import Compiled
 from assistant.compiler.loading import Loaded
 from assistant.compiler.scenes import in_cell
-from assistant.findings.fail_on import FailOn
-from assistant.findings.project_severities import apply_severities
+from assistant.findings.severities import apply_severities
 from assistant.lazy import pictured
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.program.text import path_of
 from assistant.robots import Robot
 
 Source = str | FilePath | Program | Loaded | Compiled

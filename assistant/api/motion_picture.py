@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.report.figures import figure, picture
 from assistant.robots.timing import Simulation
 

@@ -12,17 +12,16 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.source_text import lines_of, visible
 from assistant.compiler.arms import known_robot
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.expressions import JointValue, Name
 from assistant.program.geometry import Tool
-from assistant.program.lines import lines_of
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.program.program import Program
 from assistant.program.statements import MoveJoints
-from assistant.program.visible import visible
 from assistant.report.track import track
 
 if TYPE_CHECKING:

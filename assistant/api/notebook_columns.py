@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.column_pages import columns_html, html_text
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats
+from assistant.base.columns import columns_html, html_text
+from assistant.program.motion import Kind
 
 if TYPE_CHECKING:
-    from assistant.program.path import Path
+    from assistant.program.motion import Path
     from assistant.robots import Robot
     from assistant.robots.timing.samples import Samples
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 from assistant.api.checking import Source
+from assistant.base.diagnostics import Diagnostic, Refused, fold, has_errors
 from assistant.checks.clearances import clearances
 from assistant.compiler.arms import robot_of
 from assistant.compiler.compiling import Compiled
@@ -15,7 +16,6 @@ from assistant.compiler.opening import load
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.solving import solve
 from assistant.lazy import pictured
-from assistant.program.diagnostics import Diagnostic, Refused, fold, has_errors
 from assistant.program.program import Program
 from assistant.robots import Robot
 from assistant.robots.timing import Simulation

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
 from assistant.robots import Robot
 from assistant.robots.robot import LIMIT_TOLERANCE
 from assistant.robots.timing import Drive, drive_of

@@ -11,11 +11,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Generic, TypeVar
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.library.rules import NOT_OPERATED
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
-from assistant.program.diagnostics import Refused
 
 S = TypeVar("S")
 T = TypeVar("T")

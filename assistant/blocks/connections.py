@@ -9,6 +9,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Final, Generic, TypeVar
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.running import ending
 from assistant.blocks.rules import NO_STATEMENTS
 from assistant.controllers import connect
@@ -17,7 +18,6 @@ from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
-from assistant.program.diagnostics import Refused
 
 T = TypeVar("T", covariant=True)
 Job = tuple[Sequence[str], Goal, Future[Position]]

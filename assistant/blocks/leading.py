@@ -16,6 +16,8 @@ from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.running import ending
 from assistant.blocks.library.arrays import pose_signal
@@ -29,8 +31,6 @@ from assistant.controllers.leading.data_link import DataLinkCarrier
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.mitsubishi.position import turn_of
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of

@@ -15,9 +15,9 @@ import time
 from collections.abc import Sequence
 from typing import Any, Final, Protocol
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.rules import NOT_IN_STEP
-from assistant.program.diagnostics import Refused
 
 PATIENCE: Final = 10.0
 LOOK: Final = 2e-5

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.robots.timing.samples import samples_of
 
 if TYPE_CHECKING:

@@ -23,9 +23,9 @@ import numpy as np
 from bdsim.block import FunctionBlock, SampledBlock
 from spatialmath import SE3
 
+from assistant.base import rotations
 from assistant.blocks.library import arms, kinematics, leading, moving, sources
 from assistant.blocks.library.adapted import Direct, OfKind, Stepped
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 
 METRE: Final = 1000.0

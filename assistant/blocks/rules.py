@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 
 NO_STATEMENTS = error(
     "BL201",

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.clocks import Clock, Simulated
 from assistant.blocks.diagrams.rules import BAD_STEP
 from assistant.blocks.diagrams.running import (
@@ -22,8 +24,6 @@ from assistant.blocks.diagrams.running import (
     steps_of,
 )
 from assistant.blocks.library.adapted import CONFIRMED
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from bdsim import BDSim

@@ -15,9 +15,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.cell.scene import FLANGE, Body, Part, Placed, Scene
 from assistant.cell.shapes import Capsule
-from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.arms.chain import onto_z
 from assistant.robots.robot import Robot

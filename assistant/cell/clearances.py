@@ -8,6 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Span
 from assistant.cell.arms import alone
 from assistant.cell.collision.carriers import Carriers
 from assistant.cell.collision.continuous import RESOLUTION, Curve, Hit, Least, Way, firsts, leasts
@@ -15,8 +17,6 @@ from assistant.cell.collision.model import Contact, Model
 from assistant.cell.holding import Holding
 from assistant.cell.scene import FLANGE, Placed, Scene
 from assistant.cell.shapes import Mesh
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose, Tool
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Carried, Simulation

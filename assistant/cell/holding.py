@@ -7,11 +7,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import FLANGE, WORLD, Body, Placed, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 
 ROUND: Final = 6

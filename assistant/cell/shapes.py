@@ -12,9 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, Truths, norms
+from assistant.base.diagnostics import Refused
 from assistant.cell.rules import NO_SIZE
-from assistant.program.arrays import Floats, Ints, Truths, norms
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Vector
 
 

@@ -8,9 +8,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints
 from assistant.cell.scene import Part
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
-from assistant.program.arrays import Floats, Ints
 from assistant.program.geometry import Pose
 
 AROUND: Final = 32

@@ -15,13 +15,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import error, info
 from assistant.cell.collision.continuous import RESOLUTION, Way, hits
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Placed, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import error, info
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.surroundings import ALONG, WayIn
 

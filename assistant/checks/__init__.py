@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.budgets import MEANING, staged
+from assistant.base.diagnostics import Diagnostic, fold
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
 from assistant.checks.outputs import outputs
 from assistant.checks.signals import group_values, shared_numbers
-from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
-from assistant.program.system.budgets import MEANING, staged
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene

@@ -8,14 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arcs import ArcMeasures
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Span, error, info
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Declared, Diagnostic, PathRow, Rule, Span, error, info
 from assistant.program.expressions import Expression, Name, TargetValue
-from assistant.program.path import Kind
+from assistant.program.geometry import ArcMeasures
+from assistant.program.motion import Kind
 from assistant.program.program import Program, bodies
 from assistant.program.statements import Follow, Move, MoveCircular, Statement
-from assistant.program.subjects import Declared, PathRow
 
 _Place = Callable[[int], tuple[Declared | PathRow, Span | None]]
 """Row of an arc → where it is, and the line of its move if it has one."""

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import (
+from assistant.base.diagnostics import (
+    Declared,
     Diagnostic,
     Rule,
     Severity,
@@ -17,7 +18,6 @@ from assistant.program.diagnostics import (
     warning,
 )
 from assistant.program.statements import Follow
-from assistant.program.subjects import Declared
 from assistant.robots import SolvedProgram
 from assistant.robots.solved_program import Leg
 
@@ -115,10 +115,10 @@ def placed_clearances(
     solution: SolvedProgram, scene: Scene | None = None, simulation: Simulation | None = None
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
+    from assistant.base.diagnostics import has_errors
     from assistant.cell.arms import alone
     from assistant.cell.clearances import beyond_bodies, closeness, own_contacts, robot_of
     from assistant.cell.holding import Holding
-    from assistant.program.diagnostics import has_errors
     from assistant.robots.timing import simulate
 
     if has_errors(solution.findings):  # what cannot be reached is not gone through

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.diagnostics import Diagnostic, info
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, figure
-from assistant.program.arrays import Floats, Rows, norms
-from assistant.program.diagnostics import Diagnostic, info
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 
 TURN: Final = 0.1
 """mm of way below which a move is a turn on the spot, which no corner is measured by."""

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, info
 from assistant.checks.views import ProgramView, figure
-from assistant.program.diagnostics import Diagnostic, info
 from assistant.robots import Robot
 
 CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, warning
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, warning
 
 MISSING: Final = warning(
     "CK341",

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths, max_abs, norms
 from assistant.checks.moves import Moves
-from assistant.program.arrays import Floats, Rows, Truths, max_abs, norms
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import joints_along

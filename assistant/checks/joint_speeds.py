@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Diagnostic, warning
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, RunView, figure
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Diagnostic, warning
 
 TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.base.diagnostics import Declared, Diagnostic, warning
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, warning
-from assistant.program.subjects import Declared
 from assistant.robots.programming import has
 
 NO_MASS: Final = warning(

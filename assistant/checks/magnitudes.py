@@ -9,13 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, error
+from assistant.base.diagnostics import Declared, Diagnostic, error
 from assistant.program.expressions import Name
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 from assistant.program.statements import Follow
-from assistant.program.subjects import Declared
 
 SLOWEST: Final = 0.01
 FASTEST: Final = 20_000.0

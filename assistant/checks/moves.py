@@ -8,11 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths, all_of, norms
+from assistant.base.arrays import Floats, Rows, Truths, all_of, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind
+from assistant.program.motion import Blend, Kind, Speed
 from assistant.robots import Robot
 from assistant.robots.motion.along import ToolWays, flange_along
 from assistant.robots.motion.arcs import Arcs, Circles, circles

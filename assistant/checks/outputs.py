@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from assistant.program.analysis.lengths import straight_lengths
-from assistant.program.diagnostics import Diagnostic, error, warning
+from assistant.base.diagnostics import Diagnostic, error, warning
+from assistant.program.analysis.motion_use import straight_lengths
 from assistant.program.expressions import Number
-from assistant.program.passes.places import constant_numbers, constant_value, sets_on_way
+from assistant.program.passes.trigger_positions import constant_numbers, constant_value, sets_on_way
 from assistant.program.program import Program, walk
 from assistant.program.statements import Measure, MoveStatement
 

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, info
 from assistant.checks.views import ProgramView, figure
-from assistant.program.diagnostics import Diagnostic, info
 from assistant.robots.programming import has
 
 LEAST_LENGTH: Final = 1.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, fold
 from assistant.checks.corners import corners
 from assistant.checks.cycles import cycle_of, cycles
 from assistant.checks.external_axes import external_axes
@@ -13,7 +14,6 @@ from assistant.checks.loads import loads
 from assistant.checks.reorientations import reorientations
 from assistant.checks.singularities import singularities
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, fold
 from assistant.robots import SolvedProgram
 
 RULES: Final[tuple[Callable[[ProgramView], Iterator[Diagnostic]], ...]] = (

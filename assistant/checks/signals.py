@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.base.diagnostics import Declared, Diagnostic, Severity, warning
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import used_signal_names
-from assistant.program.diagnostics import Diagnostic, Severity, warning
+from assistant.program.analysis.io_use import used_signal_names
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import head, records
-from assistant.program.subjects import Declared
 
 SHARED: Final = warning(
     "CK121",

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, info, warning
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, info, warning
 
 WRIST_ANGLE: Final = 3.0
 """degrees of axis 5: to turn the tool by 20 deg/s beside it, axis 4 needs 20 / sin 3° = 380 deg/s,

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.checks.extremes import Extremes, extremes_of
 from assistant.checks.moves import Moves, moves_of
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Number
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Moving, SetOverride

@@ -11,15 +11,9 @@ from contextlib import suppress
 from contextvars import copy_context
 from typing import Final
 
-from assistant.program.diagnostics import Refused, error
-from assistant.program.failing import internal_error, traceback_wanted
-from assistant.program.system.budgets import FACTOR_VARIABLE
-from assistant.program.system.ending import (
-    ORDINARY_SIGNALS,
-    SIGNAL_EXIT_STATUS,
-    raise_on_termination,
-)
-from assistant.program.system.watchdog import Reached
+from assistant.base.budgets import FACTOR_VARIABLE, Reached, internal_error, traceback_wanted
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import ORDINARY_SIGNALS, SIGNAL_EXIT_STATUS, raise_on_termination
 
 NOT_PRINTED = error(
     "CL901",
@@ -82,10 +76,10 @@ def _discard_leaks() -> None:
 
 
 def _run(arguments: list[str] | None) -> None:
+    from assistant.base.file_sets import reporting_leftovers
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
     from assistant.cli.secrets import check_arguments
-    from assistant.program.system.leftovers import reporting_leftovers
 
     try:
         check_arguments(sys.argv[1:] if arguments is None else arguments)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, info
-from assistant.program.failing import internal_error, traceback_wanted
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused, info
+from assistant.base.file_sets import file_in_folder, write_all
 from assistant.program.program import identifier
-from assistant.program.system.writing import file_in_folder, write_all
 
 SAME_FILE: Final = info(
     "CL001",

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from assistant.base.termination import is_ctrl_c
 from assistant.cli.options import CellOption, RobotOption
 from assistant.cli.presentation import print_findings, say
-from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.program.geometry import Pose

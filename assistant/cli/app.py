@@ -106,7 +106,7 @@ app: Final = typer.Typer(
 
 def _budget(text: str | None) -> None:
     """For this command, and for the processes that it starts."""
-    from assistant.program.system.budgets import FACTOR_VARIABLE, budget_factor, read_budget_factor
+    from assistant.base.budgets import FACTOR_VARIABLE, budget_factor, read_budget_factor
 
     if text is not None:
         read_budget_factor(text)

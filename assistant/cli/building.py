@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from assistant.base.diagnostics import FailOn, Refused, error, fold_files
 from assistant.cli.compiling import working
 from assistant.cli.presentation import (
     FindingFormat,
@@ -15,8 +16,6 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Refused, error, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.keeping import Wishes

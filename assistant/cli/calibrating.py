@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.learning.calibration.problem import Known
@@ -45,13 +45,13 @@ class Options:
 
 def run_calibrate(robot: str, measured: Path, options: Options) -> int:
     """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
+    from assistant.base.diagnostics import Severity
+    from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
     from assistant.learning.calibration import telling
     from assistant.learning.calibration.calibrating import calibrate
     from assistant.learning.calibration.corrected_file import corrected_files
     from assistant.learning.calibration.measured import read_measured
-    from assistant.program.diagnostics import Severity
-    from assistant.program.system.writing import write_files
 
     output = options.output
     if output.suffix.lower() != ".toml" or not output.stem:
@@ -91,10 +91,10 @@ class PoseOptions:
 
 
 def run_poses(robot: str, options: PoseOptions) -> int:
+    from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
     from assistant.learning.calibration import telling
     from assistant.learning.calibration.poses import suggested
-    from assistant.program.system.writing import write_files
 
     if options.count < LEAST:
         raise Refused(FEW_POSES(count=options.count, least=LEAST), exit_status=2)

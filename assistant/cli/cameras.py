@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error
 
 if TYPE_CHECKING:
     from assistant.program.geometry import Pose
@@ -270,7 +270,7 @@ def _agreements(
 
 def write_picture(file: Path, picture: object) -> None:
     """As PNG, whole or not at all."""
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv
 
     done, data = opencv().imencode(".png", picture)

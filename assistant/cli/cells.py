@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.presentation import note
 from assistant.controllers.states import record as record
-from assistant.program.diagnostics import Diagnostic, Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named, Programs
@@ -43,7 +43,7 @@ def client_of(one: Named, timeout: float | None = None) -> Programs:
 def _tell_clear_text(one: Named) -> None:
     """Says that what is sent can be read on the way, once, unless the project has accepted it."""
     from assistant.controllers.clear_text import clear_text
-    from assistant.findings.severity import severities_for
+    from assistant.findings.severities import severities_for
 
     told = clear_text(one.address)
     wanted = told and severities_for(Path.cwd()).of(told)

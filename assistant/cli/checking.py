@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assistant.base.diagnostics import Diagnostic, FailOn, Refused, fold, fold_files
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.pages import NOBODY, Asked, stem_of, write_page
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
-from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import Diagnostic, Refused, fold, fold_files
 
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
@@ -45,7 +44,7 @@ def run_check(
     fail_on: FailOn,
     asked: Asked = NOBODY,
 ) -> int:
-    from assistant.findings.project_severities import apply_severities
+    from assistant.findings.severities import apply_severities
 
     asked.only_page()
     with working(f"checking {', '.join(sources)}"):

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, error
 from assistant.cli.answering import Answers
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, error
 
 if TYPE_CHECKING:
     from assistant.cli.pages import Asked

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.cli.answering import Answers, paths_of, placed
 from assistant.cli.keeping import write_kept
 from assistant.cli.presentation import (
@@ -22,7 +23,6 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     ]
     """Writes the page of what was compiled, adds what is to be said of it to the findings, and
     tells its file; of some sources other files are on disk."""
-    from assistant.program.text import SourceText
+    from assistant.base.source_text import SourceText
     from assistant.project.stated import Stated
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
@@ -103,7 +103,7 @@ def run_compile(
     from assistant.compiler.loading import language_of
     from assistant.compiler.scenes import in_cell
     from assistant.compiler.together import together as joined
-    from assistant.findings.project_severities import apply_severities
+    from assistant.findings.severities import apply_severities
     from assistant.project.stated import Stated
 
     if list(sources).count(STANDARD) > 1:
@@ -209,7 +209,7 @@ def _unlike(
     files: Mapping[str, Mapping[str, bytes]], folders: Mapping[str, str], output: str
 ) -> list[str]:
     """The sources whose files are other ones on disk than those that were compiled."""
-    from assistant.program.text import read_bytes
+    from assistant.base.source_text import read_bytes
 
     found = []
     for source, made in files.items():
@@ -303,8 +303,8 @@ def standard_input(language: str | None) -> tuple[SourceText, str | None]:
     there is nothing.
     """
     from assistant import languages
+    from assistant.base.source_text import decode, read_input
     from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
-    from assistant.program.text import decode, read_input
 
     data = read_input(sys.stdin.buffer)
     if language is None and not _PSEUDO.search(data):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers import Named

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.file_access import read_file
+from assistant.base.source_text import lines_of
 from assistant.cli.cells import Cell, reached
 from assistant.cli.compiling import working
 from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, note, print_json, say
-from assistant.program.diagnostics import Refused, error
-from assistant.program.lines import lines_of
-from assistant.program.system.bounded import read_file
 
 if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring
@@ -50,7 +50,7 @@ def run_get(
     cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
 ) -> int:
     """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
 
     into = Path(output or ".")
     if len(names) > 1 and (output == "-" or not into.is_dir()):
@@ -93,7 +93,7 @@ def _file_name(name: str) -> str:
 
 def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> int:
     """Files as programs; what is there is looked at before the first one is written."""
-    from assistant.program.text import read_bytes
+    from assistant.base.source_text import read_bytes
 
     data = {file: read_bytes(file) for file in files}
     with reached(cell, "put") as there:

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
+    from assistant.base.source_text import SourceText
     from assistant.languages import Language
     from assistant.languages.coverage import Construct
-    from assistant.program.text import SourceText
 
 NO_LANGUAGE = error(
     "CL006", "the text does not show which robot language it is in", "name it with --from"

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from io import FileIO
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.presentation import print_findings
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.virtual.debugging.messages import Object

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, Severity
 from assistant.cli.compiling import working
 from assistant.cli.demo_cells import ABB, MITSUBISHI, Cell, cells
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused, Severity
 from assistant.resources import resource
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def _sheets(output: Path, source: Source, there: Mapping[str, Cell], unit: Unit)
 
 
 def _drawn(output: Path, source: Source, plot: bytes) -> None:
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
 
     given = source.given
     stem = given.stem if isinstance(given, Path) else given.name
@@ -194,7 +194,7 @@ def _compiled(source: Source, robot: str) -> Compiled:
 def _installed(output: Path, compiled: Compiled, cell: Cell) -> str:
     """Installs a program on a controller; what was done, in a line."""
     from assistant import deploy
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
 
     paths = write_files(compiled.files, output)
     say(f"  written: {', '.join(str(path) for path in paths)}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Programs
@@ -53,7 +53,7 @@ class Cell:
     def seen(self, name: str, tip: Pose) -> Poses:
         """Return the poses of the tip of a tool while the program of that name runs."""
         from assistant import robots
-        from assistant.program import rotations
+        from assistant.base import rotations
         from assistant.report.points import Poses
 
         flange, turns = robots.get(self.robot).fk(self.play(name))

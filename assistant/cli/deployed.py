@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused
 from assistant.cli.cells import named_by
 from assistant.cli.compiling import working
 from assistant.cli.jobs import (
@@ -18,7 +19,6 @@ from assistant.cli.jobs import (
     named_controllers,
 )
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from assistant.deploy import Deployment, Verified

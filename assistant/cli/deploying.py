@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from assistant.base.diagnostics import Refused, has_errors
 from assistant.cli.compiling import working
 from assistant.cli.jobs import NOT_BOTH, Job, Wishes, jobs_of
 from assistant.cli.many_cells import Manner, run_many
 from assistant.cli.plans import plan_markdown, print_plan
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, has_errors
 
 if TYPE_CHECKING:
     from assistant.controllers import Programs

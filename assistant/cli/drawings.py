@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, worst
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, worst
 
 NOT_DRAWN = error(
     "CL050",
@@ -18,7 +18,7 @@ NOT_DRAWN = error(
 
 def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
     """0; 1 if something of the drawing is not in order."""
-    from assistant.findings.project_severities import apply_severities
+    from assistant.findings.severities import apply_severities
     from assistant.report import drawings as report
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey

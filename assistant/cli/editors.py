@@ -38,8 +38,8 @@ def lsp(
 def run_lsp(tcp: int | None) -> int:
     """0 when the editor has left. Raises Refused without the library, or for a port in use."""
     from assistant import __version__
+    from assistant.base.diagnostics import Refused
     from assistant.editing import rules
-    from assistant.program.diagnostics import Refused
 
     try:
         from assistant.editing.server.running import serve_line, serve_pipes
@@ -57,8 +57,8 @@ def run_lsp(tcp: int | None) -> int:
 def run_extension(file: Path) -> int:
     """0 when the file is there. Raises Refused where it cannot be written."""
     from assistant import __version__
+    from assistant.base.file_sets import write_files
     from assistant.editing.vscode.extension import packed
-    from assistant.program.system.writing import write_files
 
     (path,) = write_files({file.name: packed(__version__)}, file.parent)
     say(f"wrote {path}")

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, Severity, error, warning
 from assistant.cli.cells import reached
 from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, Severity, error, warning
 
 if TYPE_CHECKING:
     from assistant.controllers import Programs
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         PoseSender,
     )
     from assistant.program.geometry import Target
-    from assistant.program.path import Path as Poses
+    from assistant.program.motion import Path as Poses
     from assistant.program.se3 import Unit
     from assistant.program.statements import Motion
 
@@ -130,8 +130,8 @@ def run_module(
 ) -> int:
     """Prints the module, looks through it as `check` does, and writes it."""
     from assistant import languages
+    from assistant.base.file_sets import write_files
     from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
-    from assistant.program.system.writing import write_files
 
     tool = None
     if tip is not None:
@@ -296,8 +296,8 @@ def _poses(source: Path) -> Poses:
 
 
 def _of_one(target: Target, motion: Motion) -> Poses:
-    from assistant.program.path import Path as Rows
-    from assistant.program.path import configuration_row
+    from assistant.program.motion import Path as Rows
+    from assistant.program.motion import configuration_row
 
     speed, blend = motion.fixed
     return Rows.of(
@@ -315,7 +315,7 @@ def _of_one(target: Target, motion: Motion) -> Poses:
 
 def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
     """As the controller writes them, if every pose states one."""
-    from assistant.program.path import UNSTATED
+    from assistant.program.motion import UNSTATED
     from assistant.robots.configurations import to_confdata
 
     if (path.configurations[:, 0] == UNSTATED).any():
@@ -332,7 +332,7 @@ def _keep(exchange: PoseSender, options: Options, name: str) -> None:
         exchange.recording.save(options.record)
         say(f"wrote {options.record}")
     if options.plot is not None:
-        from assistant.program.system.writing import write_files
+        from assistant.base.file_sets import write_files
         from assistant.report import figures, plots
 
         column = exchange.recording.column

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Refused, error, has_errors
 from assistant.cli.compiling import keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.exploration.occupancy import Occupancy
@@ -203,8 +203,8 @@ def _lines(occupancy: Occupancy) -> list[str]:
 
 def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
     """output: a picture of it that is written."""
+    from assistant.base.file_sets import write_all
     from assistant.cell.exploration.map_file import load
-    from assistant.program.system.writing import write_all
     from assistant.report.explored_space import explored_picture
     from assistant.report.figures import format_of
 

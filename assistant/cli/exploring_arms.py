@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import is_ctrl_c
 from assistant.cli.cells import reached, robot_of_cell
 from assistant.cli.compiling import keep_sources
 from assistant.cli.confirming import confirmed
@@ -20,14 +22,12 @@ from assistant.cli.learning_words import box_of, range_of
 from assistant.cli.moving import BEGINNING, moving
 from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.teaching import ENDS, keys
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.compiler.exploring import Asked, Ready
     from assistant.controllers import Controller
     from assistant.controllers.following import Wishes
-    from assistant.program.arrays import Floats
     from assistant.robots import Robot
     from assistant.vision.exploring.contacts import AnyContacts, Contacts, Region
     from assistant.vision.exploring.moving import Log

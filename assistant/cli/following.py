@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import record, robot_of_cell
 from assistant.cli.confirming import confirmed
 from assistant.cli.moving import NO_SPEED, moving
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers.following import Mode, Progress, Wishes

@@ -8,13 +8,11 @@ from collections.abc import Iterator, Sequence
 from difflib import unified_diff
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Refused, error, has_errors
+from assistant.base.source_text import ended_lines, read_input, visible
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused, error, has_errors
-from assistant.program.failing import internal_error, traceback_wanted
-from assistant.program.lines import ended_lines
-from assistant.program.text import read_input
-from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted

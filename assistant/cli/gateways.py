@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import is_ctrl_c
 from assistant.cli.presentation import say
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.controllers.gateway import Gateway

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.blocks.fmu import Model
@@ -42,9 +42,9 @@ def run_kinematics(
     name: str, language: Literal["c", "python"], folder: Path, format: Format
 ) -> int:
     """0 when the source is written; raises Refused for an arm without a closed form."""
+    from assistant.base.file_sets import write_files
     from assistant.blocks.code import kinematics
     from assistant.compiler.arms import robot_of
-    from assistant.program.system.writing import write_files
 
     robot = robot_of(name)
     assert robot is not None
@@ -60,11 +60,11 @@ def run_kinematics(
 
 def run_fmu(wanted: Wanted, format: Format) -> int:
     """0 when the FMU is written, 1 if the robot cannot run the program; raises Refused."""
+    from assistant.base.file_sets import write_files
     from assistant.blocks.fmu import compiled
     from assistant.cli.compiling import keep_sources, working
     from assistant.cli.simulating import refused, solved
     from assistant.cli.stating import as_stated
-    from assistant.program.system.writing import write_files
 
     kind = wanted.kind or _kind(wanted)
     output = wanted.output or Path("out") / f"{Path(wanted.source).stem}.fmu"

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import client_of, named_by
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers import Named, Programs

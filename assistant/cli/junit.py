@@ -9,10 +9,10 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.source_text import visible
 from assistant.deploy import CellState, FileState, Outcome, Rollout
-from assistant.findings.junit import junit_case, junit_document, mark_failed, mark_skipped
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.visible import visible
+from assistant.findings.formats import junit_case, junit_document, mark_failed, mark_skipped
 
 NAME: Final = "robot-assistant deploy"
 WHOLE: Final = "deployment"

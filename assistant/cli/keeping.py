@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from assistant.base.diagnostics import Diagnostic
+from assistant.base.file_sets import write_all
 from assistant.cli.answering import Files, places
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.system.writing import write_all
 
 if TYPE_CHECKING:
     from assistant.compiler.keeping import Keeper

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.compiling import keep_sources
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.cli.learning_words import Options
     from assistant.learning.maps.asked import Asked
     from assistant.learning.maps.experiments import Experiment
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from assistant.learning.maps.goals import Goals
     from assistant.learning.maps.seen_arm import SeenArm
     from assistant.learning.maps.training import Errors, Plan
-    from assistant.program.arrays import Floats
     from assistant.report.learned_map import Stage
 
 NO_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
@@ -310,7 +310,7 @@ def _files(
     """What is wanted beside the map."""
     import numpy as np
 
-    from assistant.program.arrays import evenly_spaced
+    from assistant.base.arrays import evenly_spaced
     from assistant.report import learned_map as report
     from assistant.report.figures import format_of
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar, cast
 
+from assistant.base.diagnostics import Refused, Rule, error
 from assistant.cli.presentation import Format
-from assistant.program.diagnostics import Refused, Rule, error
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.learning.maps.asked import Asked
     from assistant.learning.maps.goals import Rule as Held
-    from assistant.program.arrays import Floats
     from assistant.vision.cameras.camera import Camera
 
 BAD_RANGE: Final = error(

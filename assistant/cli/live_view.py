@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import is_ctrl_c
 from assistant.cli.cells import Cell, reached, robot_of_cell, state_lines
 from assistant.cli.presentation import Format, print_json, say
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from assistant.controllers.states import Position, Sample
@@ -95,7 +95,7 @@ def _told(there: Cell, robot: Robot, served: LivePage) -> None:
 def _record(
     name: str, robot: Robot, joints: list[float], sample: Sample, interval: float
 ) -> dict[str, Any]:
-    from assistant.program.visible import visible
+    from assistant.base.source_text import visible
 
     return {
         "joints": robot.chained(np.array([joints]))[0].tolist(),

@@ -67,8 +67,8 @@ def ended_in_order() -> Iterator[Halt]:
     Nothing is interrupted where it stands: every deployment takes back what it changed, which is
     over within the time-outs of its connection. Asking twice makes no difference.
     """
+    from assistant.base.termination import signals_handled
     from assistant.deploy import Halt
-    from assistant.program.system.ending import signals_handled
 
     halt = Halt(noticed=lambda: console().print("ending in order: what was begun is taken back"))
 
@@ -81,8 +81,8 @@ def ended_in_order() -> Iterator[Halt]:
 
 def write_junit(rollout: Rollout, path: Path) -> None:
     """The file appears whole, or the one that is there stays; raises Refused."""
+    from assistant.base.file_sets import write_files
     from assistant.cli.junit import junit
-    from assistant.program.system.writing import write_files
 
     write_files({path.name: junit(rollout)}, path.parent)
 

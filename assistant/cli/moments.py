@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, error
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Refused, error
+from assistant.base.source_text import SourceText
 
 if TYPE_CHECKING:
     from assistant.virtual.events import Place

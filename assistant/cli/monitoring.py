@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import is_ctrl_c
 from assistant.cli.cells import joints_line, pose_line, reached, record, state_lines
 from assistant.cli.presentation import Format, say
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import is_ctrl_c
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.cli.cells import (
     Cell,
     client_of,
@@ -21,7 +22,6 @@ from assistant.cli.cells import (
 )
 from assistant.cli.confirming import confirmed
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named
@@ -72,9 +72,9 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     is. A second Ctrl-C gives up. What a controller refuses to begin has moved nothing, but is
     stopped all the same: a part of it may have begun before.
     """
+    from assistant.base.termination import raise_on_termination
     from assistant.controllers import Controller
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
-    from assistant.program.system.ending import raise_on_termination
 
     motion: Moving | None = None
     try:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Placed
@@ -349,7 +349,7 @@ def _write(
 
 
 def _write_picture(file: Path, picture: object) -> None:
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv
 
     done, data = opencv().imencode(".png", picture)
@@ -378,7 +378,7 @@ def _turn(one: Found, base: Base) -> float:
     """Degrees about the z axis of the base."""
     import numpy as np
 
-    from assistant.program import rotations
+    from assistant.base import rotations
 
     return float(rotations.to_euler(np.array(base.of(one.pose).quaternion), "ZYX")[0])
 

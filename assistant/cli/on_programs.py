@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from assistant.base.diagnostics import FailOn
 from assistant.cli.options import (
     AskAtOption,
     CalledOption,
@@ -55,7 +56,6 @@ from assistant.cli.presentation import (
     GrammarAs,
     TranslationFormat,
 )
-from assistant.findings.fail_on import FailOn
 
 
 def compile(

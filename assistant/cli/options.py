@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from assistant.base.diagnostics import FailOn
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
@@ -16,7 +17,6 @@ from assistant.cli.presentation import (
     TranslationFormat,
     answer_as,
 )
-from assistant.findings.fail_on import FailOn
 
 if TYPE_CHECKING:
     from assistant.sources.placements import Placing

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, Rule, error
-from assistant.program.visible import visible
+from assistant.base.diagnostics import Refused, Rule, error
+from assistant.base.source_text import visible
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel import Kernel

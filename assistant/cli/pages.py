@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.cli.compiling import STANDARD, keep_sources
-from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 from assistant.view.sheets import Sheet, shown_sheet
 
 NO_PAGE: Final = error(
@@ -79,7 +79,7 @@ def write_page(
     stem: of the name that it has in the folder for temporary files, if no file is named.
     Raises Refused (exit status 2) if it would be written over a source.
     """
-    from assistant.program.system.writing import write_all, write_files
+    from assistant.base.file_sets import write_all, write_files
     from assistant.view.page import page
 
     told: list[Diagnostic] = []

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.reach_runs import Standing, Tool, print_answer, put, standing, wanted
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 
 if TYPE_CHECKING:
     from assistant.cell.reach import placing

@@ -6,8 +6,8 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.cli.presentation import say
-from assistant.program.diagnostics import Diagnostic
 from assistant.report.markdown import cell, code, findings_markdown, folded, plain
 
 if TYPE_CHECKING:

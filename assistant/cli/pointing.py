@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import named_by, robot_of_cell
 from assistant.cli.moving import NO_SPEED
 from assistant.cli.presentation import Format, print_json, say
 from assistant.cli.shown import Options, Shown, next_place, place_line, recorded, sureness
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.controllers import Named
@@ -136,8 +136,8 @@ def _stroke(shown: Shown, robot: Robot | None) -> int:
     """The way between two holds, as a table of waypoints."""
     from dataclasses import replace
 
+    from assistant.base.file_sets import write_files
     from assistant.compiler.shown_places import turned_into_plane
-    from assistant.program.system.writing import write_files
     from assistant.vision.pointing.strokes import Smoothing, strokes
 
     options = shown.options

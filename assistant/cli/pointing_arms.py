@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import joints_line, pose_line, record, robot_of_cell
 from assistant.cli.confirming import confirmed
 from assistant.cli.moving import Moving, moving
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.shown import Shown, next_place, place_line, recorded, sureness
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place

@@ -11,10 +11,9 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from assistant.findings.fail_on import FailOn
-from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
-from assistant.program.visible import STEERING
-from assistant.program.visible import visible as visible_text
+from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Severity
+from assistant.base.source_text import STEERING
+from assistant.base.source_text import visible as visible_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -184,7 +183,7 @@ def print_for_programs(
     elif format is FindingFormat.GITLAB:
         print_json(gitlab(findings, Path.cwd()))
     elif format is FindingFormat.JUNIT:
-        from assistant.findings.junit import junit_report
+        from assistant.findings.formats import junit_report
 
         say(junit_report(findings, files, fail_on, "robot-assistant").decode().rstrip())
     elif format is FindingFormat.SARIF:

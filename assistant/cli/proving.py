@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.compiler.motion import Proving

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from assistant.base.diagnostics import Refused
 from assistant.cli.compiling import working
 from assistant.cli.jobs import NOT_BOTH, Job, Wishes, jobs_of
 from assistant.cli.presentation import PlanFormat, print_findings, print_json, say
-from assistant.program.diagnostics import Refused
 
 
 def run_pull(

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.compiling import NO_FILE_NAME, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.reach.mapping import ReachMap
@@ -141,7 +141,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
 def _tip(given: str | None) -> Pose:
     import numpy as np
 
-    from assistant.program import rotations
+    from assistant.base import rotations
     from assistant.program.geometry import IDENTITY, Pose
 
     if given is None:
@@ -176,7 +176,7 @@ def _range(there: Standing, axis: str, text: str | None) -> Range:
 
 def _why(there: Standing, found: ReachMap) -> str:
     """What keeps an arm from everything, as far as it is plain."""
-    from assistant.program import rotations
+    from assistant.base import rotations
 
     if found.touching.any():
         (one, other), *_ = found.nearest
@@ -198,7 +198,7 @@ def wanted(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
 
 
 def put(tool: Tool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
-    from assistant.program.system.writing import write_all
+    from assistant.base.file_sets import write_all
 
     keep_sources([*sources, *([] if tool.cell is None else [str(tool.cell)])], list(files))
     return list(write_all(files)) if files else []

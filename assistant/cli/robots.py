@@ -30,7 +30,7 @@ def run_show(name: str, draw: Path | None, format: Format) -> int:
     print_findings(robot.findings)
     drawn = None
     if draw is not None:
-        from assistant.program.system.writing import write_files
+        from assistant.base.file_sets import write_files
         from assistant.report.arm_drawing import arm_drawing
         from assistant.report.figures import format_of
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 from assistant.cli.compiling import (
     NO_FILE_NAME,
     STANDARD,
@@ -20,7 +21,6 @@ from assistant.cli.compiling import (
 from assistant.cli.moments import line_named, moment
 from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of, lines_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -234,7 +234,7 @@ class _Running:
 
         So do SIGTERM and SIGHUP; a second one ends the command at once.
         """
-        from assistant.program.system.ending import ORDINARY_SIGNALS, Terminated, signals_handled
+        from assistant.base.termination import ORDINARY_SIGNALS, Terminated, signals_handled
         from assistant.virtual.kernel import Ending
 
         def interrupt(number: int, _frame: object) -> None:
@@ -330,7 +330,7 @@ class _Running:
         }
 
     def _written(self, run: Run) -> list[Path]:
-        from assistant.program.system.writing import write_all
+        from assistant.base.file_sets import write_all
         from assistant.virtual.tracing import event_columns, motion_columns, npz
 
         trace, plot = self.options.trace, self.options.plot

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold
 from assistant.cli.compiling import keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -63,11 +63,11 @@ def _read(
 
     as_text: without what charts of explored space add, which the text names.
     """
+    from assistant.base.budgets import SETTINGS_FILE
+    from assistant.base.source_text import decode, read_bytes
     from assistant.cell.reading.cell_file import parse_scene
     from assistant.cell.reading.drawings import read_drawing
     from assistant.cell.scene import Scene
-    from assistant.program.system.budgets import SETTINGS_FILE
-    from assistant.program.text import decode, read_bytes
     from assistant.sources.lengths import known_unit, unit_stated
     from assistant.sources.placements import DRAWN
     from assistant.sources.process.file import ENCODINGS, read_toml
@@ -103,7 +103,7 @@ def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
 
 
 def _put(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:
-    from assistant.program.system.writing import write_all
+    from assistant.base.file_sets import write_all
 
     keep_sources([str(cell)], list(files))
     return write_all(files) if files else ()

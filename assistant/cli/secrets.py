@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 
 NO_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
 """What gives something a value, `text="a:b@c"`, and what stands on a drive of Windows."""

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import record, robot_of_cell
 from assistant.cli.confirming import confirmed
 from assistant.cli.following import NO_RECORDING, WRITERS, shown
 from assistant.cli.moving import moving
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.controllers import Programs
     from assistant.controllers.following import Wishes
     from assistant.controllers.leading import Mode
-    from assistant.program.arrays import Floats
     from assistant.robots import Robot
     from assistant.vision.servoing.loop import Served
 

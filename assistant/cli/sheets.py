@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, fold, warning
 from assistant.cli.compiling import STANDARD
 from assistant.cli.pages import Asked, stem_of, write_page
-from assistant.program.diagnostics import Diagnostic, Refused, fold, warning
 from assistant.view.sheets import Sheet, compared_sheet
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def compiled_sheet(
 ) -> Sheet:
     """A compiled program as it is written; one that is not written as it was to be said."""
     from assistant.compiler.source_map import Places
-    from assistant.findings.project_severities import apply_severities
+    from assistant.findings.severities import apply_severities
 
     lifted = compiled.proof.lifted
     found = fold(apply_severities([finding.within(source) for finding in compiled.found]).left)

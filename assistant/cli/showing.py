@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error, fold
 from assistant.cli.compiling import NO_FILE_NAME, SIDE_TABLES_ABOVE, load_given
 from assistant.cli.presentation import print_findings, say
 from assistant.cli.stating import as_stated
-from assistant.program.diagnostics import Refused, error, fold
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
@@ -56,7 +56,7 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     if output is None:
         sys.stdout.write(_printed(program, source, None).text)
         return 0
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
 
     printed = _printed(program, source, SIDE_TABLES_ABOVE)
     if not output.name or output.name in (".", ".."):
@@ -86,7 +86,7 @@ def _on_the_way(loaded: Loaded, wanted: Wanted) -> Program:
             raise Refused(NO_LANGUAGE(), exit_status=2)
         return loaded.program
     from assistant.compiler import compile
-    from assistant.program.passes.watching import pass_trace
+    from assistant.program.passes.legalisation import pass_trace
 
     seen: dict[str, Program] = {}
     with pass_trace(seen.__setitem__):

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cli.presentation import Format, print_findings, say
-from assistant.program.diagnostics import Diagnostic, Refused
 
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place

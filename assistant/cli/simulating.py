@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.cli.compiling import (
     NO_FILE_NAME,
     STANDARD,
@@ -16,7 +17,6 @@ from assistant.cli.compiling import (
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.stating import as_stated
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler.scenes import InCell
@@ -163,7 +163,7 @@ def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
 
 
 def _put(source: str, files: Mapping[Path, bytes]) -> list[Path]:
-    from assistant.program.system.writing import write_all
+    from assistant.base.file_sets import write_all
 
     keep_sources([source], list(files))
     return list(write_all(files))

@@ -13,7 +13,7 @@ from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.telling import short
 
 if TYPE_CHECKING:
-    from assistant.program.text import SourceText
+    from assistant.base.source_text import SourceText
 
 HELP: Final = (
     ("next", "n", "to the next statement of this routine; calls run through"),

@@ -36,12 +36,8 @@ def studio(
 
 
 def run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
+    from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
     from assistant.cli.presentation import print_findings, print_json, say
-    from assistant.program.system.ending import (
-        is_ctrl_c,
-        raise_on_termination,
-        wait_for_termination,
-    )
     from assistant.studio.server import serving
 
     studio: Studio | None = None

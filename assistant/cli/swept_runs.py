@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import fold, has_errors
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.reach_runs import Tool, print_answer, put, standing, wanted
 from assistant.cli.simulating import Options, refused, solved
-from assistant.program.diagnostics import fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.cell.reach.swept import Swept

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import joints_line, pose_line, reached, record, robot_of_cell
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.compiler.teaching import Wanted

@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.base.source_text import is_folder, lines_of, visible
 from assistant.cli.answering import Answers, paths_of, placed, write_each
 from assistant.cli.compiling import (
     NO_FILE_NAME,
@@ -29,10 +31,6 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.lines import lines_of
-from assistant.program.text import is_folder
-from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
@@ -252,7 +250,7 @@ def _standard_input(options: Options) -> Loaded:
 
 
 def _written(path: Path, data: bytes) -> list[str]:
-    from assistant.program.system.writing import write_files
+    from assistant.base.file_sets import write_files
 
     return list(map(str, write_files({path.name: data}, path.parent)))
 
@@ -271,9 +269,9 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
     An empty answer leaves a value open, the end of input all that follow. An answer that cannot be
     is asked for once more.
     """
+    from assistant.base.file_sets import write_all
+    from assistant.base.source_text import SourceText
     from assistant.compiler.filling import cell_text
-    from assistant.program.system.writing import write_all
-    from assistant.program.text import SourceText
     from assistant.sources.cell import parse_cell, questions, read_cell, said, with_answer
 
     wanting = {(one.kind, one.name.lower()): one for d in done for one in d.translation.wanting}
@@ -304,8 +302,8 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
 
 def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
     """The cell file, with a place for each value that programs lack; nothing if it has them all."""
+    from assistant.base.file_sets import write_all
     from assistant.compiler.filling import cell_text
-    from assistant.program.system.writing import write_all
     from assistant.sources.cell import read_cell
 
     cell = read_cell(path)

@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assistant.base.diagnostics import Refused, error, fold, has_errors
 from assistant.cli.compiling import keep_sources, working
 from assistant.cli.pages import NO_PAGE, SUFFIXES, stem_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.sheets import solved_sheet
 from assistant.cli.simulating import Options, refused, solved
 from assistant.cli.stating import as_stated
-from assistant.program.diagnostics import Refused, error, fold, has_errors
 from assistant.view.sheets import shown_sheet
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _following(shown: Shown, name: str) -> str:
 
 
 def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
-    from assistant.program.system.writing import write_all, write_files
+    from assistant.base.file_sets import write_all, write_files
 
     if html is not None:
         keep_sources([source, *([] if cell is None else [str(cell)])], [html])

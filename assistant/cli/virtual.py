@@ -10,10 +10,10 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.ending import defer_termination, is_ctrl_c, wait_for_termination
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

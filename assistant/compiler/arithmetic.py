@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.compiler.project import configured
 from assistant.languages.answers import (
     ARITHMETIC,
 )
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import statements_with
-from assistant.program.diagnostics import Diagnostic, error, warning
+from assistant.program.analysis.integer_inference import NumberFacts
 from assistant.program.program import Procedure, Program
-from assistant.program.wholes import NumberFacts
+from assistant.program.statement_index import statements_with
 
 if TYPE_CHECKING:
     from assistant.languages import Language

@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, error
-from assistant.program.near import did_you_mean
+from assistant.base.diagnostics import Refused, did_you_mean, error
 from assistant.program.program import Program
-from assistant.program.wanted import SAME_ARM
+from assistant.program.undeclared_names import SAME_ARM
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.channels import channels
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
+from assistant.program.undeclared_names import channels
 from assistant.sources.process.seen import Asking
 from assistant.sources.sights import FOUND, QUESTION
 

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, Final, TypeVar
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, info, warning
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.channels import ChannelLine
-from assistant.program.diagnostics import Diagnostic, Refused, error, info, warning
-from assistant.program.passes.asking import is_operators
+from assistant.program.passes.operator_texts import is_operators
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records, rewrite
+from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import NO_PROCESS, Process
 
 NOT_USED = warning(

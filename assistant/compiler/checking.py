@@ -9,6 +9,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
+from assistant.base.source_text import SourceText, is_folder, read_bytes
 from assistant.compiler.arms import known_robot, standing, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import (
@@ -32,10 +35,7 @@ from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
 from assistant.compiler.unplaced import unplaced
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
-from assistant.program.failing import internal_error, traceback_wanted
 from assistant.program.program import Program
-from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
 

@@ -9,6 +9,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.base.source_text import is_folder, lines_of, read_bytes
 from assistant.compiler.arms import Arms, robot_of
 from assistant.compiler.filling import UNFILLED, with_cell
 from assistant.compiler.folders import programs_in
@@ -21,9 +23,6 @@ from assistant.compiler.source_map import Place, Places
 from assistant.compiler.statement_pairs import Row
 from assistant.compiler.statement_pairs import rows as statement_rows
 from assistant.compiler.tasks import Task, load_task, tasks_of
-from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.lines import lines_of
-from assistant.program.text import is_folder, read_bytes
 from assistant.sources.cell import said
 
 if TYPE_CHECKING:

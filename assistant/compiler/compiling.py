@@ -8,6 +8,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.budgets import COMPILING, PRINTING, staged, within
+from assistant.base.diagnostics import (
+    Diagnostic,
+    Refused,
+    Severity,
+    Span,
+    error,
+    fold,
+    has_errors,
+    warning,
+)
 from assistant.checks import check, with_robot
 from assistant.checks.signals import group_values
 from assistant.compiler.arithmetic import differences
@@ -32,22 +43,11 @@ from assistant.compiler.turning import has_free_turns, with_turns
 from assistant.compiler.uncalled import is_of, without_uncalled
 from assistant.compiler.unplaced import unplaced
 from assistant.lazy import pictured
-from assistant.program.contents import statements_with
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Severity,
-    Span,
-    error,
-    fold,
-    has_errors,
-    warning,
-)
 from assistant.program.expressions import Verbatim
-from assistant.program.passes.watching import traced
+from assistant.program.passes.legalisation import traced
 from assistant.program.program import Origin, Program
+from assistant.program.statement_index import statements_with
 from assistant.program.statements import Opaque
-from assistant.program.system.budgets import COMPILING, PRINTING, staged, within
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:

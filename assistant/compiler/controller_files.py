@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, info, warning
+from assistant.base.source_text import decode, read_bytes
 from assistant.compiler.cell_file import with_lines, with_signals
 from assistant.languages.tasks import Configured
-from assistant.program.channels import ChannelLine
-from assistant.program.diagnostics import Diagnostic, Refused, info, warning
-from assistant.program.text import decode, read_bytes
+from assistant.program.undeclared_names import ChannelLine
 
 if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.program.program import Program
-    from assistant.program.wanted import Supplied
+    from assistant.program.undeclared_names import Supplied
 
 NUMBERED: Final = info(
     "CO043",

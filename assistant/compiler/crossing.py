@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Declared, Diagnostic, Rule, Span, error, warning
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures, statements_with
-from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
 from assistant.program.geometry import JointTarget, Target
-from assistant.program.kept import effect_of
-from assistant.program.path import Path, configuration_row
+from assistant.program.motion import Path, configuration_row
 from assistant.program.program import Declaration, Program, Variable
 from assistant.program.rewriting import records, rewrite
-from assistant.program.subjects import Declared
+from assistant.program.statement_index import records_in_procedures, statements_with
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language

@@ -13,6 +13,17 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
+from assistant.base.diagnostics import (
+    DATA_TABLES,
+    Declared,
+    Diagnostic,
+    Inner,
+    Severity,
+    Span,
+    error,
+    span_over,
+)
+from assistant.base.source_text import lines_of
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program, told
 from assistant.compiler.source_map import Places, Trace
@@ -21,13 +32,10 @@ from assistant.compiler.uncalled import NOT_CALLED
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Severity, Span, error, span_over
-from assistant.program.kept import effect_of
-from assistant.program.lines import lines_of
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
-from assistant.program.subjects import DATA_TABLES, Declared, Inner
+from assistant.program.vendor_statements import effect_of
 
 LEFT_OUT = error(
     "CO007", "`{name}` is declared by what cannot be said there", "see to its declaration first"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 from assistant.program.program import Procedure, Program
 
 NO_SUCH = error("CO011", "there is no procedure `{name}` to begin with", "choose {names}")

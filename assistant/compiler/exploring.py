@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.turning import has_free_turns
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.expressions import Number
-from assistant.program.kept import effect_of
+from assistant.program.statement_index import records_in_procedures
 from assistant.program.statements import (
     For,
     Goto,
@@ -28,12 +27,13 @@ from assistant.program.statements import (
     Travel,
     While,
 )
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.cell.exploration.explorer import Explorer
     from assistant.cell.exploration.occupancy import Occupancy
     from assistant.cell.scene import Scene
-    from assistant.program.arrays import Floats
     from assistant.program.program import Program
     from assistant.robots.timing import Simulation
     from assistant.robots.timing.state import History

@@ -14,19 +14,19 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Refused, error, has_errors, warning
+from assistant.base.source_text import SourceText
 from assistant.compiler.cell_file import check_signals, equipped, with_lines, with_signals
 from assistant.compiler.controller_files import STATED
 from assistant.compiler.crossing import has_joints
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Refused, error, has_errors, warning
 from assistant.program.motion import ComputedSpeed, Speed
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records
-from assistant.program.text import SourceText
-from assistant.program.wanted import (
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.undeclared_names import (
     JOINT_SPEED,
     LINE_NAME,
     NEUTRAL_LINE,

@@ -8,10 +8,10 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, error, info
+from assistant.base.source_text import is_folder, read_bytes
 from assistant.compiler.loading import files_in, language_of
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, info
-from assistant.program.text import is_folder, read_bytes
 
 NO_PROGRAMS: Final = error(
     "CO403",

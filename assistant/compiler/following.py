@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.compiler.arms import Arms, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import load
@@ -16,8 +18,6 @@ from assistant.compiler.teaching import own_joints
 from assistant.compiler.turning import with_turns
 from assistant.controllers.following import Led
 from assistant.controllers.states import Position
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.program.program import Program
 from assistant.program.statements import Comment, Moving, Statement, Wait
 

@@ -7,11 +7,11 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import SourceText, comments, encode, read_bytes
 from assistant.compiler.loading import language_of
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.program.system.writing import write_all
-from assistant.program.text import SourceText, comments, encode, read_bytes
 
 NOT_THE_SAME: Final = error(
     "CO401",

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.compiler.teaching import own_joints
 from assistant.controllers.states import Jog, Position
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 from assistant.program.geometry import Pose
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from assistant.program.diagnostics import Diagnostic, Rule, info, warning
-from assistant.program.motion import ComputedSpeed, Speed
-from assistant.program.path import Path
+from assistant.base.diagnostics import Diagnostic, Rule, info, warning
+from assistant.program.motion import ComputedSpeed, Path, Speed
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records, rewrite
 from assistant.program.statements import Follow

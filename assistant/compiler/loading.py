@@ -10,19 +10,18 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.base.diagnostics import Diagnostic, Refused, did_you_mean, error, has_errors, warning
+from assistant.base.source_text import SourceText, decode, folders_of, read_bytes
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
-from assistant.program.kept import with_effects
-from assistant.program.near import did_you_mean
 from assistant.program.program import Program, Signal
-from assistant.program.text import SourceText, decode, folders_of, read_bytes
+from assistant.program.vendor_statements import with_effects
 from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
 from assistant.sources.process.seen import NOT_SAID, Seen
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
-    from assistant.program.wanted import Wanted
+    from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
     from assistant.sources.surroundings import ByRobot

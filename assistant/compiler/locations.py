@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, error
 from assistant.compiler.arms import Arms
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, error
 from assistant.program.geometry import BASE, Frame, Pose, Target
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import records
@@ -164,8 +164,8 @@ def _frame(program: Program, name: str) -> Frame:
 
 def _fixed(scene: Scene, body: Body) -> Pose | None:
     """The pose of a body in the world; None for one that an arm moves."""
+    from assistant.base import rotations
     from assistant.cell.collision.carriers import Carriers, carried
-    from assistant.program import rotations
 
     carriers = Carriers(scene.robots)
     carrier, pose = carried(scene, body, carriers)

@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Rule, error, has_errors, info, warning
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import language_of
 from assistant.compiler.motion_sides import (
@@ -18,7 +19,6 @@ from assistant.compiler.motion_sides import (
     outputs_of,
     sides,
 )
-from assistant.program.diagnostics import Diagnostic, Rule, error, has_errors, info, warning
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.arms import Arms, known_robot, taught_on
 from assistant.compiler.loading import language_of
 from assistant.program.analysis.uses import base_variable
-from assistant.program.calls import Call
-from assistant.program.contents import records_in_procedures
 from assistant.program.expressions import Apply
-from assistant.program.passes.cycles import repeats_cycle
+from assistant.program.passes.variables import repeats_cycle
 from assistant.program.program import Program, Signal, Variable
-from assistant.program.wanted import BASE_FRAME_SUFFIX
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.statements import Call
+from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -7,17 +7,24 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.compiler.cell_file import NOT_OF_PROGRAMS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.interface import STANDALONE, Interface
-from assistant.program.kept import effect_of
-from assistant.program.path import Path
-from assistant.program.program import IDENTIFIER, Declaration, Procedure, Program, identifier
+from assistant.program.motion import Path
+from assistant.program.program import (
+    IDENTIFIER,
+    STANDALONE,
+    Declaration,
+    Interface,
+    Procedure,
+    Program,
+    identifier,
+)
 from assistant.program.rewriting import records, rewrite, with_names_replaced
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
     from assistant.compiler.loading import Loaded

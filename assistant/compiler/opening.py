@@ -7,12 +7,12 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant import sources
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.base.source_text import is_folder, path_of
 from assistant.compiler import loading
 from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import Loaded
 from assistant.compiler.tasks import Task, load_task, tasks_of
-from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.text import is_folder, path_of
 from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, info
+from assistant.base.source_text import decode, read_bytes
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import names_in_procedures, records_in_procedures
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.program import Program
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import decode, read_bytes
+from assistant.program.statement_index import names_in_procedures, records_in_procedures
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.values import Wrong

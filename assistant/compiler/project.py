@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.languages.answers import (
     Choice,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.sources.project import Project, project_of
 
 if TYPE_CHECKING:

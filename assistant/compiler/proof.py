@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from assistant.base.budgets import COMPARING, within
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.languages.lark_parsing import Parsed, parse
 from assistant.program.comparison import Comparison, Tolerance, compare
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.program.program import Program
-from assistant.program.system.budgets import COMPARING, within
 
 if TYPE_CHECKING:
     from assistant.languages import Language

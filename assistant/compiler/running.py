@@ -8,6 +8,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors
+from assistant.base.source_text import SourceText, is_folder, read_bytes
 from assistant.compiler.arms import Arms, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.entering import entered
@@ -22,8 +24,6 @@ from assistant.compiler.loading import (
 )
 from assistant.compiler.seen_frames import with_known
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
-from assistant.program.text import SourceText, is_folder, read_bytes
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 from assistant.virtual.parts import Group, Part, Programs, groups
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, warning
+from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.compiler.arms import Arms, known_robot, robot_of
-from assistant.program.diagnostics import Diagnostic, Refused, warning
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, path_of, read_bytes
 from assistant.sources.process.seen import Seen
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 

@@ -33,10 +33,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, warning
-from assistant.program.lines import lines_of
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
+from assistant.base.source_text import SourceText, decode, lines_of, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table, nearest

@@ -11,13 +11,20 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
+from assistant.base.diagnostics import (
+    Declared,
+    Diagnostic,
+    Findings,
+    Refused,
+    error,
+    has_errors,
+    info,
+)
 from assistant.compiler.arms import Arms
 from assistant.compiler.asking import asking
 from assistant.compiler.locations import placed_in
-from assistant.program.diagnostics import Diagnostic, Findings, Refused, error, has_errors, info
 from assistant.program.geometry import IDENTITY, Frame, Pose
 from assistant.program.program import Program
-from assistant.program.subjects import Declared
 from assistant.sources.process.seen import Asking
 from assistant.sources.process.values import listed, shown
 from assistant.sources.sights import Sight, doubts
@@ -177,7 +184,7 @@ def _asked(
 def _shown_pose(pose: Pose) -> str:
     """For people, as the pseudo-program writes it."""
     # Loads lark, which checking a program of another language needs not.
-    from assistant.program.pseudo.values import pose_text
+    from assistant.program.pseudo.expressions import pose_text
 
     x, y, z = (round(value, 2) + 0.0 for value in pose.position)
     w, i, j, k = (round(value, 4) + 0.0 for value in pose.quaternion)

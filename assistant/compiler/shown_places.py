@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.compiler.teaching import (
     Wanted,
     branch_at,
@@ -23,9 +26,6 @@ from assistant.compiler.teaching import (
     taught_text,
     write_taught,
 )
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose, Target
 from assistant.program.program import Procedure, Program

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from assistant import robots
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.compiler.arms import known_robot, robot_of, standing, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import Loaded
@@ -16,7 +17,6 @@ from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travelling import travelled
 from assistant.compiler.turning import with_turns
 from assistant.compiler.unplaced import unplaced
-from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

@@ -10,18 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from assistant.compiler.loading import language_of
-from assistant.languages.answers import (
-    Part,
-)
-from assistant.program import expressions as e
-from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.path import Kind
-from assistant.program.program import Program, bodies, walk
-from assistant.program.rewriting import Body, records
-from assistant.program.subjects import (
+from assistant.base.diagnostics import (
     Declared,
+    Diagnostic,
     Inner,
     Neighbours,
     NumberedMove,
@@ -29,8 +20,18 @@ from assistant.program.subjects import (
     Repeated,
     Several,
     SomeTargets,
+    Span,
 )
-from assistant.program.text import SourceText, starts_of
+from assistant.base.source_text import SourceText, starts_of
+from assistant.compiler.loading import language_of
+from assistant.languages.answers import (
+    Part,
+)
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.motion import Kind
+from assistant.program.program import Program, bodies, walk
+from assistant.program.rewriting import Body, records
 
 
 @dataclass(frozen=True, slots=True)

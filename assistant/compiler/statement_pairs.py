@@ -18,12 +18,12 @@ from assistant.compiler.motion_sides import Pair
 from assistant.compiler.source_map import Place, Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures
 from assistant.program.geometry import BASE, FLANGE, Pose, Target
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.pseudo.printer import block_text
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import head, rewrite
+from assistant.program.statement_index import records_in_procedures
 
 SILENT: Final = (p.Comment, p.Label)
 NUMBER: Final = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")

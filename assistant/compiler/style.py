@@ -20,6 +20,19 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, Unreadable, error
+from assistant.base.source_text import (
+    NOT_FOUND,
+    SourceText,
+    decode,
+    encode,
+    in_ascii,
+    is_file,
+    is_folder,
+    one_line,
+    read_bytes,
+)
 from assistant.compiler.templates import (
     NOT_WRITABLE,
     PRIVATE,
@@ -30,22 +43,9 @@ from assistant.compiler.templates import (
     section_on,
     shown,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Unreadable, error
-from assistant.program.letters import in_ascii
-from assistant.program.lines import one_line
 from assistant.program.program import Program
 from assistant.program.rewriting import map_bodies
 from assistant.program.statements import Comment
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import (
-    NOT_FOUND,
-    SourceText,
-    decode,
-    encode,
-    is_file,
-    is_folder,
-    read_bytes,
-)
 from assistant.resources import resource
 from assistant.sources.process import values as kinds
 from assistant.sources.process.table import Page, Table

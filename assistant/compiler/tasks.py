@@ -10,6 +10,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors, info, warning
+from assistant.base.source_text import read_bytes
 from assistant.compiler.loading import (
     Loaded,
     configured_beside,
@@ -21,8 +23,6 @@ from assistant.compiler.loading import (
     with_process,
 )
 from assistant.languages.tasks import Shared
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors, info, warning
-from assistant.program.text import read_bytes
 
 if TYPE_CHECKING:
     from assistant.languages import Language

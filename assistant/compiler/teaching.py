@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, error
+from assistant.base.file_sets import write_files
+from assistant.base.source_text import SourceText, decode, encode, read_bytes
 from assistant.controllers.states import Position
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, error
 from assistant.program.expressions import Name
 from assistant.program.geometry import Configuration, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Motion, Move, MoveCircular
-from assistant.program.system.writing import write_files
-from assistant.program.text import SourceText, decode, encode, read_bytes
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS
 from assistant.sources.reading import Reading

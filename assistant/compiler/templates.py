@@ -11,10 +11,9 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, error
-from assistant.program.near import near_names
-from assistant.program.system.budgets import TEMPLATE, budget_factor, within
-from assistant.program.text import SourceText
+from assistant.base.budgets import TEMPLATE, budget_factor, within
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, Span, error, near_names
+from assistant.base.source_text import SourceText
 
 if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment

@@ -7,12 +7,11 @@ from itertools import chain
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.compiler.loading import Loaded
 from assistant.compiler.naming import TABLES, entry_called, kept_text, prefixed
 from assistant.compiler.opening import load
-from assistant.program.diagnostics import Diagnostic, Refused, error
-from assistant.program.interface import STANDALONE, Interface
-from assistant.program.program import Procedure, Program, identifier
+from assistant.program.program import STANDALONE, Interface, Procedure, Program, identifier
 from assistant.program.statements import Call
 
 if TYPE_CHECKING:

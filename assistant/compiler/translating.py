@@ -12,6 +12,21 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, overload
 
 import numpy as np
 
+from assistant.base.arrays import Rows
+from assistant.base.budgets import DRAFTING, REPORTING, within, without_gc
+from assistant.base.diagnostics import (
+    Declared,
+    Diagnostic,
+    PathRow,
+    ProgramTable,
+    Refused,
+    Severity,
+    Span,
+    Subject,
+    error,
+    fold,
+)
+from assistant.base.source_text import lines_of
 from assistant.compiler.arms import in_arms, robot_of, standing
 from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
 from assistant.compiler.controller_files import STATED
@@ -32,13 +47,7 @@ from assistant.compiler.uncalled import NOT_CALLED
 from assistant.compiler.unsaid import lose
 from assistant.lazy import pictured
 from assistant.program import statements as p
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
-from assistant.program.lines import lines_of
 from assistant.program.program import Program, bodies, walk
-from assistant.program.subjects import Declared, PathRow, ProgramTable, Subject
-from assistant.program.system.budgets import DRAFTING, REPORTING, within
-from assistant.program.without_gc import without_gc
 from assistant.sources.cell import said
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
@@ -47,7 +56,7 @@ if TYPE_CHECKING:
         Frames,
         Sampling,
     )
-    from assistant.program.wanted import Wanted
+    from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
 
 NO_PROGRAM = error(

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, has_errors
+from assistant.base.rotations import to_matrix
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travel_rules import (
     EXTERNAL,
@@ -23,12 +25,10 @@ from assistant.compiler.travel_rules import (
     UNDECLARED,
 )
 from assistant.program.analysis.uses import base_variable
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, has_errors
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import IDENTITY, Pose, Tool
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies
-from assistant.program.rotations import to_matrix
 from assistant.program.statements import Assign, Comment, Move, MoveJoints, Statement, Travel
 from assistant.robots.target_lookup import Names
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

@@ -10,16 +10,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Final, TypeVar
 
+from assistant.base.diagnostics import Declared, Diagnostic, ProgramTable, Severity, Span, warning
+from assistant.base.source_text import lines_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import texts_in
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Diagnostic, Severity, Span, warning
-from assistant.program.kept import effect_of
-from assistant.program.lines import lines_of
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import records
-from assistant.program.subjects import Declared, ProgramTable
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 T = TypeVar("T")
 _TABLES: Final[tuple[ProgramTable, ...]] = ("tools", "frames", "targets", "joint_targets")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, error, has_errors
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, error, has_errors
 from assistant.program.geometry import BASE
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move, MoveCircular

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Set
 
+from assistant.base.diagnostics import Diagnostic, Severity, Span, error, has_errors, warning
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
-from assistant.program.diagnostics import Diagnostic, Severity, Span, error, has_errors, warning
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Final
 from urllib.parse import SplitResult, parse_qsl, quote, unquote, urlencode, urlsplit
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
-from assistant.program.diagnostics import Refused
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from ipaddress import ip_address
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.program.diagnostics import Diagnostic
 
 CURES: Final = {
     "rws": "an OmniCore speaks `rwss://`, which is encrypted",

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Protocol, Self, runtime_checkable
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.address import SCHEMES, Address
 from assistant.controllers.credentials import Credentials, Question, find
 from assistant.controllers.named import Named, named
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
-from assistant.program.diagnostics import Refused
 
 
 class Programs(Protocol):

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.program.diagnostics import Refused
 
 USER: Final = "ROBOT_ASSISTANT_USER"
 PASSWORD: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable

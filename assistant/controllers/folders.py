@@ -15,10 +15,10 @@ from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Final
 
+from assistant.base import file_access, file_sets
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_file
 from assistant.controllers import rules
-from assistant.program.diagnostics import Refused
-from assistant.program.system import durably, writing
-from assistant.program.system.bounded import read_file
 
 INDEX: Final = "backup.json"
 FORMAT: Final = 1
@@ -35,7 +35,7 @@ def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
     if target.exists():
         raise Refused(rules.BACKUP_EXISTS(folder=target, path=str(target)))
     try:
-        with writing.new_folder(target) as under_way:
+        with file_sets.new_folder(target) as under_way:
             yield under_way
             _seal(under_way, kind)
     except OSError as error:
@@ -47,7 +47,7 @@ def put(folder: FilePath, name: str, data: bytes) -> None:
     """Writes a file below the folder; raises OSError."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
-    durably.write_new(path, data)
+    file_access.write_new(path, data)
 
 
 def files(folder: FilePath) -> tuple[str, ...]:

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.controller import Controller, Programs
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 
 if TYPE_CHECKING:
     from assistant.controllers.cyclic import Limits

@@ -23,10 +23,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.controllers import rules
 from assistant.controllers.address import Address, holds_password, parse, without_password
 from assistant.controllers.credentials import variable
-from assistant.program.diagnostics import Diagnostic, Refused, Rule
 
 if TYPE_CHECKING:
     from assistant.sources.process.table import Table

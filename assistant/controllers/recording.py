@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused, error
+from assistant.base.file_sets import write_or_raise
 from assistant.lazy import pictured
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.writing import write_or_raise
 
 NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Refused, Severity, error, info, warning
+from assistant.base.diagnostics import Refused, Severity, error, info, warning
 
 ERROR: Final = Severity.ERROR
 

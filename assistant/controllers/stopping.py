@@ -13,9 +13,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller, Programs
 from assistant.controllers.states import Position, State
-from assistant.program.diagnostics import Refused
 
 PATIENCE: Final = 5.0
 """Seconds that the second session waits for each answer at most."""

@@ -15,6 +15,8 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base import file_access
+from assistant.base.file_access import read_file
 from assistant.deploy.journal import (
     EARLIER,
     KEPT,
@@ -29,8 +31,6 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import LONGEST, read_record
 from assistant.deploy.site import UNDER_WAY
-from assistant.program.system import durably
-from assistant.program.system.bounded import read_file
 
 MOST_BYTES: Final = 256 * 2**20
 """Of an archive, packed and unpacked."""
@@ -86,7 +86,7 @@ def _whole(data: bytes) -> dict[str, bytes]:
 def _fill(new: FilePath, files: Mapping[str, bytes]) -> None:
     for path, content in files.items():
         (new / path).parent.mkdir(exist_ok=True)
-        durably.write_new(new / path, content)
+        file_access.write_new(new / path, content)
 
 
 def _files(data: bytes) -> dict[str, bytes]:

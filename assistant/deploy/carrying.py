@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.deploy import rules
 from assistant.deploy.clashing import in_the_way
 from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry, Journal, Step
 from assistant.deploy.outcome import FileState
 from assistant.deploy.site import RECORD, Site
-from assistant.program.diagnostics import Diagnostic, Refused
 
 PATIENCE: Final = 20.0
 """Seconds for which what cannot be put back is tried again: a controller keeps a dead session,

@@ -11,13 +11,13 @@ from functools import partial
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base import file_access
+from assistant.base.diagnostics import Refused
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.journal import failing
 from assistant.deploy.record import Record, plain
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
-from assistant.program.diagnostics import Refused
-from assistant.program.system import durably
 
 LOCK: Final = "lock"
 
@@ -31,7 +31,7 @@ def alone_here(place: FilePath) -> Iterator[None]:
     from filelock import FileLock, Timeout
 
     with failing(place):
-        durably.make_folders(place)
+        file_access.make_folders(place)
         lock = FileLock(place / LOCK, timeout=0)
         try:
             lock.acquire()

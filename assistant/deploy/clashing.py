@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import decode
 from assistant.controllers.abilities import Memory
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
@@ -12,8 +14,6 @@ from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry
 from assistant.deploy.site import Site
 from assistant.languages import Tree
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import decode
 
 
 def check_clashes(

@@ -11,9 +11,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from assistant import languages
-from assistant.program.lines import lines_of
-from assistant.program.text import decode
-from assistant.program.visible import visible
+from assistant.base.source_text import decode, lines_of, visible
 
 
 def said(data: bytes, language: str) -> bytes:

@@ -8,6 +8,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.termination import Termination, raise_on_termination
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.archive import packed
@@ -22,8 +24,6 @@ from assistant.deploy.record import Record, new_record
 from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.ending import Termination, raise_on_termination
 
 
 def deploy(

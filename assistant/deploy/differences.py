@@ -5,12 +5,10 @@ from __future__ import annotations
 import difflib
 from typing import Final
 
+from assistant.base.source_text import decode, lines_of, visible
 from assistant.deploy.comparing import changed
 from assistant.deploy.held import Held
 from assistant.deploy.site import Site
-from assistant.program.lines import lines_of
-from assistant.program.text import decode
-from assistant.program.visible import visible
 
 ENCODINGS: Final = ("utf-8", "latin-1")
 """To show a program in; differences are found on its bytes."""

@@ -8,11 +8,11 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.source_text import folders_of, read_bytes
 from assistant.controllers import Programs
 from assistant.deploy import rules
 from assistant.languages import Language, Tree
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.text import folders_of, read_bytes
 
 
 def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]:

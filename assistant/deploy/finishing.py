@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from dataclasses import replace as changed
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
+from assistant.base.termination import raise_on_termination
 from assistant.controllers import Programs
 from assistant.deploy import rules
 from assistant.deploy import site as site_names
@@ -37,9 +40,6 @@ from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
 from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.bounded import read_file
-from assistant.program.system.ending import raise_on_termination
 
 
 def resume(

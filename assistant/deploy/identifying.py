@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.record import Record, plain
-from assistant.program.diagnostics import Diagnostic, Refused
 
 WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
 CLOSE: Final = 0.05

@@ -30,14 +30,14 @@ from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base import file_access
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.file_access import read_file, read_text
 from assistant.controllers import Address
 from assistant.deploy import rules
 from assistant.deploy.held import Held
 from assistant.deploy.record import NAME, Record, read_record
 from assistant.deploy.site import of_deployments
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.system import durably
-from assistant.program.system.bounded import read_file, read_text
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
 """Beside the project, one folder a controller in it."""
@@ -125,7 +125,7 @@ class Journal:
         if program:
             row["program"] = program
         try:
-            durably.add_line(self.folder / STEPS, json.dumps(row))
+            file_access.add_line(self.folder / STEPS, json.dumps(row))
         except OSError as error:
             raise refused(self.folder, error) from None
 
@@ -141,11 +141,11 @@ def create(
     """Writes a new numbered folder, which appears whole; raises Refused."""
 
     def fill(new: FilePath) -> None:
-        durably.write_new(new / RECORD, record.written())
+        file_access.write_new(new / RECORD, record.written())
         if earlier is not None:
-            durably.write_new(new / EARLIER, earlier)
+            file_access.write_new(new / EARLIER, earlier)
         rows = [_written(new, number, entry) for number, entry in enumerate(entries, 1)]
-        durably.write_new(new / PROGRAMS, (json.dumps(rows, indent=2) + "\n").encode())
+        file_access.write_new(new / PROGRAMS, (json.dumps(rows, indent=2) + "\n").encode())
 
     journal = Journal(appeared(place, fill), record, tuple(entries), earlier)
     journal.add(Step.BEGUN)
@@ -158,7 +158,7 @@ def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
     Only who holds the lock of the place may call this: what a dead process left is cleared away.
     """
     with failing(place):
-        durably.make_folders(place)
+        file_access.make_folders(place)
         for rest in place.glob(f"{UNDER_WAY}*"):
             shutil.rmtree(rest, ignore_errors=True)
         new = FilePath(tempfile.mkdtemp(prefix=UNDER_WAY, dir=place))
@@ -166,10 +166,10 @@ def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
             fill(new)
             for folder in (*(new / part for part in PARTS), new):
                 if folder.is_dir():
-                    durably.sync_folder(folder)
+                    file_access.sync_folder(folder)
             new.chmod(0o755)
             folder = _numbered(new, place)
-            durably.sync_folder(place)
+            file_access.sync_folder(place)
         finally:
             shutil.rmtree(new, ignore_errors=True)
     return folder
@@ -263,7 +263,7 @@ def _written(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object
             names[kind] = None if data is None else file
             if data is not None:
                 (folder / part).mkdir(exist_ok=True)
-                durably.write_new(folder / file, data)
+                file_access.write_new(folder / file, data)
                 digests[file] = hashlib.sha256(data).hexdigest()
         row[part] = names
     return {**row, "sha256": digests}

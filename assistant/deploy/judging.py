@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic
 from assistant.deploy import rules
 from assistant.deploy.comparing import changed
 from assistant.deploy.differences import difference, since
@@ -16,7 +17,6 @@ from assistant.deploy.planned import Change, PlannedFile
 from assistant.deploy.record import Record
 from assistant.deploy.remembering import what_was_left
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Diagnostic
 
 EVERY: Final = "*"
 """In place of the names of programs: all of them."""

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Address
 from assistant.deploy import rules
 from assistant.deploy.carrying import PATIENCE, Tell
@@ -21,8 +23,6 @@ from assistant.deploy.deployment import deploy
 from assistant.deploy.journal import Entry
 from assistant.deploy.outcome import Deployment
 from assistant.deploy.plan import Plan
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import internal_error, traceback_wanted
 
 PARALLEL: Final = 4
 """Controllers that are deployed to at the same time."""

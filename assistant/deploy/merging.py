@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Final
 
-from assistant.program.diagnostics import Refused
-from assistant.program.lines import ended_lines, line_end
-from assistant.program.text import decode
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import decode, ended_lines, line_end
 
 Form = Callable[[bytes], bytes]
 """The form in which a controller compares programs; see `Programs.stored`."""

@@ -6,8 +6,8 @@ import enum
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.controllers import Address
-from assistant.program.diagnostics import Diagnostic, has_errors
 
 
 class FileState(enum.StrEnum):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import read_bytes
 from assistant.controllers import Programs
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
@@ -15,8 +17,6 @@ from assistant.deploy.judging import EVERY, Judging
 from assistant.deploy.planned import Change, Plan, PlannedFile
 from assistant.deploy.remembering import last_record
 from assistant.deploy.site import Site, of_deployments
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.text import read_bytes
 
 __all__ = ["EVERY", "Change", "Plan", "PlannedFile", "plan"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, field
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.controllers import Address
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
@@ -12,7 +13,6 @@ from assistant.deploy.held import Held
 from assistant.deploy.journal import Entry
 from assistant.deploy.record import Record
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Diagnostic
 
 
 class Change(enum.StrEnum):

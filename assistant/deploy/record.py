@@ -18,11 +18,11 @@ from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.held import Digests
 from assistant.deploy.repository import commit_of
-from assistant.program.diagnostics import Refused
 
 FORMAT: Final = 1
 NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)

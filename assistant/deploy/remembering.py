@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
 from assistant.deploy.archive import archived
 from assistant.deploy.held import Held
 from assistant.deploy.journal import RECORD as KEPT
@@ -20,8 +22,6 @@ from assistant.deploy.journal import (
 )
 from assistant.deploy.record import Record, read_record
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.bounded import read_file
 
 
 def last_record(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abb.files import TEXTS
 from assistant.controllers.abilities import Disk, Memory
 from assistant.deploy import resting, rules
-from assistant.program.diagnostics import Diagnostic, Refused
 
 
 def found_there(session: Programs, names: Sequence[str]) -> dict[str, str | None]:

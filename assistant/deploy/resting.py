@@ -7,13 +7,13 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import decode
 from assistant.controllers import Controller, Programs
 from assistant.controllers.states import TaskState
 from assistant.deploy import rules
 from assistant.deploy.journal import Entry
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import decode
 
 MOST_PROGRAMS: Final = 200
 """That are followed from a running one through its calls."""

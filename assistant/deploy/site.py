@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import Final, Self, TypeVar
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Address, Controller, Programs
 from assistant.controllers.abilities import Disk, Memory, Rests
 from assistant.controllers.rules import Lost, Taken
@@ -15,7 +16,6 @@ from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.comparing import said
 from assistant.deploy.held import NOTHING, Digests, Held, digest
-from assistant.program.diagnostics import Diagnostic, Refused
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
+from assistant.base.diagnostics import Diagnostic, has_errors
+from assistant.base.source_text import read_bytes
 from assistant.controllers import Address, Programs
 from assistant.deploy import rules
 from assistant.deploy.differences import since
@@ -17,8 +19,6 @@ from assistant.deploy.journal import journals, place_of
 from assistant.deploy.record import Record
 from assistant.deploy.remembering import last_record, what_was_left
 from assistant.deploy.site import Site, of_deployments
-from assistant.program.diagnostics import Diagnostic, has_errors
-from assistant.program.text import read_bytes
 
 
 class Seen(enum.StrEnum):

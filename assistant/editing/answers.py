@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.editing.places import Range
-from assistant.program.diagnostics import Diagnostic
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.editing.answers import SORTS, Tokens
 from assistant.editing.workspace import Document
-from assistant.program.editing import Declaration, Editable, KnownWord, LineFacts
+from assistant.program.editor_support import Declaration, Editable, KnownWord, LineFacts
 
 _SORT: Final = {name: number for number, name in enumerate(SORTS)}
 _PLAIN: Final = {

@@ -9,7 +9,7 @@ from assistant.editing.answers import Completion, CompletionKind
 from assistant.editing.naming import editable, range_of
 from assistant.editing.places import Place, Range
 from assistant.editing.workspace import Document
-from assistant.program.editing import Declaration, Editable, Word
+from assistant.program.editor_support import Declaration, Editable, Word
 
 MOST: Final = 500
 """Words that are told at once."""

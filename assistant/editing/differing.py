@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 
 MOST_COMPARED: Final = 400
 """Lines that are compared with each other; what differs in more counts as one change."""

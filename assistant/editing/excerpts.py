@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.source_text import SomeLines, SourceText
 from assistant.editing.structure import Piece, Structure
-from assistant.program.editing import LineFacts
-from assistant.program.text import SomeLines, SourceText
+from assistant.program.editor_support import LineFacts
 
 MOST_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from assistant.base.diagnostics import Diagnostic, Span
 from assistant.editing.answers import Found
 from assistant.editing.places import Place, Range
 from assistant.editing.workspace import Document
-from assistant.program.diagnostics import Diagnostic, Span
 
 
 def findings(document: Document, *, whole: bool) -> tuple[Found, ...]:

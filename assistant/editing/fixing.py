@@ -12,12 +12,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Span, has_errors, near_names
 from assistant.editing.answers import Change, Fix, Found
 from assistant.editing.naming import editable, named
 from assistant.editing.workspace import Document
 from assistant.findings.rulebook import is_adjustable
-from assistant.program.diagnostics import Diagnostic, Span, has_errors
-from assistant.program.near import near_names
 
 MOST_TRIED: Final = 24
 """Edits of one finding that are tried."""

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused
+from assistant.base.rotations import to_euler
 from assistant.editing.answers import Hover
 from assistant.editing.naming import Named, editable, named, range_of, word_at
 from assistant.editing.places import Place
 from assistant.editing.workspace import Document
-from assistant.program.diagnostics import Refused
-from assistant.program.rotations import to_euler
 
 if TYPE_CHECKING:
     from assistant.program.geometry import Target
@@ -119,7 +119,7 @@ def _of_pose(document: Document, target: Target) -> Iterator[str]:
 
 
 def _columns(target: Target) -> list[int]:
-    from assistant.program.path import configuration_row
+    from assistant.program.motion import configuration_row
 
     return list(configuration_row(target.configuration))
 

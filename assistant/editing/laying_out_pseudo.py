@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.compiler.formatting import NOT_THE_SAME
 from assistant.compiler.loading import parse_pseudo
 from assistant.editing.places import LINE_END
-from assistant.program.diagnostics import Refused
-from assistant.program.pseudo.editing import EditablePseudo
-from assistant.program.text import SourceText
+from assistant.program.pseudo.editor_support import EditablePseudo
 
 INDENT: Final = "  "
 _DIVIDING: Final = ("else", "elseif", "case")

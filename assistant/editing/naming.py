@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from assistant.base.diagnostics import Refused, Span
 from assistant.editing import rules
 from assistant.editing.answers import Change, Changes, Location
 from assistant.editing.places import Lines, Place, Range
 from assistant.editing.workspace import Document
-from assistant.program.diagnostics import Refused, Span
-from assistant.program.editing import Declaration, Editable, Word
+from assistant.program.editor_support import Declaration, Editable, Word
 
 
 @dataclass(frozen=True, slots=True)

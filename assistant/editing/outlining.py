@@ -8,7 +8,7 @@ from assistant.editing.answers import OutlineItem, OutlineKind
 from assistant.editing.naming import range_of
 from assistant.editing.places import Range
 from assistant.editing.workspace import Document
-from assistant.program.editing import Declaration
+from assistant.program.editor_support import Declaration
 
 _HELD: Final = ("module", "program")
 _LEFT_OUT: Final = ("parameter",)

@@ -10,7 +10,7 @@ from itertools import accumulate, repeat
 from operator import add
 from typing import Final
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 LINE_END: Final = re.compile(r"\r\n|\n|\r")
 """What ends a line for the protocol of language servers (3.17, "Text Documents")."""

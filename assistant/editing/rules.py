@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 
 NO_NAME: Final = error("ED001", "the name `{name}` {why}", "choose another name")
 TAKEN: Final = error(

@@ -10,6 +10,8 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import checks, languages
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.source_text import SourceText, lines_of
 from assistant.compiler.checking import Checked, check_text
 from assistant.compiler.compiling import compile
 from assistant.compiler.formatting import format_text
@@ -22,15 +24,12 @@ from assistant.editing.laying_out_pseudo import laid_out
 from assistant.editing.places import LINE_END
 from assistant.languages import Language
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.editing import CachedLineFacts, Editable
+from assistant.program.editor_support import CachedLineFacts, Editable
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.lines import lines_of
 from assistant.program.motion import FINE, Speed
 from assistant.program.program import Program, walk
-from assistant.program.pseudo.editing import EditablePseudo
-from assistant.program.text import SourceText
-from assistant.program.wanted import SuppliedValue, Wanted
+from assistant.program.pseudo.editor_support import EditablePseudo
+from assistant.program.undeclared_names import SuppliedValue, Wanted
 from assistant.robots import Robot
 
 PSEUDO: Final = "pseudo"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.program.editing import Declaration, LineFacts
+from assistant.program.editor_support import Declaration, LineFacts
 
 Fold = Callable[[str], str]
 MOST_LINES: Final = 40

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
 from assistant.compiler.loading import language_of
 from assistant.editing.answers import Found, Pair, Translation
 from assistant.editing.finding import found_at
 from assistant.editing.speaking import PSEUDO
 from assistant.editing.workspace import Document
-from assistant.program.diagnostics import Refused
 
 
 def translation(document: Document, language: str) -> Translation:

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.editing.differing import Hunk, Moves, hunks, moved, reverted
 from assistant.editing.excerpts import Excerpt, excerpt
 from assistant.editing.places import Lines
 from assistant.editing.structure import Structure, declarations, structure
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.editing import CachedLineFacts, LineFacts
+from assistant.program.editor_support import CachedLineFacts, LineFacts
 
 Quick = Callable[[Excerpt], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
 """Of an excerpt: errors of what cannot be read, and all findings."""

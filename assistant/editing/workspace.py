@@ -11,6 +11,9 @@ from itertools import islice
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.budgets import internal_error, without_gc
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
@@ -19,12 +22,8 @@ from assistant.editing.places import Lines
 from assistant.editing.speaking import Spoken, name_of, spoken
 from assistant.editing.structure import Structure, structure
 from assistant.editing.watching import Seen, Unseen, Watch
-from assistant.findings.project_severities import apply_severities
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
-from assistant.program.editing import LineFacts
-from assistant.program.failing import internal_error
-from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.without_gc import without_gc
+from assistant.findings.severities import apply_severities
+from assistant.program.editor_support import LineFacts
 from assistant.project.layout import project_of
 from assistant.project.stated import Stated, completed
 

@@ -1,1 +1,3 @@
-"""What becomes of findings: the book of all rules, a project's severities, ways to print them."""
+"""Findings after they are made: the rulebook, severities of a project, and report formats."""
+
+from __future__ import annotations

@@ -14,8 +14,8 @@ from typing import Any, Final
 
 import assistant
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, Severity, error
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error
 
 _OWN_FAMILIES: Final = {
     "BL": "Blocks and generated code",

@@ -13,8 +13,8 @@ from assistant.languages.answers import (
     Tree,
 )
 from assistant.languages.language import Language
-from assistant.program.effects import Effect
-from assistant.program.kept import VendorText, vendor_text_kind
+from assistant.program.expressions import Effect
+from assistant.program.vendor_statements import VendorText, vendor_text_kind
 
 ROOMS: Final = {
     "rapid": "assistant.languages.rapid",

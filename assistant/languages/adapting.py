@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
+from assistant.base.diagnostics import Findings, Refused
 from assistant.languages.answers import (
     Adapted,
     Tree,
 )
 from assistant.languages.language import Language
-from assistant.program.diagnostics import Findings, Refused
-from assistant.program.passes.legalising import Capabilities, Legalisation, Pass, legalise
+from assistant.program.passes.legalisation import Capabilities, Legalisation, Pass, legalise
 from assistant.program.program import Program
 from assistant.robots import Robot
 

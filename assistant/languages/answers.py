@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final, Generic, Literal, Protocol, TypeVar
 
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Span
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 
 
 class Tree(Protocol):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.system.budgets import (
+from assistant.base.budgets import (
     ADAPTING,
     BUILDING,
     CHECKING,
@@ -16,7 +16,7 @@ from assistant.program.system.budgets import (
     Stage,
     within,
 )
-from assistant.program.text import SourceText
+from assistant.base.source_text import SourceText
 
 if TYPE_CHECKING:
     from assistant.program.program import Program

@@ -13,13 +13,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.languages.records import target
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Configuration, Pose, Target
-from assistant.program.passes.hoisting import Taken, hoisted
+from assistant.program.passes.hoisted_statements import Taken, hoisted
 from assistant.program.program import Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import head, map_expressions, map_head, records
 

@@ -8,12 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Findings
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Findings, Subject
 from assistant.program.geometry import Target
-from assistant.program.passes.legalising import FiveAxes
-from assistant.program.path import Path, configuration_row
-from assistant.program.subjects import Subject
+from assistant.program.motion import Path, configuration_row
+from assistant.program.passes.legalisation import FiveAxes
 from assistant.robots.configurations import BACK
 
 MISS: Final = 0.05

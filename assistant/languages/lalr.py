@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 if TYPE_CHECKING:
     from lark.grammar import Rule

@@ -11,6 +11,9 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, Self
 
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.source_text import SourceText, decode, encode, lines_of, read_bytes
 from assistant.languages.answers import (
     ARITHMETIC,
     Adapted,
@@ -25,19 +28,15 @@ from assistant.languages.answers import (
 )
 from assistant.languages.budgeted import budgeted
 from assistant.languages.tasks import Loading, Surroundings
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.program.effects import Effect, VendorTextKind, unknown_effect
-from assistant.program.lines import lines_of
+from assistant.program.expressions import Effect, VendorTextKind, unknown_effect
 from assistant.program.program import Origin, Program
-from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
     from lark import Lark
 
     from assistant.languages.answers import Outline
-    from assistant.program.editing import Editable
-    from assistant.program.wanted import Supplied, Wanted, WantedKind
+    from assistant.program.editor_support import Editable
+    from assistant.program.undeclared_names import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
 

@@ -14,13 +14,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Rows
+from assistant.base.budgets import READING, within, without_gc
+from assistant.base.diagnostics import Diagnostic, Rule, Span
+from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.answers import Sampling
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Span
-from assistant.program.lines import with_line_feeds
-from assistant.program.system.budgets import READING, within
-from assistant.program.text import SourceText
-from assistant.program.without_gc import without_gc
 
 if TYPE_CHECKING:
     from lark import Lark

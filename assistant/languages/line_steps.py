@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from assistant.base.arrays import Ints
 from assistant.languages.runs.columns import Run
-from assistant.program.arrays import Ints
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

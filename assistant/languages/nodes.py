@@ -18,7 +18,7 @@ from functools import partial
 from operator import itemgetter
 from typing import Any, Final
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 Place = Span | None
 """Offsets in what the grammar read; None for what stands for no text."""

@@ -13,9 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Declared, Subject
 from assistant.languages.five_axes import path_in_reach, target_in_reach
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
 from assistant.program.geometry import (
     BASE,
     FLANGE,
@@ -28,10 +29,9 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
-from assistant.program.passes.legalising import Legalisation, Loads, Mounts, Positions
-from assistant.program.passes.path_tables import has_half_arcs, with_whole_arcs
-from assistant.program.path import UNSTATED, Path, configuration_of, configuration_row
-from assistant.program.subjects import Declared, Subject
+from assistant.program.motion import UNSTATED, Path, configuration_of, configuration_row
+from assistant.program.passes.legalisation import Legalisation, Loads, Mounts, Positions
+from assistant.program.passes.paths import has_half_arcs, with_whole_arcs
 
 ORDINALS: Final = ("first", "second", "third", "fourth", "fifth", "sixth")
 COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")

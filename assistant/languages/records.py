@@ -12,9 +12,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Rule
 from assistant.program import expressions as e
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Rule
 from assistant.program.geometry import (
     UNUSED_AXIS,
     Configuration,
@@ -25,7 +25,7 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
-from assistant.program.path import configuration_of, configuration_row
+from assistant.program.motion import configuration_of, configuration_row
 from assistant.robots.configurations import from_confdata, to_confdata
 
 Values = Any

@@ -11,11 +11,10 @@ from dataclasses import dataclass, field
 from typing import Final
 from weakref import ReferenceType, ref
 
-from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.base.diagnostics import Declared, Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.kept import effect_of
 from assistant.program.passes.names import Names
-from assistant.program.passes.procedures import units
+from assistant.program.passes.procedure_forms import units
 from assistant.program.program import Procedure, Program, identifier, walk
 from assistant.program.statements import (
     Follow,
@@ -26,8 +25,8 @@ from assistant.program.statements import (
     Statement,
     Trigger,
 )
-from assistant.program.subjects import Declared
-from assistant.program.timers import timers
+from assistant.program.undeclared_names import timers
+from assistant.program.vendor_statements import effect_of
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal, TypeAlias
 
-from assistant.program import lines
-from assistant.program.diagnostics import Diagnostic
+from assistant.base import source_text
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Signal
-from assistant.program.wanted import SuppliedValue, WantedKind
+from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +106,6 @@ _WORD: Final = r"[^\W\d]\w*"
 
 def words_of(text: str, mark: str) -> frozenset[str]:
     """Names in a text, in lower case, but for those in comments and in strings ("…")."""
-    apart = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|{re.escape(mark)}{lines.REST}|({_WORD})'
-    found = re.finditer(apart, lines.with_line_feeds(text))
+    apart = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|{re.escape(mark)}{source_text.REST}|({_WORD})'
+    found = re.finditer(apart, source_text.with_line_feeds(text))
     return frozenset(match[1].lower() for match in found if match[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from assistant.program.parts import record_fields
+from assistant.program.rewriting import record_fields
 
 
 class Walk:

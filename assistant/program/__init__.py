@@ -1,1 +1,3 @@
-"""The pseudo-program and what every room shares: frames, targets, paths, diagnostics."""
+"""The pseudo-program, its text form, and the analyses and passes that work on it."""
+
+from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether two pseudo-programs say the same, and by how much their targets differ."""
+"""Comparison of two pseudo-programs: equal or not, and by how much their targets differ."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
+from assistant.base.diagnostics import Inner, Span
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose
-from assistant.program.path import Path
+from assistant.program.motion import Path
 from assistant.program.program import Procedure, Program, walk
-from assistant.program.pseudo.parts import part_text
+from assistant.program.pseudo.printer import part_text
 from assistant.program.rewriting import Body, map_bodies
-from assistant.program.subjects import Inner
 
 MOST_MISMATCHES: Final = 20
 """After so many the comparison stops: the first ones tell what is wrong."""

@@ -1,16 +1,17 @@
-"""Poses, frames, tools and targets: where things are, in millimetres and unit quaternions."""
+"""Poses, frames, tools and targets, in mm and unit quaternions; points on arcs and grids."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, reals
+from assistant.base import rotations
+from assistant.base.arrays import Floats, reals
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -293,3 +294,124 @@ class JointTarget:
 
     def __hash__(self) -> int:
         return hash(tuple(j for j in self.joints if j == j))
+
+
+@dataclass(frozen=True, slots=True)
+class ArcMeasures:
+    """Measures of n arcs, NaN where a point is not known.
+
+    sides: (n, 3) mm from start to via, from via to end, from start to end.
+    area: (n,) mm² of the parallelogram that via and end span from the start.
+    apart: (n,) degrees between via and end, seen from the start.
+    around: (n,) degrees that the arc goes round.
+    """
+
+    sides: Floats
+    area: Floats
+    apart: Floats
+    around: Floats
+
+    @staticmethod
+    def through(points: Floats) -> ArcMeasures:
+        """points: (n, 3, 3) start, via and end."""
+        start, via, end = (points[:, i] for i in range(3))
+        to_via, to_end, rest = via - start, end - start, end - via
+        lengths = np.linalg.norm(np.stack([to_via, rest, to_end], axis=1), axis=2)
+        area = np.linalg.norm(np.cross(to_via, to_end), axis=1)
+        # the angle at the via point stands on the part of the circle that is left out
+        return ArcMeasures(
+            lengths,
+            area,
+            angles_between(to_via, to_end),
+            360.0 - 2.0 * angles_between(-to_via, rest),
+        )
+
+
+def angles_between(a: Floats, b: Floats) -> Floats:
+    """(n,) degrees between vectors (n, 3)."""
+    sine = np.linalg.norm(np.cross(a, b), axis=1)
+    angles: Floats = np.degrees(np.arctan2(sine, (a * b).sum(axis=1)))
+    return angles
+
+
+COLLINEAR_SINE: Final = 1e-6
+"""Sine of an angle below which three points are on a line."""
+
+
+def arc_middle_across(start: Floats, end: Floats, other: Floats) -> Floats | None:
+    """The middle of the arc on the other side of a point of its circle; None on a line."""
+    chord, aside = end - start, other - start
+    normal = np.cross(chord, aside)
+    if np.linalg.norm(normal) <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
+        return None
+    centre = start + (
+        (aside @ aside) * np.cross(normal, chord) + (chord @ chord) * np.cross(aside, normal)
+    ) / (2 * normal @ normal)
+    away = chord * (aside @ chord) / (chord @ chord) - aside
+    middle: Floats = centre + away * np.linalg.norm(start - centre) / np.linalg.norm(away)
+    return middle
+
+
+def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -> Floats | None:
+    """The middle of the arc of less than half a turn about a centre; None where there is none.
+
+    most: mm that start and end may differ in their distance from the centre.
+    """
+    one, two = start - centre, end - centre
+    radii = np.linalg.norm(one), np.linalg.norm(two)
+    between = one + two
+    length = np.linalg.norm(between)
+    turned = np.linalg.norm(np.cross(one, two)) > COLLINEAR_SINE * radii[0] * radii[1]
+    if abs(radii[0] - radii[1]) > most or not turned:
+        return None
+    middle: Floats = centre + between * (radii[0] + radii[1]) / 2 / length
+    return middle
+
+
+def target_between(first: Target, last: Target, middle: Floats) -> Target:
+    """A point on the way between two targets: turned halfway, in the branch of the first."""
+    one, two = np.array(first.pose.quaternion), np.array(last.pose.quaternion)
+    turned = one + (two if one @ two >= 0 else -two)
+    pose = Pose.of(middle, turned / np.linalg.norm(turned))
+    return Target(pose, first.configuration, first.external)
+
+
+def grid_points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
+    """The points of a grid, row by row.
+
+    corners: (3 or 4, 3) start, end of the first row, end of the first column, and the corner
+    across, which makes it bilinear. zigzag: every other row runs backwards.
+    """
+    start, along, across = corners[:3]
+    diagonal = corners[3] if len(corners) > 3 else along + across - start
+    for row in range(rows):
+        down = row / (rows - 1) if rows > 1 else 0.0
+        order = range(columns)
+        for column in reversed(order) if zigzag and row % 2 else order:
+            right = column / (columns - 1) if columns > 1 else 0.0
+            near = (1 - right) * start + right * along
+            far = (1 - right) * across + right * diagonal
+            yield (1 - down) * near + down * far
+
+
+def points_on_arc(places: Floats, count: int) -> Iterator[Floats]:
+    """Points at equal angles on an arc, its ends among them; at equal distances on a line.
+
+    places: (3, 3) its start, a point on its way, and its end.
+    """
+    start, via, end = places
+    chord, aside = end - start, via - start
+    normal = np.cross(aside, chord)
+    size = float(np.linalg.norm(normal))
+    shares = [k / (count - 1) if count > 1 else 0.0 for k in range(count)]
+    if size <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
+        yield from (start + share * chord for share in shares)
+        return
+    centre = start + (
+        (aside @ aside) * np.cross(chord, normal) + (chord @ chord) * np.cross(normal, aside)
+    ) / (2 * size**2)
+    right, last = start - centre, end - centre
+    up = np.cross(normal / size, right)
+    whole = float(np.arctan2(last @ up, last @ right)) % (2 * np.pi)
+    for share in shares:
+        yield centre + np.cos(share * whole) * right + np.sin(share * whole) * up

@@ -1,12 +1,24 @@
-"""Speed and blend of a move, in physical units."""
+"""Speeds and blends of moves, in physical units, and paths: targets and moves in numpy columns.
+
+A path has no Python object per point.
+"""
 
 from __future__ import annotations
 
+import enum
 import math
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, require_same_length, rows_of
+from assistant.lazy import pictured
 from assistant.program.expressions import Expression, Name, Number
+from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,3 +99,191 @@ class ComputedBlend:
 
 COMPUTED: Final = Name("")
 """Stands for a speed or blend of which only the running program knows the value."""
+
+
+class Kind(enum.IntEnum):
+    """How a row of a path is reached. A VIA row and the END row after it are one arc."""
+
+    JOINT = 0
+    LINEAR = 1
+    VIA = 2
+    END = 3
+
+
+UNSTATED: Final = -128
+"""In the first configuration column: the target states no arm branch."""
+
+CONFIGURATION_COLUMNS: Final = ("back", "down", "flip", "quadrant1", "quadrant4", "quadrant6")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """n targets with the moves that reach them.
+
+    name: identifier; row i is known as `<name>_<i+1>`.
+    kinds: (n,) uint8, a `Kind` each.
+    positions: (n, 3) mm. quaternions: (n, 4) unit, scalar first.
+    configurations: (n, 6) int8, `CONFIGURATION_COLUMNS`; UNSTATED in the first if unknown.
+    external: (n, 6) deg or mm, NaN for an unused axis.
+    speed, blend, tool, frame: (n,) int32 rows of the tables speeds, blends, tools, frames.
+    places: (n, 2) where the move to each row begins and ends in the source text, counted from the
+    begin of the statement that follows the path; None if the rows have no lines of their own.
+    original: stem and number of the first row in the source text, where rows are called otherwise
+    there: `P` and 5 of P5, P6 … Neither is part of what the path says.
+    """
+
+    name: str
+    kinds: NDArray[np.uint8]
+    positions: Floats
+    quaternions: Floats
+    configurations: NDArray[np.int8]
+    external: Floats
+    speed: NDArray[np.int32]
+    blend: NDArray[np.int32]
+    tool: NDArray[np.int32]
+    frame: NDArray[np.int32]
+    speeds: tuple[Speed | Name, ...]
+    blends: tuple[Blend | Name, ...]
+    tools: tuple[str, ...]
+    frames: tuple[str, ...]
+    places: Rows | None = None
+    original: tuple[str, int] | None = None
+
+    @staticmethod
+    def of(
+        name: str,
+        positions: ArrayLike,
+        quaternions: ArrayLike,
+        *,
+        kinds: ArrayLike | Kind = Kind.LINEAR,
+        configurations: ArrayLike | None = None,
+        external: ArrayLike | None = None,
+        speeds: Sequence[Speed | Name],
+        blends: Sequence[Blend | Name] = (FINE,),
+        tools: Sequence[str] = (FLANGE,),
+        frames: Sequence[str] = (BASE,),
+        speed: ArrayLike = 0,
+        blend: ArrayLike = 0,
+        tool: ArrayLike = 0,
+        frame: ArrayLike = 0,
+        places: Rows | None = None,
+    ) -> Path:
+        """A path from arrays; scalars and missing columns hold for every row.
+
+        Raises ValueError if shapes do not fit or an index has no row in its table.
+        """
+        position = np.ascontiguousarray(rows_of(positions, 3, "positions"))
+        n = len(position)
+        quaternion = np.ascontiguousarray(rows_of(quaternions, 4, "quaternions"))
+        require_same_length(position, quaternion, "positions", "quaternions")
+        unstated = np.array([UNSTATED, 0, 0, 0, 0, 0], dtype=np.int8)
+        column = {
+            "speed": (speed, speeds),
+            "blend": (blend, blends),
+            "tool": (tool, tools),
+            "frame": (frame, frames),
+        }
+        indices: dict[str, Any] = {}
+        for label, (index, table) in column.items():
+            rows = np.broadcast_to(np.asarray(index, dtype=np.int32), (n,))
+            if n and not (rows.min() >= 0 and rows.max() < len(table)):
+                raise ValueError(f"a {label} index has no row in its table of {len(table)}")
+            indices[label] = rows
+        return Path(
+            name=name,
+            kinds=np.broadcast_to(np.asarray(kinds, dtype=np.uint8), (n,)),
+            positions=position,
+            quaternions=quaternion,
+            configurations=np.broadcast_to(
+                np.asarray(unstated if configurations is None else configurations, np.int8), (n, 6)
+            ),
+            external=np.broadcast_to(
+                np.asarray(np.nan if external is None else external, dtype=np.float64), (n, 6)
+            ),
+            speeds=tuple(speeds),
+            blends=tuple(blends),
+            tools=tuple(tools),
+            frames=tuple(frames),
+            places=places,
+            **indices,
+        )
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        return f"<Path {self.name}: {len(self)} row{'s' * (len(self) != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
+
+    def __eq__(self, other: object) -> bool:
+        """Same rows in effect: tables may be ordered differently."""
+        if not isinstance(other, Path):
+            return NotImplemented
+        if self.name != other.name or len(self) != len(other):
+            return False
+        numbers = ("kinds", "positions", "quaternions", "configurations")
+        return (
+            all(np.array_equal(getattr(self, f), getattr(other, f)) for f in numbers)
+            and np.array_equal(self.external, other.external, equal_nan=True)
+            and all(
+                self.differing_rows(other, column).size == 0
+                for column in ("speed", "blend", "tool", "frame")
+            )
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.name, len(self)))
+
+    def differing_rows(self, other: Path, column: str) -> Rows:
+        """Rows in which the table entries that `column` points to are not equal."""
+        mine, theirs = getattr(self, column + "s"), getattr(other, column + "s")
+        equal = np.array([[a == b for b in theirs] for a in mine], dtype=bool)
+        equal = equal.reshape(len(mine), len(theirs))
+        if not len(self):
+            return np.empty(0, dtype=np.intp)
+        return np.flatnonzero(~equal[getattr(self, column), getattr(other, column)])
+
+    def rows(self, start: int, stop: int, name: str | None = None) -> Path:
+        """The rows from start up to stop as a path of their own."""
+        cut: dict[str, Any] = {
+            f.name: getattr(self, f.name)[start:stop]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
+        if self.original is not None:
+            cut["original"] = self.original[0], self.original[1] + start
+        return replace(self, name=name or self.name, **cut)
+
+    def row_name(self, row: int) -> str:
+        """Name of a row, counted from 0, in the source text."""
+        stem, first = (f"{self.name}_", 1) if self.original is None else self.original
+        return f"{stem}{first + row}"
+
+    def pose(self, row: int) -> Pose:
+        return Pose.of(self.positions[row], self.quaternions[row])
+
+    def target(self, row: int) -> Target:
+        """One row as a target object; for the few, never for all."""
+        external = tuple(float(v) for v in self.external[row])
+        return Target(self.pose(row), configuration_of(self.configurations[row]), external)
+
+    def with_unit_quaternions(self) -> Path:
+        return replace(self, quaternions=rotations.canonical(self.quaternions))
+
+
+def configuration_of(row: NDArray[np.int8]) -> Configuration | None:
+    """One row of a configuration column."""
+    back, down, flip, one, four, six = (int(v) for v in row)
+    if back == UNSTATED:
+        return None
+    return Configuration(bool(back), bool(down), bool(flip), (one, four, six))
+
+
+def configuration_row(configuration: Configuration | None) -> tuple[int, ...]:
+    """A configuration as a row of a configuration column."""
+    if configuration is None:
+        return (UNSTATED, 0, 0, 0, 0, 0)
+    c = configuration
+    return (int(c.back), int(c.down), int(c.flip), *c.quadrants)

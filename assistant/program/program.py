@@ -1,21 +1,42 @@
-"""The pseudo-program: what a robot should do, in the words of no vendor."""
+"""The pseudo-program: what a robot should do, in no vendor's words, and its interface to a cell."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Set
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
+from assistant.base.diagnostics import Span, info
+from assistant.base.source_text import plain_letters
 from assistant.lazy import pictured
-from assistant.program.diagnostics import Span, info
-from assistant.program.effects import Effect
-from assistant.program.expressions import Expression
+from assistant.program.expressions import Effect, Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
-from assistant.program.interface import Interface
-from assistant.program.letters import plain_letters
 from assistant.program.motion import Blend, Speed
 from assistant.program.statements import Follow, For, If, Spanned, Statement, Switch, While
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """What a cell that exists wants of a program's names.
+
+    called: what others call it by, "" for the name that its entry has. main: False: it has no
+    routine that runs all of it, and others call its procedures. prefix: stands before every name
+    that it declares but that one. local: whatever nobody else calls is seen in its own module only.
+    there: tools and frames by lower-case name that the controller has already, which are named and
+    not written, with the numbers that they have where a controller counts them.
+    """
+
+    called: str = ""
+    main: bool = True
+    prefix: str = ""
+    local: bool = False
+    there: Mapping[str, int | None] = field(default_factory=dict)
+
+
+STANDALONE = Interface()
+"""Of a program that nobody has asked anything of."""
+
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 MANGLED = info(

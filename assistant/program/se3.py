@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, reals, require_same_length, rows_of
+from assistant.base import rotations
+from assistant.base.arrays import Floats, reals, require_same_length, rows_of
 from assistant.program.geometry import Pose
 
 if TYPE_CHECKING:

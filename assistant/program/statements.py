@@ -1,4 +1,7 @@
-"""Statements of the pseudo-program: small frozen records, one a construct."""
+"""Statements of the pseudo-program: small frozen records, one for each construct.
+
+The span of a statement is its source location; it does not count when statements are compared.
+"""
 
 from __future__ import annotations
 
@@ -8,22 +11,69 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program.arrays import Rows
-from assistant.program.calls import Call as Call
-from assistant.program.diagnostics import Span
-from assistant.program.effects import Effect
-from assistant.program.expressions import Expression, Name, Number
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Span
+from assistant.program.expressions import Effect, Expression, Name, Number
 from assistant.program.expressions import Reason as Reason
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.interrupts import Interrupt as Interrupt
-from assistant.program.interrupts import SwitchInterrupt as SwitchInterrupt
-from assistant.program.interrupts import SwitchInterrupts as SwitchInterrupts
 from assistant.program.motion import COMPUTED as COMPUTED
-from assistant.program.motion import Blend, Speed
+from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.program.motion import ComputedBlend as ComputedBlend
 from assistant.program.motion import ComputedSpeed as ComputedSpeed
-from assistant.program.path import Kind, Path
-from assistant.program.spanned import Spanned as Spanned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spanned:
+    """Where in a source text a statement stood; not part of what it says."""
+
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Spanned):
+    """Calls a procedure.
+
+    unit: the program unit that holds it if that is loaded for the call (see Procedure).
+    """
+
+    procedure: str
+    arguments: tuple[Expression, ...] = ()
+    unit: str | None = None
+
+
+State = Literal["on", "off"]
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupt(Spanned):
+    """From here on what an interrupt is: `call` is made while `condition` holds and it is on.
+
+    It is off until it is switched on. call: of a procedure without parameters. ends: if that holds
+    behind the call, the cycle of the program ends there, and the arm stays where it is.
+    """
+
+    name: str
+    condition: Expression
+    call: Call
+    ends: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchInterrupt(Spanned):
+    """Lets one interrupt come, or not; what held meanwhile and does no more, is lost."""
+
+    name: str
+    state: State
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchInterrupts(Spanned):
+    """Lets those come that are on, or none of them; they may at the start of a program."""
+
+    state: State
+
+
+Interrupting = Interrupt | SwitchInterrupt | SwitchInterrupts
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import file_in_folder, write_all
 from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
 from assistant.findings.formats import finding_record
-from assistant.findings.project_severities import apply_severities
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import file_in_folder, write_all
+from assistant.findings.severities import apply_severities
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.file_sets import scratch_folder
 from assistant.compiler.checking import check_files
-from assistant.findings.project_severities import apply_severities
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
-from assistant.program.system.writing import scratch_folder
+from assistant.findings.severities import apply_severities
 from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes
 from assistant.project.inputs import digest_of

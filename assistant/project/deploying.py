@@ -8,12 +8,12 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from assistant import deploy
+from assistant.base.diagnostics import Diagnostic, Refused, fold, has_errors, worst
 from assistant.controllers import Named, Programs
 from assistant.controllers.named import ROBOT_FILES
 from assistant.controllers.states import Identity
 from assistant.deploy import Deployment, FileState, Plan, Verified
 from assistant.findings.formats import finding_record
-from assistant.program.diagnostics import Diagnostic, Refused, fold, has_errors, worst
 
 
 def planned(
@@ -47,7 +47,7 @@ def planned(
 def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
     """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
     from assistant.compiler.checking import check_files
-    from assistant.findings.project_severities import apply_severities
+    from assistant.findings.severities import apply_severities
 
     if one.robot is None or not files:
         return ()

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.system.bounded import read_file
+from assistant.base.file_access import read_file
 
 Digests = Mapping[str, str | None]
 """File or folder (with a `/` at its end), from the project's folder → SHA-256 of its bytes or of

@@ -13,8 +13,8 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import __version__
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_files
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_files
 from assistant.project.inputs import Digests, digest_of, same
 from assistant.project.layout import BUILT, KEPT, Project
 from assistant.project.making import Order

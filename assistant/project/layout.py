@@ -12,6 +12,8 @@ from pathlib import PurePosixPath
 from typing import Any, Final
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors, near_names
+from assistant.base.source_text import is_file, is_folder
 from assistant.controllers import Named, controllers_of
 from assistant.controllers.address import without_password
 from assistant.controllers.controller import LANGUAGES
@@ -19,9 +21,6 @@ from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.answers import (
     Frames,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.near import near_names
-from assistant.program.text import is_file, is_folder
 from assistant.project import rules
 from assistant.project.links import check_no_links
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers

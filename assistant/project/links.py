@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.project import rules
 
 

@@ -9,6 +9,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
 from assistant import languages
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.source_text import read_bytes
 from assistant.compiler import compile
 from assistant.compiler.arms import robot_of
 from assistant.compiler.loading import language_of, load, read_trees
@@ -16,11 +19,8 @@ from assistant.compiler.motion import Proving
 from assistant.compiler.scenes import in_cell
 from assistant.compiler.style import style_of
 from assistant.compiler.together import together
-from assistant.findings.project_severities import apply_severities
+from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.failing import internal_error, traceback_wanted
-from assistant.program.text import read_bytes
 from assistant.project import rules
 from assistant.project.inputs import Digests, digests, watched
 from assistant.project.layout import Place, Recipe

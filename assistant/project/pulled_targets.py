@@ -10,6 +10,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText, decode, encode
+from assistant.base.toml_text import value_spans
 from assistant.compiler.loading import PSEUDO_ENCODINGS, lift, parse_pseudo
 from assistant.compiler.teaching import branch_words, number_list
 from assistant.deploy import PlannedFile
@@ -17,16 +21,13 @@ from assistant.languages import Language
 from assistant.languages.answers import (
     Precision,
 )
-from assistant.program import pseudo, rotations
-from assistant.program.diagnostics import Refused
+from assistant.program import pseudo
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Program
-from assistant.program.text import SourceText, decode, encode
 from assistant.project import rules
 from assistant.robots import Robot
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.lines import value_spans
 from assistant.sources.tables.taught import ORIENTATIONS, read_taught
 from assistant.sources.tables.teaching import TaughtTarget, is_kept, with_target
 

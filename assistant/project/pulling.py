@@ -14,14 +14,14 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import read_bytes
 from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.merging import Form, in_layout, merged
 from assistant.deploy.repository import is_committed
 from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.system.writing import write_all
-from assistant.program.text import read_bytes
 from assistant.project import rules
 from assistant.project.pulled_targets import PLACES_OF, changed_targets, with_targets
 from assistant.robots import Robot

@@ -8,7 +8,7 @@ from typing import Final
 
 from assistant import languages
 from assistant.controllers.named import NAME as CONTROLLER_NAME
-from assistant.findings.severity import LEVELS, TABLE
+from assistant.findings.severities import LEVELS, TABLE
 from assistant.languages.answers import (
     Choice,
     Setting,

@@ -8,11 +8,11 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import read_bytes
 from assistant.program.program import TakenNames, identifier
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_all
-from assistant.program.text import read_bytes
 from assistant.project import rules
 from assistant.project.drafting import process_text, program_text, quoted
 from assistant.project.layout import project_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.project.layout import Place, Project, Recipe, inside, project_of
 from assistant.project.making import chosen_language, order_of, shown_path
 from assistant.sources import project as files

@@ -15,11 +15,10 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_file, write_whole
+from assistant.base.termination import defer_termination
 from assistant.controllers import Credentials, Named, Programs, connect
-from assistant.program.diagnostics import Refused
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import write_whole
-from assistant.program.system.ending import defer_termination
 from assistant.project import rules
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.source_text import visible
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move
-from assistant.program.visible import visible
 from assistant.report.drawn import Line
 from assistant.report.figures import figure, picture
 from assistant.report.track import Way, ways

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.cell.exploration.occupancy import Occupancy, State
-from assistant.program.arrays import Floats
 from assistant.report.figures import figure, picture
 
 if TYPE_CHECKING:

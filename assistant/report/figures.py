@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, error
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

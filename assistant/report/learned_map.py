@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 from assistant.report.figures import figure, picture
 
 if TYPE_CHECKING:

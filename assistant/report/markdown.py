@@ -6,9 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.lines import lines_of
-from assistant.program.visible import visible
+from assistant.base.diagnostics import Diagnostic
+from assistant.base.source_text import lines_of, visible
 
 MOST_LINES: Final = 300
 """Lines of a difference in a comment; a site takes 65,536 characters of one."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.arrays import evenly_spaced
+from assistant.base.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots.timing import Simulation
 

@@ -8,13 +8,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.base.diagnostics import TABLE_NOUNS, Span
 from assistant.compiler.loading import language_of
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translating import Translation
-from assistant.program.diagnostics import Span
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
-from assistant.program.subjects import TABLE_NOUNS
 from assistant.report.translation import Translated
 
 HEAD: Final = ("program", "kind", "routine", "old", "new", "file", "line")

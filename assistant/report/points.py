@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.se3 import Unit
 from assistant.report import figures
 from assistant.report.plots import draw_poses, finish

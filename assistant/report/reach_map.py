@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, evenly_spaced
 from assistant.cell.reach.mapping import ReachMap
-from assistant.program.arrays import Floats, evenly_spaced
 from assistant.report import figures
 
 MOST_SLICES: Final = 9

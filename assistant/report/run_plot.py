@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import evenly_spaced
+from assistant.base.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots import Robot
 

@@ -7,12 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import Body, Scene
 from assistant.cell.shapes import Mesh, Shape, extent
 from assistant.cell.surfaces import surface
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 
 HEADINGS: Final = ("body", "stands in", "shape", "from", "to", "margin")
 """From and to: the box around it in the world, mm, with all robots at home."""

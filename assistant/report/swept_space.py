@@ -8,11 +8,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Ints
 from assistant.cell.reach.swept import Swept
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Mesh
 from assistant.cell.writing.gltf import gltf
-from assistant.program.arrays import Ints
 from assistant.report import figures
 
 COLOUR: Final = (230, 120, 40)

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.robots.timing import Duration, MoveTimes, OutputTime, Simulation
 
 SLOWEST: Final = 10

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path
 from assistant.program.program import Program, walk
 from assistant.program.statements import (
     Call,

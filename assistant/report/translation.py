@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.compiler.source_map import Place
 from assistant.compiler.translating import Row, Translation
 from assistant.findings.formats import finding_record
-from assistant.program.diagnostics import Diagnostic
 from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown
 

@@ -7,8 +7,8 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path as FilePath
 
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import read_bytes
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.source_text import read_bytes
 from assistant.robots.robot import Robot
 from assistant.robots.robot_file import read
 

@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.program.arrays import Ints, whole_rows
-from assistant.program.path import UNSTATED
+from assistant.base.arrays import Ints, whole_rows
+from assistant.program.motion import UNSTATED
 
 BACK, DOWN, FLIP = 0, 1, 2
 QUADRANTS: Final = slice(3, 6)

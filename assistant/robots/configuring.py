@@ -13,12 +13,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, fold
+from assistant.base.arrays import Floats
+from assistant.base.budgets import SOLVING, staged
+from assistant.base.diagnostics import Declared, Diagnostic, Goal, NumberedMove, fold
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
-from assistant.program.motion import FINE, MAXIMUM_SPEED
-from assistant.program.path import UNSTATED, Kind, Path, configuration_of
+from assistant.program.motion import FINE, MAXIMUM_SPEED, UNSTATED, Kind, Path, configuration_of
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import (
@@ -34,8 +34,6 @@ from assistant.program.statements import (
     Travel,
     trait,
 )
-from assistant.program.subjects import Declared, Goal, NumberedMove
-from assistant.program.system.budgets import SOLVING, staged
 from assistant.robots import findings as rules
 from assistant.robots.branches.row_reach import Cures
 from assistant.robots.branches.solving import solve

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats, rows_of
+from assistant.base.arrays import Floats, rows_of
 from assistant.robots.arms.placed import Placed
 from assistant.robots.robot import IN_LINE, Robot
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose, Vector
 
 Kind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]

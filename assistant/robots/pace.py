@@ -13,12 +13,11 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Tool
-from assistant.program.motion import Speed
-from assistant.program.path import Kind
+from assistant.program.motion import Kind, Speed
 from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statements import Follow, Motion, MoveCircular, Moving

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.lazy import pictured
-from assistant.program.arrays import (
+from assistant.base.arrays import (
     Floats,
     Ints,
     Rows,
@@ -22,8 +21,9 @@ from assistant.program.arrays import (
     rows_of,
     whole_rows,
 )
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.path import UNSTATED
+from assistant.base.diagnostics import Diagnostic
+from assistant.lazy import pictured
+from assistant.program.motion import UNSTATED
 from assistant.program.program import Program
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
 from assistant.robots.arms.five_axis import FiveAxis

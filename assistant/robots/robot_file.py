@@ -10,11 +10,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, Unreadable, error
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import read_bytes
-from assistant.program.toml_text import parse_toml
+from assistant.base.arrays import Floats
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Refused, Unreadable, error
+from assistant.base.source_text import read_bytes
+from assistant.base.toml_text import parse_toml
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.five_axis import FiveAxis

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import FLANGE, Tool
 from assistant.program.program import Program
 from assistant.program.statements import Follow, Moving

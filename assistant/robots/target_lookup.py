@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.expressions import (
     Apply,
     Binary,

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final, cast
 
-from assistant.program.diagnostics import Unreadable, error
-from assistant.program.system.budgets import TABLE, most_unpacked, within
-from assistant.program.text import is_file
+from assistant.base.budgets import TABLE, most_unpacked, within
+from assistant.base.diagnostics import Unreadable, error
+from assistant.base.source_text import is_file
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.placements import INSTEAD, Placing, check_drawn
 from assistant.sources.process import NO_PROCESS, Process

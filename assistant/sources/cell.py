@@ -42,17 +42,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeVar
 
-from assistant.program.channels import ChannelLine
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.source_text import SourceText, decode, read_bytes
+from assistant.base.toml_text import parse_toml
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.toml_text import parse_toml
-from assistant.program.wanted import (
+from assistant.program.undeclared_names import (
     JOINT_SPEED,
     LINE_NAME,
     CallArgument,
+    ChannelLine,
     Plain,
     SuppliedValue,
     Wanted,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, error, info
+from assistant.base.diagnostics import Diagnostic, Refused, error, info
 
 UNITS: Final[Mapping[str, tuple[str, float]]] = {
     "mm": ("millimetres", 1.0),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, error, info
+from assistant.base.diagnostics import Diagnostic, Refused, error, info
 from assistant.program.geometry import Pose
 from assistant.sources.process import values
 from assistant.sources.process.placing import ONE_WAY, by_marks

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Span, Unreadable
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Rule, Span, Unreadable
+from assistant.base.source_text import SourceText, decode, read_bytes
 
 FILES: Final[Mapping[str, tuple[str, ...]]] = {
     "assistant.toml": (),
@@ -86,8 +86,8 @@ def project_of(folder: FilePath) -> Project | None:
 
 def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     """Our table in a file, None if it is not there; raises Unreadable."""
+    from assistant.base.toml_text import key_spans
     from assistant.sources.process.file import read_toml
-    from assistant.sources.process.lines import key_spans
 
     read = decode(
         read_bytes(file, allow_empty=True, most=SETTINGS_FILE), str(file), ("utf-8-sig", "utf-8")

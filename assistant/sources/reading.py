@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Protocol
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Program
 from assistant.sources.process import Process
 from assistant.sources.process.seen import NOT_SAID, Seen

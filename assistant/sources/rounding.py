@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Truths
+from assistant.program.motion import Kind
 
 SIZES: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20.0, 50.0])
 """mm; a few for all rows, as each is a declaration. Controllers have many of them built in."""

@@ -20,10 +20,10 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
-from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.base.source_text import decode, read_bytes
 from assistant.program.geometry import Pose
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.seen import NOT_SAID as NOT_STATED

@@ -7,8 +7,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.expressions import Apply, Expression, Name, Number
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
 from assistant.program.statements import Motion, Move, Statement, Travel

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose, Vector
 
 ALONG: Vector = (0.0, 0.0, -1.0)

@@ -19,8 +19,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from assistant.program.arrays import Floats, reals
-from assistant.program.diagnostics import (
+from assistant.base.arrays import Floats, reals
+from assistant.base.diagnostics import (
     Diagnostic,
     Refused,
     Severity,
@@ -29,9 +29,9 @@ from assistant.program.diagnostics import (
     error,
     has_errors,
 )
-from assistant.program.path import Kind, Path
+from assistant.base.source_text import decode, read_bytes
+from assistant.program.motion import Kind, Path
 from assistant.program.program import Program, identifier
-from assistant.program.text import decode, read_bytes
 from assistant.sources.contours.thinning import shortest
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import NO_PROCESS, Process

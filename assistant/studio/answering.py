@@ -15,9 +15,8 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import internal_error
-from assistant.program.system.watchdog import Reached
+from assistant.base.budgets import Reached, internal_error
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.studio import Studio
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
 from assistant.compiler.comparing import Comparison, compare
 from assistant.compiler.motion import Proving
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 from assistant.studio.answering import findings
 from assistant.studio.motions import Columns, deviation, shown
 from assistant.studio.running import Wanted

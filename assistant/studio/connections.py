@@ -11,13 +11,13 @@ from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from assistant.base.budgets import internal_error
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Controller, Named, Programs, connect
 from assistant.controllers import rules as controller_rules
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
 from assistant.controllers.stopping import PATIENCE, Rest, brought_to_rest, stop_at_once, stopped
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import internal_error
 from assistant.studio import rules
 from assistant.studio.answering import findings, plain
 from assistant.studio.windows import Tell

@@ -20,13 +20,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final, TypeVar
 
+from assistant.base.budgets import internal_error
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.jogging import ABOUT, ALONG, JOINTS, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.states import Jog, record
 from assistant.controllers.stopping import PATIENCE, Rest, stop_at_once
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import internal_error
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.connections import Connection

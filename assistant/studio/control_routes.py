@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.answering import Asked, asks, changes, findings
 from assistant.studio.connections import Connection
@@ -104,9 +104,9 @@ def hand(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Stores where the arm is under a name, as the command of that name does."""
+    from assistant.base.source_text import is_file
     from assistant.compiler.teaching import Wanted
     from assistant.compiler.teaching import teach as stored
-    from assistant.program.text import is_file
     from assistant.studio.dropping import check_name
 
     control_of(studio, asked)

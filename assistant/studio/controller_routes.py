@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.answering import Asked, asks, changes, findings, looks
 from assistant.studio.connections import Connection
@@ -122,7 +122,7 @@ def _kept(studio: Studio) -> FilePath:
 def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
     """Whether what is sent can be read on the way, unless the project has accepted that."""
     from assistant.controllers.clear_text import clear_text
-    from assistant.findings.severity import severities_for
+    from assistant.findings.severities import severities_for
 
     told = clear_text(one.address)
     wanted = severities_for(studio.folder).of(told) if told else None

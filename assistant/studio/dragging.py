@@ -7,11 +7,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, evenly_spaced
+from assistant.base.source_text import visible
 from assistant.cell.collision.model import Model
-from assistant.program.arrays import Floats, evenly_spaced
 from assistant.program.geometry import Pose
-from assistant.program.path import UNSTATED
-from assistant.program.visible import visible
+from assistant.program.motion import UNSTATED
 from assistant.robots.arms import five_axis
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg

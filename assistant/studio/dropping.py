@@ -7,11 +7,11 @@ from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import is_file
 from assistant.program.program import TakenNames, identifier
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_all
-from assistant.program.text import is_file
 from assistant.project import project_of
 from assistant.project.layout import Project
 from assistant.project.starting import PROJECT, Started, start

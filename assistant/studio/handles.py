@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.toml_text import key_spans
 from assistant.editing.workspace import Document, Workspace
 from assistant.program import pseudo
 from assistant.program.expressions import Name
@@ -16,7 +17,6 @@ from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Follow, MoveCircular
 from assistant.report.track import stops
-from assistant.sources.process.lines import key_spans
 from assistant.studio.path_rows import Rows
 from assistant.studio.stages import DRAWING, TARGET, TAUGHT, Handle, Stage
 from assistant.studio.studio import Studio

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, evenly_spaced, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, evenly_spaced, norms
 from assistant.robots import Robot
 
 MOST_POINTS: Final = 2_000

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Refused, Span
+from assistant.base.toml_text import value_spans
 from assistant.compiler.loading import language_of
 from assistant.compiler.teaching import branch_at
 from assistant.editing.excerpts import Excerpt
@@ -15,13 +17,11 @@ from assistant.editing.service import Change, Document, Workspace
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import Pose, Target, Vector
 from assistant.program.program import Program
-from assistant.program.pseudo.values import target_text
+from assistant.program.pseudo.expressions import target_text
 from assistant.robots import Robot
 from assistant.sources.process.file import parse_process
-from assistant.sources.process.lines import value_spans
 from assistant.studio import rules
 from assistant.studio.dragging import joints_at, pose_at
 from assistant.studio.handles import entries_of_taught

@@ -16,7 +16,7 @@ import numpy as np
 
 from assistant.editing.workspace import Document, Workspace
 from assistant.program.geometry import Pose
-from assistant.program.path import Path
+from assistant.program.motion import Path
 from assistant.program.program import walk
 from assistant.program.statements import Follow
 from assistant.studio.stages import Stage

@@ -8,17 +8,17 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_all
-from assistant.program.text import SourceText, encode, is_file
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import SourceText, encode, is_file
+from assistant.base.toml_text import KeyPath
 from assistant.project.drafting import process_text
 from assistant.sources import PROCESS_SUFFIX, process_of
 from assistant.sources.drawing import read_contents
 from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
-from assistant.sources.process.lines import KeyPath
 from assistant.studio.answering import findings, not_asked, plain
 from assistant.studio.studio import Studio
 from assistant.studio.toml_edits import content_of, with_values, without_table
@@ -199,7 +199,7 @@ def _text(drawing: FilePath, file: FilePath) -> SourceText:
     if not is_file(file):
         seen: Survey = survey(drawing, NO_PROCESS)
         return SourceText(process_text(drawing.name, seen), str(file), "utf-8", "\n")
-    from assistant.program.text import decode
+    from assistant.base.source_text import decode
     from assistant.sources.process.file import ENCODINGS
 
     return decode(read_file(file), str(file), ENCODINGS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, info
+from assistant.base.diagnostics import error, info
 
 NO_LIBRARY = error(
     "ST001",

@@ -10,7 +10,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.studio import rules
 from assistant.studio.answering import Asked, changes, findings, looks, view_page
 from assistant.studio.studio import Studio

@@ -17,10 +17,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 import numpy as np
 
+from assistant.base.budgets import Reached, internal_error
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.script_file import not_visited
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import internal_error
-from assistant.program.system.watchdog import Reached
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals

@@ -9,6 +9,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.source_text import SourceText, read_bytes
 from assistant.checks import robot_rules
 from assistant.compiler.arms import robot_of
 from assistant.compiler.entering import entered
@@ -26,9 +28,7 @@ from assistant.compiler.solving import Solved, solve
 from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
-from assistant.program.text import SourceText, read_bytes
 from assistant.project.stated import Stated, completed
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
 from assistant.sources.placements import DRAWN, INSTEAD, Placing

@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from types import ModuleType
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.studio import rules
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def _listening(host: str, port: int) -> socket.socket:
 
 
 def _encrypt(config: object, host: str, folder: FilePath) -> None:
-    from assistant.program.system.certificate import self_signed_context
+    from assistant.base.certificate import self_signed_context
     from assistant.project.layout import inside
 
     file = inside(folder, CERTIFICATE.as_posix())

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import is_file
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import is_file
 from assistant.studio import rules
 from assistant.studio.windows import Windows
 

@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
+from assistant.base.budgets import freeze_loaded_objects
 from assistant.editing import service
 from assistant.editing.service import (
     SORTS,
@@ -23,7 +24,6 @@ from assistant.editing.service import (
     Workspace,
 )
 from assistant.editing.speaking import PSEUDO, spoken
-from assistant.program.without_gc import freeze_loaded_objects
 from assistant.studio.answering import Asked, Does, findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of

@@ -10,13 +10,13 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import SourceText, decode, encode, is_file, read_bytes
 from assistant.editing.checker import Checker
 from assistant.editing.places import LINE_END
 from assistant.editing.service import Change, Document, Workspace
-from assistant.program.diagnostics import Refused
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import write_all
-from assistant.program.text import SourceText, decode, encode, is_file, read_bytes
 from assistant.studio import rules
 from assistant.studio.answering import not_asked
 from assistant.studio.studio import Studio

@@ -9,10 +9,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from assistant.program import toml_text
-from assistant.program.diagnostics import Refused
+from assistant.base import toml_text
+from assistant.base.diagnostics import Refused
+from assistant.base.toml_text import KeyPath, key_spans, value_spans
 from assistant.project.drafting import WIDTH, quoted
-from assistant.sources.process.lines import KeyPath, key_spans, value_spans
 from assistant.studio import rules
 from assistant.studio.answering import not_asked
 

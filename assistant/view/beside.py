@@ -10,12 +10,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.compiler.comparing import Comparison, statements
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translating import LEVELS, Translation
-from assistant.program.lines import lines_of
-from assistant.program.text import SourceText
-from assistant.program.visible import visible
 from assistant.report.names import renamed
 from assistant.view.motion import Record, column
 from assistant.view.moves import text_records

@@ -6,13 +6,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
+from assistant.base.source_text import visible
 from assistant.cell.clearances import Closeness
 from assistant.cell.collision.carriers import Carriers
 from assistant.cell.scene import CORE
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.program.visible import visible
 from assistant.view.located import Located
 from assistant.view.motion import Motion, Record
 from assistant.view.moves import MOST_MOVES, Moves

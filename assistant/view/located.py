@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.expressions import Expression, Name
-from assistant.program.geometry import IDENTITY, Pose
-from assistant.program.program import Program
-from assistant.program.statements import Follow, Move, MoveCircular
-from assistant.program.subjects import (
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import (
     Declared,
+    Diagnostic,
     Neighbours,
     NumberedMove,
     PathRow,
     Several,
     SomeTargets,
 )
+from assistant.program.expressions import Expression, Name
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.program import Program
+from assistant.program.statements import Follow, Move, MoveCircular
 from assistant.report.track import Stop, stops
 
 Named = tuple[str, str]

@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats, norms
 from assistant.cell.scene import Placed
-from assistant.program.arrays import Floats, norms
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation

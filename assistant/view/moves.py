@@ -9,12 +9,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.compiler.source_map import Places
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.lines import lines_of
-from assistant.program.path import Kind
-from assistant.program.text import SourceText
-from assistant.program.visible import visible
+from assistant.program.motion import Kind
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.passed import Passed, stretches_of

@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.source_text import visible
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import Body, Placed
 from assistant.cell.surfaces import surface_of
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
-from assistant.program.visible import visible
 from assistant.report.timing import statements
 from assistant.report.track import track
 from assistant.view.found import MOST_FINDINGS, findings

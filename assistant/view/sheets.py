@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.cell.clearances import Closeness
 from assistant.cell.scene import Placed, Scene
 from assistant.compiler.source_map import Places
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import Program
 from assistant.report.drawn import Line

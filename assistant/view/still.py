@@ -7,14 +7,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
+from assistant.base.source_text import visible
 from assistant.compiler.source_map import Places
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.program.program import Program, walk
 from assistant.program.statements import Moving
-from assistant.program.visible import visible
 from assistant.report.track import track
 from assistant.robots.timing.pieces import label_of
 from assistant.view.motion import Record, column

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from assistant.program.visible import visible
+from assistant.base.source_text import visible
 from assistant.report.timing import Statement, seconds_of
 from assistant.robots.timing import Simulation
 from assistant.view.motion import Record

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.cell.scene import Placed
-from assistant.program.arrays import Floats
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.course import sums
 from assistant.robots.timing.passed import Passed

@@ -10,7 +10,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.events import (
     Awaited,

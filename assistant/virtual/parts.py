@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.base.source_text import SourceText
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 
 NOT_RUN: Final = error(
     "VC201", "programs in {language} cannot be run here", "choose a program in {languages}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Board, Kernel, Motion, Signals
 from assistant.virtual.kernel.motion import Instant

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, error, info
+from assistant.base.diagnostics import Diagnostic, Rule, error, info
+from assistant.base.source_text import SourceText, visible
 from assistant.program.geometry import Pose
-from assistant.program.text import SourceText
-from assistant.program.visible import visible
 from assistant.virtual.events import (
     Event,
     Logged,

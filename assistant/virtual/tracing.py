@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.virtual.events import Logged, Run, Switched
 from assistant.virtual.kernel import Motion
 from assistant.virtual.kernel.script import Given

@@ -17,10 +17,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.geometry import Pose
 from assistant.sources.process.seen import TRUSTED, Trust
 from assistant.sources.process.values import shown

@@ -8,13 +8,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.compiler import Loaded, load, translate
 from assistant.compiler.arms import robot_of
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import Task, load_task
 from assistant.compiler.translating import LEVELS, Translation
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
 from assistant.robots import Robot
 
 NO_MAIN = "MB245"

@@ -14,8 +14,8 @@ import numpy as np
 
 import assistant
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.running_bdsim import run_paced
-from assistant.program.diagnostics import Refused
 
 PROGRAM = Path(__file__).parent.parent / "rapid" / "gluing.mod"
 ROBOT = robots.get("irb1200-7-0.7")

@@ -12,9 +12,9 @@ import itertools
 import numpy as np
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.blocks.running_bdsim import run_paced
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 
 ROBOT = robots.get("irb1200-7-0.7")
 STEP, SECONDS = 0.01, 6.0

@@ -15,11 +15,11 @@ from contextlib import contextmanager
 import numpy as np
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.leading import led
 from assistant.blocks.running_bdsim import run_paced
 from assistant.controllers.following import Wishes
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 
 ROBOT = robots.get("rv-2aj")

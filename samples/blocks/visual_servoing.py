@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.adapted import add
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.running_bdsim import run_paced
-from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.servoing.ideal import Ticks
 from assistant.vision.servoing.interaction import flange_of, jacobian

@@ -12,11 +12,11 @@ import argparse
 import numpy as np
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Limits, Settings, Trajectory
 from assistant.controllers.following import MXT_PROGRAM, OPENING, Wishes, mxt_installed, on_network
 from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
-from assistant.program.diagnostics import Refused
 
 
 def main():

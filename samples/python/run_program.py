@@ -10,9 +10,9 @@ a data link of its own that a second program sends on, Ethernet (COM2:) or seria
 
 import argparse
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Rate
-from assistant.program.diagnostics import Refused
 
 SQUARE = b"""10 ' Round a square of 20 mm, 20 mm lower, and back
 20 OVRD 50

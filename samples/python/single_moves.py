@@ -10,8 +10,8 @@ over a serial line alike:
 import argparse
 import re
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
-from assistant.program.diagnostics import Refused
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*")
 

@@ -9,10 +9,10 @@ import argparse
 import math
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.control_mode import ControlMode
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
-from assistant.program.diagnostics import Refused
 
 
 def main():

@@ -12,7 +12,7 @@ from roboticstoolbox import jtraj
 from spatialmath import SE3
 
 import assistant
-from assistant.program.diagnostics import Severity
+from assistant.base.diagnostics import Severity
 from assistant.program.geometry import Pose, Tool
 from assistant.program.motion import FINE, Blend
 

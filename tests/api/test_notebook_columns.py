@@ -13,8 +13,8 @@ from lxml import html
 
 import assistant
 from assistant import robots
+from assistant.base.columns import MOST_SHOWN_COLUMNS, MOST_SHOWN_ROWS, columns_html
 from assistant.controllers.recording import Recording
-from assistant.program.column_pages import MOST_SHOWN_COLUMNS, MOST_SHOWN_ROWS, columns_html
 from assistant.program.statements import Follow
 from tests.api.test_offered import IRB, NASTY, PLATE, shown
 

@@ -11,7 +11,7 @@ import pytest
 from lxml import html
 
 import assistant
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 from tests.cli.test_check import BROKEN, CLEAN, ODD, write
 
 SAMPLES = Path(__file__).parents[2] / "samples"

@@ -9,11 +9,10 @@ import pytest
 
 import assistant
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.learning.calibration.measured import measured
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.program.motion import Speed
-from assistant.program.path import Path
+from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata
 from assistant.robots.crossing import crossed
 from assistant.vision.cameras.camera import Camera, Lens

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import run
@@ -16,7 +17,6 @@ from assistant.blocks.library.moving import JointMovJoint, LinMovJoint
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.blocks.running_bdsim import run_bdsim, run_paced
-from assistant.program.diagnostics import Refused
 from assistant.robots.timing import drive_of
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.faults import Faults

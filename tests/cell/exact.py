@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 
 def segments(a: Floats, b: Floats, c: Floats, d: Floats) -> float:

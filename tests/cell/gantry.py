@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.cell.scene import Placed
-from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot_file import read
 

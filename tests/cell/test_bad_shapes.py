@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
 from assistant.compiler import check_files
-from assistant.program.diagnostics import Refused
 
 FLAT = "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nf 1 2 3\nf 1 3 4\n"
 LINE = "v 0 0 0\nv 100 0 0\nv 200 0 0\nf 1 2 3\n"

@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.continuous import Way, clear, hits, leasts
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Sphere
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
 

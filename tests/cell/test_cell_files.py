@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.map_file import save
 from assistant.cell.exploration.occupancy import Occupancy, keys_of
@@ -14,7 +15,6 @@ from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.meshes import read_mesh
 from assistant.cell.scene import Scene
 from assistant.cell.shapes import Box, Cylinder, Mesh
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.sources.cell import read_cell
 
 CELL = """

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Mesh, Shape, Sphere
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from tests.cell.exact import point_box, point_segment, segment_box, segments
 

@@ -17,13 +17,13 @@ from ezdxf.filemanagement import new
 from ezdxf.render.forms import cube
 from ezdxf.render.mesh import MeshBuilder
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.drawings import Drawn, read_drawing
 from assistant.cell.scene import Body
 from assistant.cell.shapes import Convex, Cylinder, Mesh
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 
 @pytest.fixture

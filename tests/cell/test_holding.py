@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
 from assistant.compiler import check_files
-from assistant.program.diagnostics import Refused
 
 PICK = """
 program pick

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.continuous import Way, hits
 from assistant.cell.collision.model import Item, Model
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.cell.arms import alone, placed, touching_links
 from assistant.cell.clearances import closeness
 from assistant.cell.collision.continuous import Way, leasts
@@ -17,7 +18,6 @@ from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Sphere
 from assistant.checks.clearances import clearances
 from assistant.cli import main
-from assistant.program import rotations
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import JointTarget, Pose, Tool
 from assistant.program.motion import FINE, Speed

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.cell.arms import placed, touching_links
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Shape, Sphere
 from assistant.checks.clearances import clearances
-from assistant.program import rotations
 from assistant.program.expressions import TargetValue
 from assistant.program.geometry import Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed

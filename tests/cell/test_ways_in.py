@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Severity
 from assistant.cell.planning.goals import held
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.ways_in import Around
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
 from assistant.sources.surroundings import ALONG, seconds
 

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.checks.extremes import extremes_of
 from assistant.checks.moves import moves_of
-from assistant.program.motion import Speed
-from assistant.program.path import UNSTATED, Path
+from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial

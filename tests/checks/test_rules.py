@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from assistant.checks import check
 from assistant.program.expressions import Name, TargetValue
 from assistant.program.geometry import Pose, Target
-from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Branch, Follow, If, Motion, Move, MoveCircular, Statement
 

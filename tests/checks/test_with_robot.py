@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 
 import assistant
 from assistant import checks, robots
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 from assistant.program.expressions import JointValue, Name, Number, TargetValue
 from assistant.program.geometry import JointTarget, Load, Pose, Target, Tool
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow, Motion, Move, MoveJoints, SetOverride, Statement
 

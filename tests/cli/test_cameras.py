@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.calibration.boards import Board
 from assistant.vision.cameras.camera import Camera

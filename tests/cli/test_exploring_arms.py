@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.map_file import load
 from assistant.cell.exploration.occupancy import State
 from assistant.cli import exploring_arms
@@ -16,7 +17,6 @@ from assistant.cli.exploring_arms import NO_CONTACT
 from assistant.compiler.exploring import touching
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import Contact, VirtualCr
 from assistant.vision.exploring.contacts import AnyContacts
 from tests.cli.test_commands import run

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.compiler.following import led_along
 from assistant.controllers import connect, parse
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.mxt_command import Enet, mxt_commands
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.formatting import NOT_THE_SAME, format_text
 from assistant.languages.rapid import Rapid
-from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 
 UNTIDY = b"MODULE m\r\nvar num a := 1 ;\r\nENDMODULE"

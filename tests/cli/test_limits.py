@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.program.system.budgets import FACTOR_VARIABLE
+from assistant.base.budgets import FACTOR_VARIABLE
 from tests.cli.test_commands import run
 
 MODULE = "MODULE m\n{data}\nPROC main()\n{body}\nENDPROC\nENDMODULE\n"

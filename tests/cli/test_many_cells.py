@@ -21,6 +21,7 @@ import pytest
 from lxml import etree
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused, error
 from assistant.cli import main
 from assistant.cli.junit import junit
 from assistant.cli.many_cells import Manner, ended_in_order, run_many, write_junit
@@ -41,7 +42,6 @@ from assistant.deploy import (
     Rollout,
 )
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Refused, error
 from assistant.virtual.cr import VirtualCr
 
 PROGRAM = "10 OVRD 50\r\n20 DLY {}\r\n30 END\r\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import assistant
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from tests.cli.test_commands import run
 
 MODULE = """MODULE Job

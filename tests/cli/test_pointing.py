@@ -13,12 +13,12 @@ import pytest
 
 import assistant
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.compiler.running import programs
 from assistant.compiler.shown_places import check_reached, placed
 from assistant.compiler.teaching import Wanted
 from assistant.controllers import Controller, connect
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.sources import read
 from assistant.virtual.cr import VirtualCr

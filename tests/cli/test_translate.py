@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.cli import main
 from assistant.languages.melfa_basic import MelfaBasic
 from assistant.languages.melfa_basic.tree.syntax import File
-from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 from tests.view.cases import data_of
 

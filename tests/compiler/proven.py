@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import Translation, translate
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
-from assistant.program.text import SourceText
 
 SIX = "melfa-basic-6"
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation
-from assistant.program.text import SourceText
 
 POINTS = """P1=(+400.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
 P2=(+400.00,+0.00,+500.00,+180.00,+0.00,+180.00)(7,0)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.compiler import load, translate
 from assistant.compiler.filling import with_cell
-from assistant.program.diagnostics import Refused
 
 RAPID = """MODULE M
 CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import check_files, compile
 from assistant.compiler.checking import check_text
-from assistant.program.text import SourceText
 
 ARC = """MODULE arc
   CONST robtarget p1:=[[350,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

@@ -11,13 +11,12 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Severity
 from assistant.compiler.loading import load
 from assistant.languages.rapid.text import printer as rapid_printer
-from assistant.program import rotations
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import Refused, Severity
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Call, Follow
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Refused, Severity
 from assistant.compiler import compile
-from assistant.program.diagnostics import Refused, Severity
 from assistant.robots.timing import Drive
 from assistant.virtual.events import Switched
 from assistant.virtual.kernel import Kernel

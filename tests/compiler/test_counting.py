@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from assistant import compile
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import parse_pseudo
-from assistant.program.text import SourceText
 from tests.compiler.same_motion import MELFA, moves_alike, translated
 
 HEAD = """MODULE cell

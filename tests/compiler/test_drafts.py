@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import assistant
-from assistant.program.passes.watching import pass_trace
+from assistant.program.passes.legalisation import pass_trace
 
 RECORD = """MODULE parts
   RECORD part

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from assistant.base.diagnostics import Refused
 from assistant.cli.app import app
 from assistant.compiler import compile, translate
-from assistant.program.diagnostics import Refused
 from tests.compiler.same_motion import MELFA, moves_alike, translated
 
 TARGET = "CONST robtarget p10:=[[350,20,250],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];"

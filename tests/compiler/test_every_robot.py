@@ -7,8 +7,7 @@ import pytest
 
 import assistant
 from assistant import languages, robots
-from assistant.program.motion import Speed
-from assistant.program.path import Path
+from assistant.program.motion import Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from assistant.base.diagnostics import Refused
 from assistant.cli.app import app
 from assistant.compiler import load, translate
 from assistant.compiler.filling import cell_text, in_neutral_cell, neutral_cell
 from assistant.compiler.motion import Proving
-from assistant.program.diagnostics import Refused
 from assistant.sources.cell import read_cell
 
 USES = """MODULE Cell

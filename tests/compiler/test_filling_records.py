@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.compiler import Translation, load, translate
 from assistant.compiler.filling import cell_text, in_cell, neutral_cell
 from assistant.compiler.motion import Proving
-from assistant.program.diagnostics import Refused
 from assistant.sources.cell import NO_CELL
 from tests.compiler.test_filling import program
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import assistant
+from assistant.base.source_text import SourceText
 from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
-from assistant.program.text import SourceText
 
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];

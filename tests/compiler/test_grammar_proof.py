@@ -11,6 +11,7 @@ import pytest
 from lark import Lark
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler import compile
 from assistant.compiler.proof import NOT_IN_GRAMMAR, prove
 from assistant.languages import lark_parsing
@@ -22,7 +23,6 @@ from assistant.languages.lark_parsing import (
     between_samples,
 )
 from assistant.languages.rapid import Rapid
-from assistant.program.text import SourceText
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"
 

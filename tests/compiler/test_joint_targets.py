@@ -9,9 +9,9 @@ import pytest
 
 import assistant
 from assistant import robots
+from assistant.base.diagnostics import Severity
 from assistant.compiler import Compiled, Translation, compile, load, translate
 from assistant.program import pseudo
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
 from assistant.robots.crossing import crossed

@@ -8,13 +8,13 @@ from typing import get_args
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler import load
 from assistant.compiler.loading import load_text
-from assistant.program.kept import VendorText, effect_of
 from assistant.program.program import Program
 from assistant.program.pseudo import print_program
 from assistant.program.rewriting import records
-from assistant.program.text import SourceText
+from assistant.program.vendor_statements import VendorText, effect_of
 
 ROOT = Path(__file__).parents[2]
 RAPID = r"""MODULE m

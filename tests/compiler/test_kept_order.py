@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from assistant import compile, languages
+from assistant.base.diagnostics import Severity, has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import parse_pseudo
-from assistant.program.diagnostics import Severity, has_errors
-from assistant.program.text import SourceText
 
 RAPID = languages.get("rapid")
 

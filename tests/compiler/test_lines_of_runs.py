@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from assistant.api.simulating import simulate
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_files, check_text
 from assistant.compiler.translating import Translation, translate
 from assistant.editing.service import Workspace, findings
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 
 EAX = "[9E9,9E9,9E9,9E9,9E9,9E9]"

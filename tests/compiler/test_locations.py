@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.compiler import check_files, compile
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 
 CELL = """
 [robots.arm]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from assistant.base.diagnostics import Severity
 from assistant.compiler.checking import check_files
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import translate
-from assistant.program.diagnostics import Severity
 
 TEXT = "Mvs P1 ‘to the part\nMvs P1,–50\nEnd\nP1=(400,0,400,180,0,180)(7,0)\n"
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 import assistant
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load, load_text
 from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
 from assistant.compiler.motion_sides import written
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from assistant.virtual.proving import lasting, search
 
 CELL = """

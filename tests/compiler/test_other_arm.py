@@ -13,8 +13,7 @@ from assistant.checks.clearances import clearances
 from assistant.compiler import Translation, compile, load, translate
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Target, Tool
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import configuration_of, configuration_row
+from assistant.program.motion import FINE, Speed, configuration_of, configuration_row
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move
 from assistant.robots import Robot, solve_program

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
 from assistant.compiler import check_files
 from assistant.compiler.project import configured
-from assistant.findings.severity import severities_for
-from assistant.program.diagnostics import Refused
+from assistant.findings.severities import severities_for
 from assistant.sources.project import project_of
 
 LONG = "1 MABCDEFGHIJKLMNOPQRST=1\n2 M_Out(1)=MABCDEFGHIJKLMNOPQRST\n3 Dly 1\n"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import assistant
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.program.diagnostics import Severity
-from assistant.program.text import SourceText
 
 SIGNALS = "".join(f"! signal: do{n} digital output {n}\n" for n in range(1, 6))
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.compiler.running import programs
-from assistant.program.diagnostics import Refused
 from assistant.virtual.events import Said
 from assistant.virtual.running import Settings, prepared
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base import rotations
 from assistant.compiler import Translation, load, translate
 from assistant.compiler.checking import check_files
 from assistant.compiler.formatting import format_file
-from assistant.program import rotations
 from assistant.program.program import Program
 
 SAMPLES = Path(__file__).parents[2] / "samples"

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.cli import main
 from assistant.compiler import check_files, compile, translate
 from assistant.compiler.scenes import in_cell
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 DRAWING = SAMPLES / "plate.dxf"

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.compiler.running import programs
 from assistant.compiler.script_file import parse_script
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.script import Given, follow

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler import check_files, compile, translate
 from assistant.compiler.compiling import Compiled
 from assistant.compiler.running import programs
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.sources.sights import NOTHING_SEEN, Seeing, seeing
 
 TEXT = """program seam

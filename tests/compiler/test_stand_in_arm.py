@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 import assistant
+from assistant.base.source_text import SourceText
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import MotionProof, Proving
-from assistant.program.text import SourceText
 
 HEAD = """MODULE Cell
 CONST robtarget p10:=[[400,50,450],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

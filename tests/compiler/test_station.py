@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.drawings import read_drawing
 from assistant.compiler import check_files, compile, load
 from assistant.compiler.compiling import Compiled
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots.timing import simulate
 from assistant.robots.timing.passed import stretches_of
 from tests.cell.exact import segment_box

@@ -9,12 +9,12 @@ import sys
 import pytest
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Refused, Unreadable
 from assistant.cli import main
 from assistant.compiler import compile, translate
 from assistant.compiler.style import PLAIN, Style, in_comment, in_style, style_of
 from assistant.compiler.templates import environment
 from assistant.program import pseudo
-from assistant.program.diagnostics import Refused, Unreadable
 from assistant.resources import resource
 
 PROGRAM = """\

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from assistant.base.diagnostics import Declared
 from assistant.compiler import Translation, load, translate
 from assistant.program import statements as p
 from assistant.program.comparison import compare
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.subjects import Declared
 
 VALUES = """MODULE Values
     VAR num variable:=nElsewhere;

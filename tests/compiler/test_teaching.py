@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.compiler.jogging import check_jog, check_place
 from assistant.compiler.teaching import Wanted, teach
 from assistant.controllers.states import Jog, Position
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.sources import read
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.compiler.translating import translate
 from assistant.program.geometry import Pose
-from assistant.program.text import SourceText
 from assistant.virtual import melfa
 from assistant.virtual.events import Moved
 

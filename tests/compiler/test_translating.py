@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
 from assistant.compiler import Translation, load, translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused
 from tests.examples import drawn
 
 MODULE = """MODULE Cell

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
+from assistant.base.rotations import to_matrix
 from assistant.compiler import check_files, compile
 from assistant.compiler.motion import Proving
-from assistant.program.arrays import Floats
-from assistant.program.rotations import to_matrix
 
 pytest.importorskip("ompl")
 pytest.importorskip("coal")

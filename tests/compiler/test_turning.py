@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.checks import clearances
 from assistant.compiler import Compiled, check_files
 from assistant.compiler import compile as compiled
 from assistant.program import pseudo
-from assistant.program.diagnostics import Refused
 from assistant.program.statements import Follow
 from assistant.sources.process.file import read_process
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.address import SCHEMES, Address, parse
-from assistant.program.diagnostics import Refused
 
 GOOD = {
     "ftp://engineer@192.168.125.1": Address("ftp", "192.168.125.1", 21, "engineer", "HOME:"),

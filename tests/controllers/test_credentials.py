@@ -5,9 +5,9 @@ import types
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import Credentials, connect, parse
 from assistant.controllers.credentials import PASSWORD, USER, find
-from assistant.program.diagnostics import Refused
 
 ADDRESS = parse("ftp://irc5")
 

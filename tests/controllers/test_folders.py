@@ -7,9 +7,9 @@ import pathlib
 
 import pytest
 
+from assistant.base import file_access
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders
-from assistant.program.diagnostics import Refused
-from assistant.program.system import durably
 
 FILES = {"programs/SEAM.prg": b"10 END\r\n", "parameters.txt": b"RLNG=1\n"}
 
@@ -111,7 +111,7 @@ def test_a_pipe_in_it_keeps_nobody_waiting(tmp_path, name):
 
 def when_the_disk_fails(monkeypatch, target, renamed_back):
     """The names of the folder above cannot be put on the disk once the new one is there."""
-    settle, rename = durably.sync_folder, pathlib.Path.rename
+    settle, rename = file_access.sync_folder, pathlib.Path.rename
 
     def settled(folder):
         if folder == target.parent and target.exists():
@@ -123,7 +123,7 @@ def when_the_disk_fails(monkeypatch, target, renamed_back):
             raise OSError(errno.EIO, "it failed")
         return rename(path, other)
 
-    monkeypatch.setattr(durably, "settle", settled)
+    monkeypatch.setattr(file_access, "sync_folder", settled)
     monkeypatch.setattr(pathlib.Path, "rename", renamed)
 
 

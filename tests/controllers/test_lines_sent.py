@@ -9,8 +9,8 @@ from functools import partial
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, folders
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.sftp_server import SftpServer

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.cli.secrets import check_arguments
 from assistant.controllers import connect
 from assistant.controllers.address import holds_password, parse, without_password
-from assistant.program.diagnostics import Refused
 
 MISTYPED = [
     "robot:{}@host", "ftp:robot:{}@h", "ftp:/robot:{}@h", "ftp://robot:{}%40h", "ftp://robot%3A{}@h",

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, controllers_of, named, parse
 from assistant.controllers.credentials import find, variable
-from assistant.findings.severity import severities_for
-from assistant.program.diagnostics import Refused
+from assistant.findings.severities import severities_for
 
 TABLE = """
 [controllers]

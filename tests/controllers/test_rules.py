@@ -4,10 +4,10 @@ import string
 
 import pytest
 
+from assistant.base.diagnostics import Rule
 from assistant.controllers import rules as controllers
 from assistant.controllers.abb.exchange import rules as exchanging
 from assistant.deploy import rules as deploying
-from assistant.program.diagnostics import Rule
 from assistant.virtual.irc5 import file_server as irc5
 from assistant.virtual.irc5 import modules as irc5_modules
 from assistant.virtual.irc5.rws import certificate as irc5_certificate

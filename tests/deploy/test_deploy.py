@@ -6,9 +6,9 @@ import socket
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused, Severity, Unreadable
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Change, FileState
-from assistant.program.diagnostics import Refused, Severity, Unreadable
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.bad_ftp import FtpPeer

@@ -14,6 +14,7 @@ from dataclasses import replace
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Held, Step
@@ -22,7 +23,6 @@ from assistant.deploy.held import Digests
 from assistant.deploy.journal import Entry, create, journals
 from assistant.deploy.record import new_record, read_record
 from assistant.deploy.site import CLAIM, CLAIMANT, RECORD, UNDER_WAY
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.bad_ftp import FtpPeer
 

@@ -7,9 +7,9 @@ from contextlib import ExitStack
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Cell, FileState, Halt, deploy_to_all
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 
 PROGRAM = "10 OVRD 50\r\n20 DLY {}\r\n30 END\r\n"

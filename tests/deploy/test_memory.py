@@ -6,10 +6,10 @@ import time
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.states import Identity
 from assistant.deploy import EVERY, Change, FileState
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import Behind
 from assistant.virtual.irc5.rws.faults import Fault

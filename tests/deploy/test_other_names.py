@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.controllers import connect
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.bad_ftp import FtpPeer
 from tests.controllers.abb.ftp_servers import PASSWORD, proftpd, vsftpd
 

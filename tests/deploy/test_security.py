@@ -19,11 +19,11 @@ import pytest
 import trustme
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.cli.junit import junit
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Cell, deploy_to_all
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.bad_ftp import FtpPeer
 from tests.controllers.abb.sftp_server import PASSWORD, SftpServer

@@ -3,11 +3,11 @@
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.controllers.address import parse
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Identity
 from assistant.deploy import Change, FileState
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 
 SEAM = "10 MOV P1\r\n20 DLY {}\r\n30 END\r\nP1=(+250.00,+0.00,+450.00,+0.00,+180.00,+0.00)(6,0)\r\n"

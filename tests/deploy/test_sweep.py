@@ -10,8 +10,8 @@ from functools import partial
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.deploy import FileState
-from assistant.program.diagnostics import Refused
 from tests.deploy.benches import BENCHES
 from tests.deploy.children import child
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.deploy.files import gathered, looked_at
-from assistant.program.diagnostics import Refused
 
 
 @dataclass

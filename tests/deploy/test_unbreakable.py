@@ -13,11 +13,11 @@ import zipfile
 import pytest
 
 from assistant import deploy as deploying
+from assistant.base.diagnostics import Refused
 from assistant.deploy import FileState
 from assistant.deploy.claiming import alone_here
 from assistant.deploy.journal import place_of
 from assistant.deploy.site import Site
-from assistant.program.diagnostics import Refused
 from tests.deploy.benches import CrBench, Irc5Bench, files_below, make_files
 from tests.deploy.children import child
 from tests.wire import Wire

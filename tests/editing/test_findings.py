@@ -7,13 +7,13 @@ import re
 
 import pytest
 
+from assistant.base.diagnostics import has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_text
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
 from assistant.editing.watching import SMALL
-from assistant.findings.project_severities import apply_severities
-from assistant.program.diagnostics import has_errors
-from assistant.program.text import SourceText
+from assistant.findings.severities import apply_severities
 from tests.editing.typing import kept, lines_that_close, lines_to_damage, made, typed
 
 MODULE = """MODULE Small

@@ -6,9 +6,9 @@ import random
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
-from assistant.program.diagnostics import Refused
 from tests.editing.typing import kept, made
 
 PIECES = (

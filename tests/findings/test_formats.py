@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft4Validator
 
+from assistant.base.diagnostics import Diagnostic, Severity, Span
 from assistant.findings.formats import finding_record, github_line, sarif
 from assistant.findings.rulebook import rules
-from assistant.program.diagnostics import Diagnostic, Severity, Span
 from tests.examples import drawn
 
 ROOT = Path("/cell/programs")

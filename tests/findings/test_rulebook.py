@@ -9,6 +9,7 @@ from string import Formatter
 
 import pytest
 
+from assistant.base.diagnostics import Refused, Rule, Severity
 from assistant.cell.reading.cell_file import read_scene
 from assistant.compiler import check_files
 from assistant.findings.rulebook import (
@@ -20,7 +21,6 @@ from assistant.findings.rulebook import (
     rules,
     section,
 )
-from assistant.program.diagnostics import Refused, Rule, Severity
 from assistant.report.scenes import record
 
 SUFFIXES = {"RA": ".mod", "MB": ".prg", "CK": ".pseudo", "PS": ".pseudo"}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.findings.severity import AS_THEY_ARE, severities_for
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.findings.severities import AS_THEY_ARE, severities_for
 
 SPEED = Diagnostic("RA204", Severity.ERROR, "unknown speed")
 ZONE = Diagnostic("RA205", Severity.ERROR, "unknown zone")

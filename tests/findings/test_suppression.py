@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.findings.suppression import comment_start, sift
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.source_text import SourceText
+from assistant.findings.severities import comment_start, sift
 
 
 def at(line: int, code: str = "RA204", severity: Severity = Severity.ERROR) -> Diagnostic:

@@ -8,12 +8,12 @@ from typing import Final
 
 import assistant
 from assistant import languages
+from assistant.base.diagnostics import has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.languages.answers import (
     Frames,
 )
-from assistant.program.diagnostics import has_errors
-from assistant.program.text import SourceText
 from tests.fuzz import programs
 from tests.fuzz.target import Target, promise, refusing, sound
 

@@ -16,6 +16,7 @@ import numpy as np
 
 import assistant
 from assistant import robots
+from assistant.base.source_text import decode
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.writing.cell_text import cell_files
@@ -25,7 +26,7 @@ from assistant.compiler.script_file import parse_script
 from assistant.controllers.named import controllers_of
 from assistant.deploy.journal import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
-from assistant.findings.severity import severities_for
+from assistant.findings.severities import severities_for
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.measured import read_measured
 from assistant.learning.maps.experiments import three_joints
@@ -35,7 +36,6 @@ from assistant.learning.maps.map_file import save as save_map
 from assistant.learning.maps.training import start_with, trained, usual
 from assistant.learning.maps.using import User
 from assistant.program import pseudo
-from assistant.program.text import decode
 from assistant.project import project_of
 from assistant.project.kept import FILE, read_entries
 from assistant.report.scenes import record as said

@@ -8,15 +8,15 @@ from functools import cache, partial
 from typing import Any, Final
 
 from assistant import checks, languages
+from assistant.base.diagnostics import has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_text
 from assistant.compiler.formatting import NOT_THE_SAME, format_text
 from assistant.compiler.loading import parse_pseudo
 from assistant.languages import Language
 from assistant.program import pseudo
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import has_errors
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 from assistant.resources import read_grammar
 from tests.fuzz.target import ROOT, Target, files_of, one_in, promise, refusing, sound
 

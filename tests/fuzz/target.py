@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.failing import INTERNAL_ERROR
+from assistant.base.budgets import INTERNAL_ERROR
+from assistant.base.diagnostics import Diagnostic, Refused
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 CASES: Final = Path(__file__).parent / "cases"

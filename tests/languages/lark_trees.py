@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from lark import Tree
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 
 def everything(value: Any) -> Any:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 
 Tokens = list[re.Match[str]]
 NEAR: Final = 2

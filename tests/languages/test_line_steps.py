@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Ints
 from assistant.languages.line_steps import (
     cut_at,
     first_step,
@@ -17,7 +18,6 @@ from assistant.languages.line_steps import (
     with_steps,
 )
 from assistant.languages.runs.columns import Run
-from assistant.program.arrays import Ints
 
 
 @dataclass(frozen=True)

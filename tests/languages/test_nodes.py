@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
+from assistant.base.diagnostics import Span
 from assistant.languages.nodes import Nodes, row, without_place
-from assistant.program.diagnostics import Span
 
 
 @dataclass(frozen=True)

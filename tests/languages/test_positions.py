@@ -6,12 +6,11 @@ import math
 
 import pytest
 
+from assistant.base.diagnostics import Severity
 from assistant.languages import get, names
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import Speed
-from assistant.program.path import Path
+from assistant.program.motion import Path, Speed
 from assistant.program.program import Procedure, Program
 
 WILD = (

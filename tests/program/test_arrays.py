@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program.arrays import Floats, all_of, any_of, max_abs, norms
+from assistant.base.arrays import Floats, all_of, any_of, max_abs, norms
 
 
 @pytest.fixture(params=[(0, 3), (1, 4), (200, 6)], ids=str)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.analysis.circles import recursive_names
+from assistant.program.analysis.uses import recursive_names
 from tests.examples import drawn
 
 NAMES = st.sampled_from("abcdefgh")

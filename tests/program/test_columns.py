@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program.columns import CHUNK, Chosen, Decimal, Integer, read_numbers, rows_text
+from assistant.base.columns import CHUNK, Chosen, Decimal, Integer, read_numbers, rows_text
 
 VALUES = st.lists(
     st.one_of(

@@ -14,10 +14,9 @@ from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import IDENTITY, Configuration, Pose, Target, Tool
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program, Signal, Variable
-from assistant.program.pseudo.parts import part_text
+from assistant.program.pseudo.printer import part_text
 from assistant.program.statements import Branch, Comment, Follow, If, Motion, Move, SetSignal, Wait
 
 PATH = Path.of(

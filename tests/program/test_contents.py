@@ -11,16 +11,16 @@ from hypothesis import given, settings
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import (
+from assistant.program.motion import Path
+from assistant.program.program import Procedure, Program, Variable
+from assistant.program.rewriting import records
+from assistant.program.statement_index import (
     has_record,
     names_in_procedures,
     records_in_body,
     records_in_procedures,
     statements_with,
 )
-from assistant.program.path import Path
-from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import records
 from tests.examples import drawn
 from tests.strategies import programs
 

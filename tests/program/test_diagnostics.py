@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.program.diagnostics import (
+from assistant.base.diagnostics import (
     Diagnostic,
     Refused,
     Rule,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import (
     IDENTITY,
     UNUSED_AXIS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.program.letters import in_ascii, plain_letters
+from assistant.base.source_text import in_ascii, plain_letters
 
 
 @pytest.mark.parametrize(

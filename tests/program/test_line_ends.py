@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import LINE_ENDS, SourceText, lines_of
 from assistant.compiler import check_files, translate
 from assistant.controllers.mitsubishi.listing import lines_of as listed_lines
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.lines import LINE_ENDS, lines_of
-from assistant.program.text import SourceText
 
 HIDDEN = {
     "TEST1.prg": "10 ' a {}15 HLT\r\n20 DLY 1\r\n30 END\r\n",

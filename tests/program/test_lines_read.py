@@ -10,11 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import (
+    LINE_ENDS,
+    TEXT_ENDS,
+    SourceText,
+    ended_lines,
+    lines_of,
+    odd_characters,
+)
 from assistant.compiler.formatting import format_bytes
 from assistant.compiler.translating import translate
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.lines import LINE_ENDS, TEXT_ENDS, ended_lines, lines_of, odd_characters
-from assistant.program.text import SourceText
 from tests.examples import drawn
 
 PACKAGE = Path(__file__).parent.parent.parent / "assistant"
@@ -110,7 +116,7 @@ HARMLESS = {
     "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
     "languages/rapid/tables/signatures.py": "a table of the package",
-    "program/pseudo/editing.py": "a table of the package",
+    "program/pseudo/editor_support.py": "a table of the package",
     "sources/drawing/group_codes.py": "bytes, which end at CR and LF only",
 }
 """Modules that may ask Python for lines, and why."""

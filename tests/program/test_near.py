@@ -3,10 +3,9 @@
 import pytest
 
 from assistant import languages, robots
+from assistant.base.diagnostics import Refused, near_names
 from assistant.compiler.arms import known_robot
 from assistant.compiler.loading import language_of
-from assistant.program.diagnostics import Refused
-from assistant.program.near import near_names
 
 
 @pytest.mark.parametrize(

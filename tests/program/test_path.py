@@ -8,11 +8,13 @@ from hypothesis import given, settings
 
 from assistant.program.expressions import Name
 from assistant.program.geometry import NO_EXTERNAL, Configuration, Target
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import (
+from assistant.program.motion import (
+    FINE,
     UNSTATED,
+    Blend,
     Kind,
     Path,
+    Speed,
     configuration_of,
     configuration_row,
 )

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Refused, Rule, Unreadable
+from assistant.base.diagnostics import Refused, Rule, Unreadable
+from assistant.base.source_text import SourceText
 from assistant.program.program import Program
-from assistant.program.pseudo import findings, parse, print_program, read
-from assistant.program.text import SourceText
+from assistant.program.pseudo import parse, print_program, read, words
 from tests.examples import drawn
 from tests.strategies import programs
 
@@ -20,7 +20,7 @@ BROKEN = re.findall(
     r"=== (\w+) (\d+):(\d+)\n((?:(?!===).*\n)*)",
     (FilePath(__file__).parent / "fixtures" / "broken.txt").read_text(encoding="utf-8"),
 )
-RULES = {rule.code: rule for rule in vars(findings).values() if isinstance(rule, Rule)}
+RULES = {rule.code: rule for rule in vars(words).values() if isinstance(rule, Rule)}
 
 
 @pytest.mark.parametrize(("code", "line", "column", "text"), BROKEN)

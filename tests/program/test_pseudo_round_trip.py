@@ -9,8 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant.program.expressions import Name
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Path
+from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
 from assistant.program.statements import Follow, Motion, MoveJoints, Statement, Trigger

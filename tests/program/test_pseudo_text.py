@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.expressions import Binary, Expression, Name, Number, Text, Unary
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.program import Declaration, Procedure, Program, walk

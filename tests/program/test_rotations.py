@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from spatialmath import base
 
-from assistant.program import rotations
-from assistant.program.rotations import EulerOrder
+from assistant.base import rotations
+from assistant.base.rotations import EulerOrder
 
 ORDERS: tuple[EulerOrder, ...] = ("ZYX", "XYZ", "ZYZ")
 

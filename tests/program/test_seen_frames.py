@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.program import pseudo
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Frame, Pose
 
 

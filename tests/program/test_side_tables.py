@@ -12,11 +12,10 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.expressions import Name
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import Printed, parse, print_program, read
 from assistant.program.statements import Follow

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.digits_at_offsets import WORD, Slots
+from assistant.base.columns import WORD, Slots
 from tests.examples import drawn
 
 NUMBER = st.one_of(

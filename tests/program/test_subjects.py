@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.program.diagnostics import Rule, Severity
-from assistant.program.subjects import (
+from assistant.base.diagnostics import (
     Declared,
     Inner,
     Neighbours,
     NumberedMove,
     PathRow,
+    Rule,
     Several,
+    Severity,
     SomeTargets,
     Subject,
 )

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program import japanese
-from assistant.program.diagnostics import Rule, Severity, Span, Unreadable
-from assistant.program.text import SourceText, decode, encode, read_bytes
+from assistant.base import source_text
+from assistant.base.diagnostics import Rule, Severity, Span, Unreadable
+from assistant.base.source_text import SourceText, decode, encode, read_bytes
 
 ODD = Rule("XX102", Severity.ERROR, "odd {what}")
 
@@ -107,6 +107,6 @@ def test_a_finding_of_a_text_has_its_place_and_line() -> None:
 def test_japanese_bytes_come_back_as_windows_wrote_them(written: str) -> None:
     windows = {"髙": b"\xfb\xfc", "ⅰ": b"\xfa\x40"}
     data = b"10 ' " + windows.get(written, written.encode("cp932")) + b"\r\n"
-    source = decode(data, None, ("ascii", "utf-8", "cp932", japanese.CP932_IBM))
+    source = decode(data, None, ("ascii", "utf-8", "cp932", source_text.CP932_IBM))
     assert source.text == f"10 ' {written}\r\n"
     assert encode(source) == data

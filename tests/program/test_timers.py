@@ -9,7 +9,7 @@ import pytest
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program
-from assistant.program.timers import numbered_timers, timer_in_seconds
+from assistant.program.undeclared_names import numbered_timers, timer_in_seconds
 
 TIMER = e.Elapsed("t")
 COUNTED = e.Binary("*", TIMER, e.Number(1000))

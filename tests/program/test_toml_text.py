@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import pytest
 
-from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.budgets import FACTOR_VARIABLE, MEMORY, TIME
-from assistant.program.text import SourceText
-from assistant.program.toml_text import LONG_KEY, MOST_PARTS, parse_toml
+from assistant.base.budgets import FACTOR_VARIABLE, MEMORY, TIME
+from assistant.base.diagnostics import Refused, Unreadable
+from assistant.base.source_text import SourceText
+from assistant.base.toml_text import LONG_KEY, MOST_PARTS, parse_toml
 from assistant.robots.robot_file import read as read_robot
 from assistant.sources.process.file import parse_process
 

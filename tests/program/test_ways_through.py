@@ -6,9 +6,9 @@ import pytest
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.assignment import AssignmentAnalysis
 from assistant.program.analysis.dataflow import Dataflow, postorder, reachable
-from assistant.program.effects import Effect
+from assistant.program.analysis.definite_assignment import AssignmentAnalysis
+from assistant.program.expressions import Effect
 from assistant.program.program import Procedure, Program
 
 LOOP = {1: [2], 2: [3, 5], 3: [4], 4: [2], 5: [], 6: [5]}

@@ -6,8 +6,8 @@ import pytest
 
 from assistant.program import expressions as e
 from assistant.program import pseudo
+from assistant.program.analysis.integer_inference import NumberFacts, without_needless_rounding
 from assistant.program.program import Program
-from assistant.program.wholes import NumberFacts, without_needless_rounding
 
 HEAD = """\
 program cell

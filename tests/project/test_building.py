@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from assistant import compile
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.project import State, build, project_of, targets_of
 from tests.project.conftest import Home, module, pseudo
 

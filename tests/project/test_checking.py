@@ -50,7 +50,7 @@ def test_a_project_that_cannot_be_written_is_checked_as_any_other(cell, monkeypa
     def refused(folder):
         raise OSError(errno.EROFS, "Read-only file system", str(folder))
 
-    monkeypatch.setattr(checking, "scratch", refused)
+    monkeypatch.setattr(checking, "scratch_folder", refused)
     assert found(cell) == expected
     assert sorted(cell.folder.rglob("*")) == before
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.cli import main
-from assistant.program.diagnostics import Refused
 from assistant.project import build, project_of, targets_of
 from assistant.project.inputs import digest_of
 from tests.project.conftest import Home, module

@@ -2,7 +2,7 @@
 
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.project import project_of, targets_of
 from tests.project.conftest import CELLS, Home, module, pseudo
 

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from assistant import __version__, deploy
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.project import build, project_of, targets_of
 from assistant.project.checking import check
 from assistant.project.starting import AROUND, EXAMPLE, start

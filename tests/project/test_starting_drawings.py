@@ -9,9 +9,9 @@ from pathlib import Path
 import ezdxf
 import pytest
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.cli import main
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from assistant.project import build, project_of
 from assistant.project.checking import check
 from assistant.project.drafting import CHOICES, LAYER, TOP

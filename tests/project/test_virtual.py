@@ -7,8 +7,8 @@ import sys
 import pytest
 
 from assistant import deploy
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, named
-from assistant.program.diagnostics import Refused
 from assistant.project import Target, build, project_of, targets_of
 from tests.project.conftest import CELLS, Home, module
 

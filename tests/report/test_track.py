@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from assistant.program.expressions import Apply, Binary, Name, Number, TargetValue, Unary
 from assistant.program.geometry import Frame, Pose, Target
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular
 from assistant.report import plots

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 
 PLACES = 3000
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
+from assistant.base import rotations
+from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms.five_axis import from_ab, to_ab

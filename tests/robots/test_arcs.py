@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.robots.motion.arcs import arcs_of, circles, vias_of
 
 shares = st.floats(0.02, 0.98)

@@ -8,10 +8,9 @@ from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse
 from assistant.program.statements import Follow

@@ -8,7 +8,7 @@ from importlib.resources import files
 import pytest
 
 from assistant import robots
-from assistant.program.diagnostics import Refused, Unreadable
+from assistant.base.diagnostics import Refused, Unreadable
 from assistant.robots import catalogue
 
 GOOD = (

@@ -11,10 +11,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages, robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose, Tool
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial

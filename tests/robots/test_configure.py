@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.program.expressions import Apply, JointValue, Name, Number, TargetValue, Truth, Unary
 from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.motion import FINE, UNSTATED, Kind, Path, Speed
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import (
     Branch,

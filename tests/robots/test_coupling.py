@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program.diagnostics import Refused
-from assistant.program.motion import Speed
-from assistant.program.path import Path
+from assistant.base.diagnostics import Refused
+from assistant.program.motion import Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot, catalogue

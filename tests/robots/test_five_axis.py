@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.robots.arms import five_axis
 
 coordinates = st.lists(st.floats(-500, 500), min_size=3, max_size=3)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Severity
-from assistant.program.path import Kind
+from assistant.base import rotations
+from assistant.base.diagnostics import Severity
+from assistant.program.motion import Kind
 from tests.robots.following import followed, turning_point
 from tests.robots.printed import solve_program
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.se3 import se3_of
 
 rtb = pytest.importorskip("roboticstoolbox")

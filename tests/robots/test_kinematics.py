@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.robots import Robot
 from tests.examples import drawn
 

@@ -11,7 +11,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.program import pseudo, rotations
+from assistant.base import rotations
+from assistant.program import pseudo
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab
 from assistant.robots.arms.nearest import nearest

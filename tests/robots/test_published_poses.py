@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.languages.melfa_basic.tables.poses import to_values
-from assistant.program import rotations
 from assistant.robots import Robot
 from assistant.robots.arms import Lengths, SixAxis
 from assistant.robots.configurations import to_confdata

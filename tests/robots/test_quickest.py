@@ -10,8 +10,7 @@ from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.program.motion import Speed
-from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.motion import UNSTATED, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.branches.cheapest import CHANGE

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
+from assistant.base.rotations import from_euler, to_euler
 from assistant.program.expressions import TargetValue
 from assistant.program.geometry import Pose, Target
 from assistant.program.motion import FINE, Speed
 from assistant.program.program import Procedure, Program
-from assistant.program.rotations import from_euler, to_euler
 from assistant.program.statements import Motion, Move
 from tests.robots.printed import nearest, printed, solve_program
 

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import JointTarget
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Path
+from assistant.program.motion import FINE, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow, Motion, MoveJoints, Statement
 from assistant.robots.configurations import to_flags

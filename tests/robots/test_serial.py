@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from assistant import compile, robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
-from assistant.program.motion import Speed
-from assistant.program.path import UNSTATED, Path
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
+from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot, catalogue

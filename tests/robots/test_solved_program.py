@@ -7,8 +7,7 @@ import numpy as np
 from assistant import robots
 from assistant.program.expressions import TargetValue
 from assistant.program.geometry import Pose, Target
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Path
+from assistant.program.motion import FINE, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse
 from assistant.program.statements import Follow, Motion, Move

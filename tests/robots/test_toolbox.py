@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.robots import Robot
 
 

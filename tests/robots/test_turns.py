@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Severity
 from assistant.program.geometry import Configuration, Pose, Tool
-from assistant.program.motion import Speed
-from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.motion import UNSTATED, Kind, Path, Speed
 from assistant.program.statements import Follow, Move
 from tests.robots.test_configure import (
     ABB,

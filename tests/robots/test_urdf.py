@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import compile, robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Unreadable
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Unreadable
 from assistant.program.expressions import TargetValue
 from assistant.program.geometry import Pose, Target
 from assistant.program.motion import FINE, Speed

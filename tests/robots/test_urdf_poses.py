@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 
 ORIGINS = {
     # ros-industrial/abb_experimental 20b9cf86

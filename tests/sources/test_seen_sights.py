@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Frame, Pose
 from assistant.sources.process.file import read_process
 from assistant.sources.process.seen import Asking, Trust

@@ -414,7 +414,7 @@ def test_a_certificate_is_written_into_no_folder_from_elsewhere(
     project.mkdir()
     outside.mkdir()
     (project / ".robot-assistant").symlink_to(outside)
-    from assistant.program.diagnostics import Refused
+    from assistant.base.diagnostics import Refused
 
     with pytest.raises(Refused, match="leads out"), serving(project, "127.0.0.1"):
         pass

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 PROGRAM: Final = """program cell for irb1200-7-0.7
 

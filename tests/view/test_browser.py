@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
 from assistant.cell.arms import placed
 from assistant.cell.collision.carriers import Carriers
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
 from assistant.view.page import filled

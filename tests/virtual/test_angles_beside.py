@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
 from tests.virtual.translating import Tally, judge
 

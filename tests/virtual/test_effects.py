@@ -15,7 +15,7 @@ import pytest
 from assistant import languages
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.effects import Effect, combined_effect
+from assistant.program.expressions import Effect, combined_effect
 from assistant.virtual import rapid
 from assistant.virtual.events import Moved, Run, Waited
 from tests.virtual.random_rapid import program

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.virtual.events import Run
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.motion import Timed

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from tests.virtual.melfa_cell import moves, run, shown
 
 # ----------------------------------------------------------------------------------- positions

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.virtual import melfa
 from assistant.virtual.melfa import Given
 from assistant.virtual.melfa.values import Position

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assistant import languages
-from assistant.program.text import SourceText
+from assistant.base.source_text import SourceText
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import start_slot
 from assistant.virtual.rapid.running import start_task

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path as FilePath
 
 from assistant import languages
-from assistant.program.diagnostics import has_errors
+from assistant.base.diagnostics import has_errors
 from assistant.virtual.rapid import run
 from tests.virtual.random_rapid import FEATURES, program
 from tests.virtual.translating import START

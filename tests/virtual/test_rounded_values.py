@@ -8,8 +8,8 @@ import pytest
 
 import assistant
 from assistant import Proving
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load, load_text
-from assistant.program.text import SourceText
 from assistant.virtual.events import Waited
 from tests.virtual.test_translated_melfa import run_rapid
 

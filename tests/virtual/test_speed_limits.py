@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from tests.virtual import rapid_words as w
 from tests.virtual.test_translated_rapid import judged
 

@@ -13,8 +13,7 @@ import pytest
 from assistant import languages, robots
 from assistant.compiler import load
 from assistant.program.geometry import Pose
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.timing import Drive, simulate

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from assistant.virtual.events import Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import start_slot

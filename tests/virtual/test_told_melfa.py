@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 import assistant
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
-from assistant.program.diagnostics import Severity
-from assistant.program.text import SourceText
 from tests.virtual.random_melfa_values import DATA
 from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
 from tests.virtual.translating import Tally, judge

@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 import pytest
 
 from assistant import translate
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_cases import HEAD
 from tests.virtual.test_translated_rapid import says_the_same

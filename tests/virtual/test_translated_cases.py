@@ -8,8 +8,8 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Stopped, Switched
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, says_the_same

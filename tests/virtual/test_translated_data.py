@@ -14,8 +14,8 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
 from tests.virtual.data_cases import angles, arrays, clocks, named, texts, turns, vectors

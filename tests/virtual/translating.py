@@ -13,14 +13,14 @@ from zlib import crc32
 
 import assistant
 from assistant import languages, robots
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.compiler.arms import Arms as KnownArms
 from assistant.compiler.loading import Loaded, load, load_text
 from assistant.compiler.motion import Proving, prove_motion
 from assistant.compiler.motion_sides import written as written_files
 from assistant.compiler.tasks import Task, load_task
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
-from assistant.program.text import SourceText
 from assistant.robots import Robot
 from assistant.virtual.comparing import Bits, difference
 from assistant.virtual.events import Run

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.compiler import compile, translate
 from assistant.compiler.running import programs
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.sources.sights import Sight, seeing
 from assistant.virtual.events import Moved, Run

@@ -9,10 +9,10 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.code import rules
 from assistant.blocks.code.templates import environment, identifier, number, numbers, words
 from assistant.blocks.code.vectors import vectors_csv
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.code import rules
 from assistant.cell.reach.singularities import away, jacobian
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
 ROWS: Final = 200

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

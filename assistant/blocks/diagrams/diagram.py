@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from typing import TypeVar
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.diagrams import rules
 from assistant.blocks.diagrams.block import Block
-from assistant.program.diagnostics import Diagnostic, Refused
 
 B = TypeVar("B", bound=Block)
 Place = tuple[Block, int]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 SAME_NAME = error("BL101", "two blocks are called `{name}`", "rename one of them")
 NO_PORT = error("BL102", "block `{block}` has no {kind} `{name}`", "write one of {known}")

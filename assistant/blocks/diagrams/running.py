@@ -10,12 +10,12 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.diagrams import rules
 from assistant.blocks.diagrams.block import Block, Port, signal
 from assistant.blocks.diagrams.clocks import Clock, Simulated
 from assistant.blocks.diagrams.diagram import Diagram, Plan
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 
 MOST_STEPS: Final = 10_000_000
 LATE: Final = 0.5

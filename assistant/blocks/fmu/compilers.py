@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.fmu import rules
 from assistant.blocks.fmu.model import Model
-from assistant.program.diagnostics import Diagnostic, Refused
 
 LONGEST: Final = 300.0
 """Seconds of a compiler; zig makes its own C library when it is first used, which takes 80."""

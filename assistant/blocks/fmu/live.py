@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.code.templates import identifier, number, numbers, words
 from assistant.blocks.fmu import rules
 from assistant.blocks.fmu.joints import flags, joint_variables, pose_variables
@@ -12,7 +13,6 @@ from assistant.blocks.fmu.variables import Group, Variable
 from assistant.controllers.cyclic import Settings
 from assistant.controllers.mitsubishi.mxt import CYCLES
 from assistant.controllers.mitsubishi.mxt.client import PORT
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 

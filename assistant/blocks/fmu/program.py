@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.code.templates import identifier, number, numbers, words
 from assistant.blocks.fmu import rules
 from assistant.blocks.fmu.joints import joint_variables, pose_variables
 from assistant.blocks.fmu.model import Model
 from assistant.blocks.fmu.variables import Group, Variable
 from assistant.blocks.playback import Motion
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
 MOST_ROWS: Final = 50_000

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block
 from assistant.blocks.diagrams.running import check_confirmed, named, outputs
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from bdsim.blockdiagram import BlockDiagram

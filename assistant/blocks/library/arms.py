@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
 from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import joints_port, pose_port
 from assistant.blocks.library.kinematics import tool_pose
-from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 

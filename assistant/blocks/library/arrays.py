@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Port
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.robots.robot import Robot
 
 POSE: Final = 7

@@ -8,14 +8,14 @@ from pathlib import Path as FilePath
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.library.rules import NO_ROBOT
 from assistant.cell.collision.model import Model
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.scene import Scene
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 
 class CollisionDistance(Block):

@@ -17,6 +17,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.running import ending
@@ -31,8 +33,6 @@ from assistant.controllers.cyclic.space import braked
 from assistant.controllers.following import Wishes, on_network
 from assistant.controllers.leading import cycles
 from assistant.controllers.leading.cycles import CyclicCarrier
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 from assistant.vision.servoing.bounds import Bounds, Guard

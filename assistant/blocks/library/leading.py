@@ -15,6 +15,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.leading import Leader, Measures
@@ -23,9 +26,6 @@ from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.kinematics import jacobian, tool_pose
 from assistant.blocks.library.poses import step, step_port
 from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 

@@ -14,6 +14,8 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.connected import Connected
@@ -22,8 +24,6 @@ from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
 from assistant.controllers.mitsubishi import single_moves
 from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.states import Position
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots.robot import Robot
 
 NUMBERED: Final = 6

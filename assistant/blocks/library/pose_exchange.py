@@ -9,6 +9,8 @@ from contextlib import contextmanager, suppress
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import PATIENCE, Connection
 from assistant.blocks.diagrams.block import Port
@@ -17,8 +19,6 @@ from assistant.blocks.library.connected import Connected
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import PoseExchange
 from assistant.controllers.abb.exchange.messages import Answer
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose, Vector
 
 

@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.rules import FIVE_AXES, NO_NUMBERS, NO_TURN
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots.robot import Robot
 
 POSE: Final = 7

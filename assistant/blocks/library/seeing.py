@@ -10,11 +10,11 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import POSE, parts, pose_port, pose_signal
 from assistant.blocks.library.arriving import arriving
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.camera_file import Rig

@@ -10,6 +10,8 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Port
@@ -17,8 +19,6 @@ from assistant.blocks.library.arrays import at_least_0
 from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.rules import BOTH, NO_GRIP
 from assistant.controllers.controller import Controller
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 OPEN, CLOSED, BETWEEN = 0.0, 1.0, 0.5
 """States of a gripper: confirmed ones, and what nobody confirms."""

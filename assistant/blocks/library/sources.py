@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import joints_port, pose_port, pose_signal
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
-from assistant.program.arrays import Floats
-from assistant.program.column_pages import columns_html
+from assistant.base.arrays import Floats
+from assistant.base.columns import columns_html
 
 
 class Signals(Protocol):

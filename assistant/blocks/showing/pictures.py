@@ -6,9 +6,9 @@ import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.source_text import visible
 from assistant.blocks.showing.columns import Signals
 from assistant.blocks.showing.outline import Box, Outline, Wire, outline
-from assistant.program.visible import visible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,12 +13,12 @@ from itertools import product
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, norms
+from assistant.base.diagnostics import Refused
 from assistant.cell.rules import CIRCLE, NO_PARENT
 from assistant.cell.scene import FLANGE, WORLD, Body, Placed, Scene
 from assistant.cell.shapes import Shape, extent, farthest
-from assistant.program import rotations
-from assistant.program.arrays import Floats, norms
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 

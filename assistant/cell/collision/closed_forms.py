@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, norms
+from assistant.base.arrays import Floats, norms
 
 TINY: Final = 1e-12
 TOGETHER: Final = 4096

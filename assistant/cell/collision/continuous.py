@@ -16,9 +16,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.culling import near
 from assistant.cell.collision.model import Model
-from assistant.program.arrays import Floats, Rows, Truths
 
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest part: what comes that near counts as touching."""

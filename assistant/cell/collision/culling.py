@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
 from assistant.cell.collision.model import Model
-from assistant.program.arrays import Floats, Rows
 
 COARSE: Final = (4096, 1024, 256, 64)
 FINE: Final = (16, 4, 1)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.closed_forms import Nearest, boxes, capsule_of_box, capsules
 from assistant.cell.collision.geometry import geometry_of, library, request
 from assistant.cell.collision.insides import Inside
 from assistant.cell.shapes import Box, Capsule, Mesh, Shape, Sphere
-from assistant.program.arrays import Floats, Rows, Truths
 
 Placed = tuple[Floats, Floats]
 """Places (k, 3) mm and turns (k, 3, 3) of k shapes in the world."""

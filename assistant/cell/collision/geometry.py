@@ -12,10 +12,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.rules import NO_LIBRARY
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere, extent
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -11,8 +11,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.cell.shapes import Convex, Mesh, Shape, extent
-from assistant.program.arrays import Floats
 
 RAYS: Final = (
     (0.5773502691896258, 0.5773502691896257, 0.5773502691896259),

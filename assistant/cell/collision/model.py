@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, norms
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.distances import Distances
 from assistant.cell.collision.geometry import around, library
 from assistant.cell.scene import Body, Part, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.geometry import Pose, Vector
 
 TOGETHER: Final = 200_000

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from assistant.program.arrays import Ints, Truths
+from assistant.base.arrays import Ints, Truths
 
 
 def boxes_of(cells: Truths) -> Ints:

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths, norms
 from assistant.cell.collision.geometry import geometry_of, library, request
 from assistant.cell.collision.insides import inside
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere, extent
-from assistant.program.arrays import Floats, Truths, norms
 
 Depth = Callable[[Floats, Floats, Floats], Floats]
 """Coordinates x, y, z of places in the frame of a shape → mm to its surface, below 0 outside."""

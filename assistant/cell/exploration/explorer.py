@@ -7,14 +7,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints
+from assistant.base.diagnostics import Diagnostic
 from assistant.cell.clearances import robot_of, way_of
 from assistant.cell.collision.continuous import Hit, Way, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.filling import STEP, Filler
 from assistant.cell.exploration.occupancy import Occupancy, cells_at, keys_of
 from assistant.cell.scene import Placed, Scene
-from assistant.program.arrays import Floats, Ints
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Pose, Vector
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.passed import stretches_of

@@ -9,6 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints, Truths, norms
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.geometry import around
 from assistant.cell.exploration.depths import Solid, solid_of
@@ -16,9 +19,6 @@ from assistant.cell.exploration.occupancy import keys_of
 from assistant.cell.exploration.rules import NO_ROBOT, OPEN_BODY, TOO_COARSE, TOO_FINE
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Capsule, Shape
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints, Truths, norms
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 
 STEP: Final = 0.5

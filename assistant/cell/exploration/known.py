@@ -17,6 +17,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, Truths, norms
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.carriers import carried, lengths
 from assistant.cell.exploration.boxes import boxes_of, surface_of
 from assistant.cell.exploration.depths import thinner
@@ -32,8 +34,6 @@ from assistant.cell.exploration.rules import (
 )
 from assistant.cell.scene import CORE, OCCUPIED, UNKNOWN, Body, Part, Scene
 from assistant.cell.shapes import Box, Mesh, extent
-from assistant.program.arrays import Floats, Ints, Truths, norms
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 
 SKIN: Final = 2.0 * SURE + STEP

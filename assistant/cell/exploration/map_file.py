@@ -8,12 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints
+from assistant.base.diagnostics import Refused, Unreadable
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import read_bytes
 from assistant.cell.exploration.occupancy import Occupancy
 from assistant.cell.exploration.rules import NEWER, NO_MAP
-from assistant.program.arrays import Floats, Ints
-from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.writing import write_all
-from assistant.program.text import read_bytes
 from assistant.sources.tables.arrays import read_npz
 
 VERSION: Final = 1

@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats, Ints, Truths
+from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.rules import NO_SIZE, OTHER_GRID
-from assistant.program.arrays import Floats, Ints, Truths
-from assistant.program.diagnostics import Refused
 
 HALF: Final = 1 << 20
 """Places of cells along an axis go from -HALF to HALF - 1."""

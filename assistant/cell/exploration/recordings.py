@@ -10,6 +10,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import read_bytes
 from assistant.cell.exploration.rules import (
     BEYOND,
     BLANKS,
@@ -17,9 +20,6 @@ from assistant.cell.exploration.rules import (
     NO_TIMES,
     NOT_RECORDED,
 )
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import read_bytes
 from assistant.robots.robot import Robot
 from assistant.sources.tables.delimited import read_cells
 from assistant.sources.tables.headers import shown

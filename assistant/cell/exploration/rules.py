@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, info, warning
+from assistant.base.diagnostics import error, info, warning
 
 NO_MAP = error(
     "CK450", "this is no chart of explored space: {reason}", "save it again with what explored"

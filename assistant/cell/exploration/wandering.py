@@ -8,14 +8,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.collision.continuous import Way, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer, Touch, touch_of
 from assistant.cell.exploration.filling import STEP
 from assistant.cell.exploration.rules import NOT_CLEAR
 from assistant.cell.scene import Placed, Scene
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
 TRIES: Final = 6

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths, norms
 from assistant.cell.planning.space import Cone, Space
-from assistant.program.arrays import Floats, Truths, norms
 
 INSIDE: Final = 10.0
 """degrees that joints are brought inside the edge of a cone: moves between them bulge outwards."""

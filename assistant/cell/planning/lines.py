@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths
 from assistant.cell.planning.moves import Route, looked_at
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats, Truths
 from assistant.robots.configurations import QUADRANTS
 
 PARTS: Final = 8

@@ -12,14 +12,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths, norms
+from assistant.base.diagnostics import Severity
 from assistant.cell.collision.continuous import Hit, hits
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats, Truths, norms
-from assistant.program.diagnostics import Severity
 from assistant.program.expressions import JointValue, TargetValue
 from assistant.program.geometry import FLANGE, IDENTITY, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.path import configuration_of
+from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed, configuration_of
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move, MoveJoints
 from assistant.robots import solve_program

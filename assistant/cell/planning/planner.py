@@ -14,6 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats, Truths, reals
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.continuous import RESOLUTION
 from assistant.cell.planning.goals import held
 from assistant.cell.planning.lines import direct, in_branch, with_lines
@@ -36,8 +38,6 @@ from assistant.cell.planning.shortening import shortened
 from assistant.cell.planning.space import TILT, Cone, Space
 from assistant.cell.rules import NO_ROBOT
 from assistant.cell.scene import Placed, Scene
-from assistant.program.arrays import Floats, Truths, reals
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed
 from assistant.program.program import Program

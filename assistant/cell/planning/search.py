@@ -16,11 +16,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.planning.leaning import Leaning, Trees
 from assistant.cell.planning.rules import NO_PLANNER
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 RANGE: Final = 0.15
 """Of the way from one corner of the limits to the other, the longest move of a tree."""

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.cell.planning.leaning import Leaning
 from assistant.cell.planning.space import Space
-from assistant.program.arrays import Floats
 
 ROUNDS: Final = 30
 """Rounds of random shortcuts."""

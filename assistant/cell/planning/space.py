@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.continuous import RESOLUTION, Hit, Way, hits
 from assistant.cell.collision.model import Contact, Model
 from assistant.cell.scene import Placed, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.timing.passed import Stretches
 

@@ -12,10 +12,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.planning.space import Space
 from assistant.cell.reach.singularities import away
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths, evenly_spaced
 from assistant.cell.planning.space import Space
 from assistant.cell.reach.holding import Held, held, nearest
 from assistant.cell.reach.region import Directions
 from assistant.cell.scene import Placed, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, evenly_spaced
 from assistant.program.geometry import IDENTITY, Pose
 
 ASKED: Final = 200

@@ -9,6 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.rules import ONLY_HERE
@@ -17,9 +20,6 @@ from assistant.cell.reach.holding import ENOUGH_AWAY, ENOUGH_CLEAR, ENOUGH_LIMIT
 from assistant.cell.reach.rules import IN_THE_WAY, NO_BODY, NO_TARGETS, TOO_MANY
 from assistant.cell.reach.standing import Depths, deeper, depths
 from assistant.cell.scene import OCCUPIED, UNKNOWN, Body, Placed, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import IDENTITY, Pose
 
 DIGITS: Final = 6

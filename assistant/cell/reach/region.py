@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.reach.rules import NO_DIRECTION, NO_REGION, NO_TURNS, TOO_MANY
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots.arms.chain import onto_z
 
 MOST: Final = 200_000

@@ -7,13 +7,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.continuous import RESOLUTION
 from assistant.cell.collision.distances import Distances
 from assistant.cell.collision.model import Item, Model
 from assistant.cell.exploration.depths import thinner
 from assistant.cell.shapes import Mesh
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 
 IN: Final = -1.0
 """mm that stand for a depth that is not known."""

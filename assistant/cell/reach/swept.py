@@ -13,6 +13,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints, Truths
+from assistant.base.diagnostics import Refused
 from assistant.cell.clearances import carrying, rows_of
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.exploration.depths import Depth, solid_of
@@ -21,9 +24,6 @@ from assistant.cell.holding import Holding
 from assistant.cell.reach.rules import TOO_MANY
 from assistant.cell.scene import Part, Placed, Scene
 from assistant.cell.shapes import Convex, Mesh, extent
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints, Truths
-from assistant.program.diagnostics import Refused
 from assistant.robots.timing import Simulation
 
 MOST: Final = 1 << 24

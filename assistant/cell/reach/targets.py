@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.reach.placing import Goals, turned
 from assistant.cell.scene import Placed
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.program.statements import MoveJoints
 from assistant.robots.motion.run import Run

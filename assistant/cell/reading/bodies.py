@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading import meshes
 from assistant.cell.reading.drawings import Drawn, read_drawing
 from assistant.cell.reading.drawings.rules import TWICE
@@ -14,7 +15,6 @@ from assistant.cell.reading.keys import BODY, PART, PARTS, PLACE, SHAPES
 from assistant.cell.rules import NO_SHAPE, SAME_BODY
 from assistant.cell.scene import WORLD, Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.process.table import Table
 

@@ -51,6 +51,9 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import robots
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors, near_names
+from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell import arms
 from assistant.cell.collision.carriers import Carriers
 from assistant.cell.exploration.known import mapped
@@ -70,11 +73,7 @@ from assistant.cell.rules import (
 )
 from assistant.cell.scene import MARGIN, Body, Named, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Frame
-from assistant.program.near import near_names
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table

@@ -7,11 +7,11 @@ from pathlib import Path as FilePath
 from typing import Final
 from urllib.parse import unquote
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading import meshes
 from assistant.cell.reading.rules import BARE, NO_PACKAGE, NOT_HERE, STILL, UNUSED_PACKAGE
 from assistant.cell.scene import Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Vector
 from assistant.robots.outlines import Outline, Outlines
 from assistant.robots.robot import Robot

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, norms
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.source_text import read_bytes
 from assistant.cell.rules import (
     INSIDE_OUT,
     NO_AREA,
@@ -19,10 +22,7 @@ from assistant.cell.rules import (
     SIMPLIFIED,
 )
 from assistant.cell.shapes import Convex, Mesh
-from assistant.program.arrays import Floats, Ints, norms
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.program.geometry import Vector
-from assistant.program.text import read_bytes
 from assistant.sources.lengths import UNITS
 
 if TYPE_CHECKING:

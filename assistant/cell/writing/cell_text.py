@@ -12,11 +12,11 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.cell.arms import touching_links
 from assistant.cell.scene import MARGIN, WORLD, Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Sphere
 from assistant.cell.writing.rules import NO_NAME, UNNAMED_ROBOT, WORKED_OUT
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import IDENTIFIER
 from assistant.sources.cell import toml_value

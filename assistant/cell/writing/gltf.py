@@ -15,11 +15,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import FLANGE, Body, Colour, Scene
 from assistant.cell.surfaces import surface
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 
 GREY: Final[Colour] = (160, 165, 170)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error, info
+from assistant.base.diagnostics import error, info
 
 UNNAMED_ROBOT: Final = error(
     "CK415",

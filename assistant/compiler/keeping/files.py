@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.compiler.keeping import rules, texts
 from assistant.compiler.keeping.made import Made
 from assistant.compiler.keeping.merging import Merge
@@ -19,7 +20,6 @@ from assistant.compiler.keeping.sides import Wishes
 from assistant.compiler.loading import language_of, lift, load_text
 from assistant.compiler.proof import prove
 from assistant.deploy.differences import difference
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

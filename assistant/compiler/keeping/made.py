@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program.geometry import Pose
-from assistant.program.path import Path
+from assistant.program.motion import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement

@@ -20,7 +20,7 @@ from assistant.compiler.keeping.showing import shown
 from assistant.compiler.keeping.sides import Sides, is_same
 from assistant.compiler.keeping.statements import Bodies
 from assistant.program.geometry import Target
-from assistant.program.path import Path
+from assistant.program.motion import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
 

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import file_in_folder, write_all
 from assistant.compiler.keeping import rules
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.system.bounded import read_file
-from assistant.program.system.writing import file_in_folder, write_all
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
 SOURCES: Final = "sources.json"

@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.compiler.keeping.made import Made, place
-from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import Target
 
 

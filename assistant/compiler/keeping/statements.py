@@ -13,7 +13,7 @@ from assistant.compiler.keeping import rules
 from assistant.compiler.keeping.made import Made, place
 from assistant.compiler.keeping.sides import Sides
 from assistant.program import expressions as e
-from assistant.program.path import Path
+from assistant.program.motion import Path
 from assistant.program.program import Procedure
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.source_text import comments
 from assistant.deploy.merging import says_the_same
 from assistant.program.program import Program
-from assistant.program.text import comments
 
 if TYPE_CHECKING:
     from assistant.languages import Language

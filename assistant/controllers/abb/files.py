@@ -13,13 +13,13 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import check_sent
 from assistant.controllers import rules
 from assistant.controllers.abilities import Rests
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.diagnostics import Refused
-from assistant.program.text import check_sent
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb import ftp_folders, ftp_resuming
 from assistant.controllers.abb.files import (
@@ -19,7 +20,6 @@ from assistant.controllers.abb.files import (
     free_aside,
 )
 from assistant.controllers.abb.ftp_session import FtpSession
-from assistant.program.diagnostics import Refused
 
 __all__ = ["Ftp", "checked_name", "first_difference"]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final, Literal
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import MOST_ENTRIES, MOST_FOLDERS, told_name
 from assistant.controllers.abb.ftp_resuming import read_whole
 from assistant.controllers.abb.ftp_session import FtpSession
-from assistant.program.diagnostics import Refused
 
 Kind = Literal["file", "folder", "other"]
 """Links and devices are others: they are never followed, for they may lead in circles."""

@@ -10,10 +10,10 @@ import ftplib
 from collections.abc import Callable
 from typing import Final, Protocol
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.ftp_lines import Lines
 from assistant.controllers.address import SCHEMES, Address
-from assistant.program.diagnostics import Diagnostic, Refused
 
 HOME: Final = "HOME"
 PLACES: Final = (HOME, "/HOME:", f"/{HOME}")

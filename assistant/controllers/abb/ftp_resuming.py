@@ -14,12 +14,12 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import BinaryIO, Final
 
+from assistant.base import file_access
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_text
 from assistant.controllers import rules
 from assistant.controllers.abb.files import TEMPORARY, first_difference
 from assistant.controllers.abb.ftp_session import FtpSession
-from assistant.program.diagnostics import Refused
-from assistant.program.system import durably
-from assistant.program.system.bounded import read_text
 
 Progress = Callable[[int, int | None], None]
 """Is told how many bytes are here, and of how many, None if the server does not tell."""
@@ -65,7 +65,7 @@ def download(session: FtpSession, name: str, to: FilePath, progress: Progress | 
             part.unlink()
             raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
-        durably.sync_folder(to.parent)
+        file_access.sync_folder(to.parent)
         note.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)

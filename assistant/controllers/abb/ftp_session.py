@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path as FilePath
 from typing import Final, NoReturn, Self
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.abb import ftp_home, trust
 from assistant.controllers.abb.files import FileSession
@@ -22,7 +23,6 @@ from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.controllers.pace import Pace
-from assistant.program.diagnostics import Diagnostic, Refused
 
 RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""

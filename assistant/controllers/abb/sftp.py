@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, NoReturn, Self
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import (
     MOST_ENTRIES,
@@ -29,7 +30,6 @@ from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.controllers.pace import LEAST, Pace
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.file_access import read_text
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.system.bounded import read_text
 
 PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
 

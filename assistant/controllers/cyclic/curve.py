@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)

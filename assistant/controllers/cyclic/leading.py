@@ -17,13 +17,13 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Final, Self
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.process import GRACE, Ended, Feed, Progress, follow_corrections
 from assistant.controllers.cyclic.report import Report, Timing
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
-from assistant.program.diagnostics import Diagnostic, Refused
 
 SILENCE: Final = 1.0
 """Seconds without a word of the process after which it is not known where the arm is."""

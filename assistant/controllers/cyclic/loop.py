@@ -11,13 +11,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.base.diagnostics import Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Link, Measured
 from assistant.controllers.cyclic.report import Kept, Timing
 from assistant.controllers.cyclic.space import names
 from assistant.controllers.cyclic.ways import Failed, Job, Row, column_named, way_of
 from assistant.controllers.cyclic.wire import Wire
-from assistant.program.diagnostics import Rule
 
 Tell = Callable[[float, float, Row, Timing], None]
 """Is told now and then: seconds since the first packet, the row, where the arm is, how the time was

@@ -18,6 +18,8 @@ from typing import IO, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.credentials import without_passwords
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
@@ -26,8 +28,6 @@ from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
 from assistant.controllers.cyclic.ways import line_of
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 
 PATIENCE: Final = 20.0
 """Seconds beyond its own time-outs without a word of it after which the process is told to stop."""

@@ -8,10 +8,10 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
 from assistant.controllers.cyclic.rules import MISSED, PRIORITY
 from assistant.controllers.recording import save_columns
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)

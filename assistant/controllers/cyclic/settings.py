@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.rules import BAD_SETTING
-from assistant.program.diagnostics import Refused
 
 PRIORITY: Final = 80
 """Of SCHED_FIFO (1 to 99): above other programs, below the kernel's own threads that matter."""

@@ -9,9 +9,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from assistant.base.arrays import Floats, norms, reals
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.rules import BAD_LIMITS
-from assistant.program.arrays import Floats, norms, reals
-from assistant.program.diagnostics import Refused
 
 Kind = Literal["joints", "poses"]
 """Rows of joints, degrees or mm each (or pulses); or of x, y, z in mm with w, x, y, z."""

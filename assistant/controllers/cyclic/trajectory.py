@@ -14,16 +14,16 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, reals
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.curve import Curve
 from assistant.controllers.cyclic.rules import BAD_SETTING, BAD_TRAJECTORY
 from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked, sizes
-from assistant.program import rotations
-from assistant.program.arrays import Floats, reals
-from assistant.program.diagnostics import Refused
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE
-from assistant.program.path import Kind as Move
-from assistant.program.path import Path
+from assistant.program.motion import Kind as Move
+from assistant.program.motion import Path
 
 MOST_ROWS: Final = 2_000_000
 """Cycles of one trajectory: 3.9 hours at 7.11 ms."""

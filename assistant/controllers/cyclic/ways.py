@@ -14,12 +14,12 @@ from typing import Final, Protocol
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Kind, Limits, braked, sizes
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Rule
 
 Row = tuple[float, ...]
 SLACK: Final = 1e-9

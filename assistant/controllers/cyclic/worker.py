@@ -23,6 +23,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Endpoint, Link
 from assistant.controllers.cyclic.loop import Loop, Stop, columns
@@ -31,7 +32,6 @@ from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.ways import Corrections, Job, Row
 from assistant.controllers.cyclic.wire import Wire
-from assistant.program.diagnostics import Rule
 
 SPUN: Final = 1.0 / 3.0
 """Part of a cycle before a packet is due, and after, in which it is looked for without pause."""

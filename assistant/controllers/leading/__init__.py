@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.controller import Controller, JogsJoints, Programs
 from assistant.controllers.following import MODES as FOLLOWING
 from assistant.controllers.following import Check, Wishes, lines_of, taking
 from assistant.controllers.leading import rules
 from assistant.controllers.leading.carrier import Arm, Carrier
 from assistant.controllers.rules import NOT_HERE
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 
 __all__ = ["MODES", "Arm", "Carrier", "Mode"]
 

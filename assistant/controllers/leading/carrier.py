@@ -13,7 +13,7 @@ from typing import Final, Protocol, Self
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 
 SIX: Final = 6

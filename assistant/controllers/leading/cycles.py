@@ -9,11 +9,11 @@ from typing import Final, Self
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Leading, Limits, Settings
 from assistant.controllers.following import MXT_PROGRAM, Wishes, mxt_installed
 from assistant.controllers.leading.carrier import Arm
-from assistant.program.arrays import Floats
 
 OPENING: Final = 10.0
 """Seconds in which a program that was started must answer the first packet."""

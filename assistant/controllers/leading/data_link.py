@@ -7,10 +7,10 @@ from typing import Final, Self
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.controllers.controller import Controller
 from assistant.controllers.leading.carrier import Arm
 from assistant.controllers.mitsubishi.control_mode import ControlMode
-from assistant.program.arrays import Floats
 
 AHEAD: Final = 1
 """Steps that wait on the line: what the arm still goes when no more follow."""

@@ -7,9 +7,9 @@ from typing import Final, Self
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.controllers.controller import JogsJoints
 from assistant.controllers.leading.carrier import Arm
-from assistant.program.arrays import Floats
 
 PERIOD: Final = 1.0
 """Seconds of a step at most: nothing is looked at meanwhile, but much of each is asking."""

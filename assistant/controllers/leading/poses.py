@@ -7,12 +7,12 @@ from typing import Final, Self
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.controllers.abb.exchange import PoseExchange
 from assistant.controllers.controller import Programs
 from assistant.controllers.leading import rules
 from assistant.controllers.leading.carrier import Arm
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 
 PERIOD: Final = 0.5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 NO_JOINTS: Final = error(
     "CN651",

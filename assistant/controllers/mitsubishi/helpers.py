@@ -12,12 +12,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi import programs
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.mitsubishi.state import WAITING, slot_state
 from assistant.controllers.mitsubishi.variables import externals, selected
-from assistant.program.diagnostics import Refused
 
 SCRATCH: Final = "ASSISTANT"
 """Program whose variables single statements use; no backup has it."""

@@ -16,6 +16,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abilities import Held
 from assistant.controllers.mitsubishi import operating, position, values
@@ -25,8 +27,6 @@ from assistant.controllers.mitsubishi.position import Shown
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, running
 from assistant.controllers.states import Jog
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 
 LIMITS: Final = "MEJAR"
 """Parameter of the least and the most of each joint, degrees (mm of a linear axis)."""

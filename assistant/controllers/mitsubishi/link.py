@@ -10,13 +10,13 @@ import re
 import threading
 from typing import Final, Literal, NoReturn
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi.answers import ENCODING, Answer, parse_answer
 from assistant.controllers.mitsubishi.data_link.streams import Rate, Serial, Stream, TcpClient
 from assistant.controllers.mitsubishi.framing import Framing, Plain, Procedural, Unasked
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.diagnostics import Diagnostic, Refused
 
 ENDS: Final = {"cr": b"\r", "crlf": b"\r\n", "none": b""}
 """Option `end` of an address → what ends a command."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Final
 
-from assistant.program.lines import lines_of as split_lines
+from assistant.base.source_text import lines_of as split_lines
 
 ENCODING: Final = "latin-1"
 """Bytes are passed through one to one: a controller's code page stays what it is."""

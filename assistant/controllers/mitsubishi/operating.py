@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE, ENCODING
@@ -20,7 +21,6 @@ from assistant.controllers.mitsubishi.state import (
     slot_state,
 )
 from assistant.controllers.mitsubishi.variables import selected
-from assistant.program.diagnostics import Refused
 
 LOOK: Final = 0.1
 """Seconds between two looks whether something has come to its end."""

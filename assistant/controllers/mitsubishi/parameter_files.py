@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_file
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
-from assistant.program.diagnostics import Refused
-from assistant.program.system.bounded import read_file
 
 HEAD: Final = "NARC parameter system"
 ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")

@@ -10,13 +10,13 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.parameter_files import Kind
 from assistant.controllers.mitsubishi.programs import VT
 from assistant.controllers.mitsubishi.session import Session
-from assistant.program.diagnostics import Refused
 
 NAME: Final = re.compile(r"[A-Z][A-Z0-9_]{0,15}")
 MOST_LISTS: Final = 10_000

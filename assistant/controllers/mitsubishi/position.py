@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base import rotations
 from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.states import Position
-from assistant.program import rotations
 
 NO_AXIS: Final = re.compile(r"\*+|")
 VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import check_sent
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import listing
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.errors import error
 from assistant.controllers.mitsubishi.listing import Line
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import check_sent
 
 VT: Final = "\v"
 PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")

@@ -15,6 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import visible
 from assistant.controllers import folders, rules
 from assistant.controllers.mitsubishi import listing, parameters, programs, values, variables
 from assistant.controllers.mitsubishi.backup import (
@@ -31,8 +33,6 @@ from assistant.controllers.mitsubishi.backup import (
 from assistant.controllers.mitsubishi.kept_back import why_left_out
 from assistant.controllers.mitsubishi.parameter_files import Kind
 from assistant.controllers.mitsubishi.session import Session
-from assistant.program.diagnostics import Refused
-from assistant.program.visible import visible
 
 FILE: Final = re.compile(
     r"programs/[A-Z0-9]{1,12}_?\.prg|variables/(?:[A-Z0-9]{1,12}_?|externals)\.txt"

@@ -15,12 +15,12 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi.answers import BARE, ENCODING, Answer
 from assistant.controllers.mitsubishi.errors import error
 from assistant.controllers.mitsubishi.link import Link, link_to
-from assistant.program.diagnostics import Diagnostic, Refused
 
 OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""

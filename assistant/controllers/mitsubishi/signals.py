@@ -6,11 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.session import Session
-from assistant.program.diagnostics import Refused
 
 WORD: Final = re.compile(r"[0-9A-F]{4}", re.IGNORECASE)
 BITS: Final = 16

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 
 def to_joints(joints: Floats) -> list[str]:

@@ -11,11 +11,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.errors import error
 from assistant.controllers.mitsubishi.session import RUN_BITS, Session
 from assistant.controllers.states import Fault, Identity, State, TaskState
-from assistant.program.diagnostics import Refused
 
 TEACH, SERVO, RUNNING = 0x08, 0x20, 0x40
 EMERGENCY, WAITING, SELECTABLE = 0x01, 0x04, 0x10

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from typing import Final, TypeVar
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
-from assistant.program.diagnostics import Refused
 
 T = TypeVar("T")
 SETTLING: Final = 1.0

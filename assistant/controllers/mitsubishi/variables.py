@@ -6,13 +6,13 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.programs import VT, checked_name, counted, editing
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import running
-from assistant.program.diagnostics import Refused
 
 CLASSES: Final = "MCPJ"
 """Numbers, texts, positions, joints."""

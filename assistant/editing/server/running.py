@@ -10,9 +10,9 @@ from typing import Final
 
 from pygls.io_ import run_async
 
+from assistant.base.diagnostics import Refused
 from assistant.editing import rules
 from assistant.editing.server.features import made
-from assistant.program.diagnostics import Refused
 
 LOOPBACK: Final = "127.0.0.1"
 _BEGIN: Final = b"Content-"

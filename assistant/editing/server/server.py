@@ -14,12 +14,12 @@ from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol, lsp_method
 
+from assistant.base.budgets import freeze_loaded_objects
+from assistant.base.diagnostics import Refused
 from assistant.editing import service
 from assistant.editing.checker import Checker
 from assistant.editing.server import words
 from assistant.editing.service import Change, Changes, Document, Workspace
-from assistant.program.diagnostics import Refused
-from assistant.program.without_gc import freeze_loaded_objects
 
 REST: Final = 0.4
 """Seconds without a key after which the whole program is looked at."""

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from lsprotocol import types as lsp
 
+from assistant.base.diagnostics import Severity
 from assistant.editing.answers import (
     MARKS,
     Change,
@@ -19,7 +20,6 @@ from assistant.editing.answers import (
 )
 from assistant.editing.places import Place, Range
 from assistant.findings.rulebook import PAGES
-from assistant.program.diagnostics import Severity
 
 SOURCE: Final = "robot-assistant"
 _SEVERITIES: Final = {

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 from assistant.editing.speaking import Spoken
-from assistant.program.editing import Editable
+from assistant.program.editor_support import Editable
 
 _SCOPES: Final = {
     "keyword": "keyword.control",

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.source_text import SourceText
 from assistant.languages.answers import (
     Tree,
 )
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.text import SourceText
 
 NamesIn = Callable[[str], Iterable[str]]
 """Names in a text that are no words of the language, in one spelling."""

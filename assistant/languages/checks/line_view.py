@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Protocol
 
+from assistant.base.diagnostics import Diagnostic, Rule, Span
+from assistant.base.source_text import SourceText, finding_in
 from assistant.languages.checks.places import Lines, row_of
 from assistant.languages.checks.views import Memory
-from assistant.program.diagnostics import Diagnostic, Rule, Span
-from assistant.program.text import SourceText, finding_in
 
 
 class Placed(Protocol):

@@ -9,7 +9,7 @@ from typing import Final, Generic, TypeVar
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.base.arrays import Floats, Ints, Rows, Truths
 
 N = TypeVar("N")
 

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
+from assistant.base.arrays import Ints, Truths
 from assistant.languages.runs.names import Names, split
-from assistant.program.arrays import Ints, Truths
 
 
 class NameSet:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True)

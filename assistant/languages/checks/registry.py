@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 
 V = TypeVar("V")
 

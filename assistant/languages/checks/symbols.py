@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Generic, TypeVar
 
+from assistant.base.arrays import Ints
 from assistant.languages.runs.names import Names, split
-from assistant.program.arrays import Ints
 
 N = TypeVar("N")
 

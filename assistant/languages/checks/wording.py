@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final, Generic, TypeVar
 
-from assistant.program.arrays import Rows
+from assistant.base.arrays import Rows
 
 N = TypeVar("N")
 

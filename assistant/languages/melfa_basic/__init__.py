@@ -10,6 +10,9 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base import source_text
+from assistant.base.diagnostics import Diagnostic, Severity, Unreadable, has_errors
+from assistant.base.source_text import SourceText
 from assistant.languages.answers import (
     ARITHMETIC,
     Adapted,
@@ -24,24 +27,21 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.lazy import offered
-from assistant.program import code_pages
-from assistant.program.diagnostics import Diagnostic, Severity, Unreadable, has_errors
-from assistant.program.effects import Effect, VendorTextKind
+from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
     from pathlib import Path as FilePath
 
     from lark import Lark
 
+    from assistant.base.arrays import Rows
     from assistant.languages.answers import Outline
     from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.languages.tasks import Configured, Texts
-    from assistant.program.arrays import Rows
-    from assistant.program.wanted import Supplied, Wanted, WantedKind
+    from assistant.program.undeclared_names import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
 __all__ = ["MelfaBasic", "language", "syntax"]
@@ -76,7 +76,7 @@ class MelfaBasic(Language["File"]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
-    encodings = code_pages.CODE_PAGES_READ
+    encodings = source_text.CODE_PAGES_READ
     begins = TOKENISED
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
@@ -131,14 +131,14 @@ class MelfaBasic(Language["File"]):
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
         if data.startswith(TOKENISED):
             raise Unreadable(rules.TOKENISED(path=path))
-        return code_pages.decode_code_page(data, path)
+        return source_text.decode_code_page(data, path)
 
     def encode(self, tree: File) -> bytes:
         """The rendered text in the encoding that it was read in, new text as controllers take it.
 
         Raises Refused where a character is not in that encoding.
         """
-        return code_pages.encode_code_page(self.render(tree), tree.source)
+        return source_text.encode_code_page(self.render(tree), tree.source)
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.melfa_basic.reading.parser import parse

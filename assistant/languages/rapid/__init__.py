@@ -8,6 +8,8 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, has_errors
+from assistant.base.source_text import SourceText
 from assistant.languages.answers import (
     ARITHMETIC,
     Adapted,
@@ -17,20 +19,18 @@ from assistant.languages.answers import (
 from assistant.languages.language import Language
 from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
 from assistant.lazy import offered
-from assistant.program.diagnostics import Diagnostic, has_errors
-from assistant.program.effects import Effect, VendorTextKind
+from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
     from lark import Lark
 
+    from assistant.base.arrays import Rows
     from assistant.languages.answers import Outline
     from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
-    from assistant.program.arrays import Rows
-    from assistant.program.wanted import Supplied, Wanted
+    from assistant.program.undeclared_names import Supplied, Wanted
     from assistant.robots import Robot
 
 __all__ = ["Rapid", "language", "syntax"]
@@ -203,7 +203,7 @@ class Rapid(Language["File"]):
         """What sets data up for moves stands anywhere: a change that reaches it is looked at."""
         from assistant.languages.rapid.text.merging import merge
         from assistant.program.comparison import compare
-        from assistant.program.passes.places import sets_on_way
+        from assistant.program.passes.trigger_positions import sets_on_way
 
         merged, origin = merge(tree, before, after), program.origin
         if not sets_on_way(program) and (origin is None or not sets_on_way(origin.lifted)):

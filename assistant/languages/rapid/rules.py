@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error, info, warning
+from assistant.base.diagnostics import error, info, warning
 
 SYNTAX: Final = error("RA101", "{found} stands where {expected} should", "{hint}")
 TOO_DEEP: Final = error(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assistant.program.diagnostics import Rule
+from assistant.base.diagnostics import Rule
 
 
 @dataclass(frozen=True, slots=True)

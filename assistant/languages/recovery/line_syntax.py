@@ -7,11 +7,11 @@ from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.line_grammar import LineGrammar
 from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.mistakes import Slip
 from assistant.languages.recovery.wording import listed
-from assistant.program.diagnostics import Rule
 
 
 class Missing(NamedTuple):

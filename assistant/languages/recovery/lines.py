@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.edits import Edit
 from assistant.languages.recovery.lexemes import Lexeme, Stop
 from assistant.languages.recovery.line_candidates import candidates
 from assistant.languages.recovery.line_syntax import LineSyntax
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText
 
 MOST_FINDINGS: Final = 5
 """Of one line; more help nobody."""

@@ -9,8 +9,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.recovery.edits import Edit
-from assistant.program.diagnostics import Rule
 
 if TYPE_CHECKING:
     from assistant.languages.recovery.broken import Broken, Repair

@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 from assistant.languages.lalr import END, NOWHERE, Stack, Tables, Word
 from assistant.languages.recovery.broken import Broken, HalfBlock, Outline, Repair
 from assistant.languages.recovery.lexemes import Lexeme
@@ -20,8 +22,6 @@ from assistant.languages.recovery.syntax import Syntax
 from assistant.languages.recovery.wording import Wording
 from assistant.languages.scanning import Words
 from assistant.languages.shortened import RunInTheWay, Shortened, number_of
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText
 
 MOST_FINDINGS: Final = 50
 FURTHER: Final = 24

@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Rule, Span
+from assistant.base.source_text import SourceText
 from assistant.languages.recovery.broken import Broken, Repair
 from assistant.languages.recovery.mistakes import Mistake
-from assistant.program.diagnostics import Diagnostic, Rule, Span
-from assistant.program.text import SourceText
 
 LONGEST_SHOWN: Final = 30
 MOST_SHOWN: Final = 6

@@ -9,8 +9,8 @@ from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Rows, Truths
 from assistant.languages.runs.names import Names
-from assistant.program.arrays import Rows, Truths
 
 T = TypeVar("T")
 R = TypeVar("R", bound="Run")

@@ -10,10 +10,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.columns import Chosen, Decimal, Offsets, Piece, Slots, rows_text
 from assistant.languages.runs.reading import Marks, alike
-from assistant.program.arrays import Floats
-from assistant.program.columns import Chosen, Decimal, Piece, rows_text
-from assistant.program.digits_at_offsets import Offsets, Slots
 
 MOST_DECIMALS: Final = 1e6
 """Smaller values have nine exact decimals in a double."""

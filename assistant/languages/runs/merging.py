@@ -8,9 +8,9 @@ from typing import Final, TypeVar
 
 import numpy as np
 
+from assistant.base.arrays import Ints, Rows
 from assistant.languages.runs.columns import Run
 from assistant.languages.runs.reading import behind_digits
-from assistant.program.arrays import Ints, Rows
 
 R = TypeVar("R", bound=Run)
 

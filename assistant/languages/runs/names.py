@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Ints, Rows, Truths
-from assistant.program.columns import Chosen, Decimal, Integer, Piece
+from assistant.base.arrays import Ints, Rows, Truths
+from assistant.base.columns import Chosen, Decimal, Integer, Piece
 
 MOST_DIGITS: Final = 15
 """Digits of a running number; of longer ones the digits stay with the stem."""

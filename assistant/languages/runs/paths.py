@@ -8,12 +8,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Index, Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.arrays import Floats, Ints, Rows, Truths
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path
 
 SETTINGS: Final = ("speed", "blend", "tool", "frame")
 """Columns of a path that are rows of a table, whose name has an `s` behind it."""

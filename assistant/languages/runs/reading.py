@@ -15,10 +15,10 @@ from typing import Any, Final, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Rows, Truths
+from assistant.base.columns import WORD, Offsets, Slots
 from assistant.languages.runs.columns import Entries, Run, Store, joined
 from assistant.languages.runs.names import MOST_DIGITS, Names
-from assistant.program.arrays import Rows, Truths
-from assistant.program.digits_at_offsets import WORD, Offsets, Slots
 
 R = TypeVar("R")
 C = TypeVar("C", bound=Run)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from assistant.base.source_text import SourceText, dominant_newline
 from assistant.languages.runs.columns import Run, joined
 from assistant.languages.runs.merging import merged
 from assistant.languages.runs.names import rows_of
@@ -23,8 +24,6 @@ from assistant.languages.texts.changed_lines import (
     parts_of,
 )
 from assistant.languages.texts.lines import Lines
-from assistant.program.lines import dominant_newline
-from assistant.program.text import SourceText
 
 
 def render(source: SourceText, old: Sequence[Any], lines: Lines) -> str:

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Any, Final
 
+from assistant.base.source_text import one_line
 from assistant.languages.texts.alignment import aligned
 from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.words import Word
-from assistant.program.lines import one_line
 
 _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Rows
+from assistant.base.source_text import lines_of
 from assistant.languages.texts import printed_blocks
 from assistant.languages.texts.printed_blocks import Extent, Spread
-from assistant.program.arrays import Rows
-from assistant.program.lines import lines_of
 
 MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from assistant.program.effects import Effect, EffectBuilder
-from assistant.program.text import words_of
+from assistant.base.source_text import words_of
+from assistant.program.expressions import Effect, EffectBuilder
 
 Fields = tuple[str, ...]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.program.expressions import Verbatim
-from assistant.program.kept import VendorText
 from assistant.program.statements import Opaque
+from assistant.program.vendor_statements import VendorText
 
 SHOWN: Final = 60
 """Characters of a text that a finding shows."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal
 
+from assistant.base.source_text import dominant_newline
 from assistant.languages.texts.words import Word
-from assistant.program.lines import dominant_newline
 
 INDENT: Final = 4
 """Columns of a level."""

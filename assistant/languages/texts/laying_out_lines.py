@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
+from assistant.base.source_text import SourceText, dominant_newline
 from assistant.languages.line_blocks import NO_WORD, Word
 from assistant.languages.runs.columns import Run
 from assistant.languages.texts import changed_lines
 from assistant.languages.texts.changed_lines import Parts, parts_of
 from assistant.languages.texts.laying_out import INDENT, TAB, Line, aligned
 from assistant.languages.texts.lines import Lines
-from assistant.program.lines import dominant_newline
-from assistant.program.text import SourceText
 
 
 def lay_out(source: SourceText, lines: Lines) -> str:

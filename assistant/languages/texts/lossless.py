@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
+from assistant.base.source_text import SourceText
 from assistant.languages.texts.alignment import aligned, common_ends, same
 from assistant.languages.texts.original import Original
 from assistant.languages.texts.printed_blocks import (
@@ -29,7 +30,6 @@ from assistant.languages.texts.printed_blocks import (
     name_blocks,
     pieces_of,
 )
-from assistant.program.text import SourceText
 
 __all__ = ["Block", "Extent", "Layout", "Sketch", "Spread", "render"]
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, Refused, Rule
+from assistant.base.source_text import SourceText, finding_in
 from assistant.languages.line_steps import Change, steps_of, with_steps
 from assistant.languages.runs.names import rows_of
-from assistant.program.diagnostics import Diagnostic, Refused, Rule
-from assistant.program.text import SourceText, finding_in
 
 UNNUMBERED: Final = 0
 """Stands for the number of a line that is to get one."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from assistant.base.source_text import SourceText
 from assistant.languages.texts.printed_blocks import (
     Block,
     Extent,
@@ -14,7 +15,6 @@ from assistant.languages.texts.printed_blocks import (
     spelling,
 )
 from assistant.languages.texts.words import Word
-from assistant.program.text import SourceText
 
 
 class Original:

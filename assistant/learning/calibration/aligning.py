@@ -10,11 +10,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths, norms
 from assistant.learning.calibration.fitting import robust
 from assistant.learning.calibration.identifying import told_apart
 from assistant.learning.calibration.problem import Known, Problem, State
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, norms
 from assistant.program.geometry import IDENTITY, Pose, Quaternion
 
 ROUNDS: Final = 8

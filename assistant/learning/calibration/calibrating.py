@@ -8,6 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning.calibration import rules
 from assistant.learning.calibration.aligning import aligned
 from assistant.learning.calibration.chain_model import model_of
@@ -18,8 +20,6 @@ from assistant.learning.calibration.measured import Measured
 from assistant.learning.calibration.models import Estimate, LengthsModel, Parameter
 from assistant.learning.calibration.problem import PLACED, Known, Problem, State
 from assistant.learning.calibration.validating import Residual, held_out, residual
-from assistant.program.arrays import Floats, Rows, Truths, norms
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import Placed, Serial

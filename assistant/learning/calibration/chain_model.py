@@ -14,6 +14,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.learning.calibration.models import (
     Estimate,
     LengthsModel,
@@ -23,8 +25,6 @@ from assistant.learning.calibration.models import (
     Unit,
     of_zeros,
 )
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms.chain import Along, Chain, Joint

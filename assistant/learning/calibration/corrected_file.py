@@ -9,9 +9,9 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from assistant.base import rotations
 from assistant.learning.calibration.calibrating import Calibration
 from assistant.learning.calibration.models import LengthsModel
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Scara, SixAxis

@@ -15,13 +15,13 @@ from typing import Any, Final
 import numpy as np
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning.calibration import rules
 from assistant.learning.calibration.aligning import aligned, roughly
 from assistant.learning.calibration.measured import Measured
 from assistant.learning.calibration.models import LengthsModel
 from assistant.learning.calibration.problem import Known, Problem
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.robots import Robot
 
 DOUBTED: Final = 0.005

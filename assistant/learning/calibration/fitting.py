@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths
 from assistant.learning.calibration.problem import PLACED, Problem, State
-from assistant.program.arrays import Floats, Truths
 
 ROUNDS: Final = 60
 DONE: Final = 1e-9

@@ -15,9 +15,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Truths
 from assistant.learning.calibration.models import Parameter
 from assistant.learning.calibration.problem import PLACED
-from assistant.program.arrays import Floats, Truths
 
 SAME: Final = 1e-5
 """Of a column, what is left of it beside the others, below which it is a sum of them."""

@@ -20,12 +20,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, all_of, reals, rows_of
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.source_text import decode, lines_of, read_bytes
 from assistant.learning.calibration import rules
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, all_of, reals, rows_of
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
-from assistant.program.lines import lines_of
-from assistant.program.text import decode, read_bytes
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.triangulating import triangulate

@@ -12,8 +12,8 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
 from assistant.robots import Robot
 from assistant.robots.arms import Arm, FiveAxis, Scara, SixAxis
 from assistant.robots.arms.chain import Along, Chain

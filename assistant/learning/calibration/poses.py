@@ -13,14 +13,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Refused
 from assistant.learning.calibration import rules
 from assistant.learning.calibration.chain_model import model_of
 from assistant.learning.calibration.identifying import LOOSE, told_apart
 from assistant.learning.calibration.measured import measured
 from assistant.learning.calibration.models import Estimate, Parameter
 from assistant.learning.calibration.problem import Known, Problem
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose, Vector
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import Camera

@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.learning.calibration.measured import Measured
 from assistant.learning.calibration.models import Model, Parameter, spun
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose, Quaternion, Vector
 
 SHIFTS: Final = ("x", "y", "z")

@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.learning.calibration.fitting import NEARLY, least_squares
 from assistant.learning.calibration.problem import Problem, State
-from assistant.program.arrays import Floats, Rows, Truths, norms
 
 FOLDS: Final = 5
 SAME: Final = 0.5

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.experiments import MARKS, Experiment, over_box, over_ranges
 from assistant.learning.maps.extended_map import DETERMINED_BY, ExtendedMap, Task
 from assistant.learning.maps.goals import (
@@ -19,8 +21,6 @@ from assistant.learning.maps.goals import (
 )
 from assistant.learning.maps.rules import BAD_HELD, NO_AXIS, OTHER_TASK, RULE_WITHOUT
 from assistant.learning.maps.seen_arm import seen_arm
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import Camera
 

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, norms
 from assistant.learning.maps.extended_map import ExtendedMap
-from assistant.program.arrays import Floats, Rows, norms
 
 FLAT: Final = 0.15
 """Distances between neighbours by which a target may be beside a surface that is not bent."""

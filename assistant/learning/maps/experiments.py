@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant import robots
+from assistant.base.arrays import Floats
 from assistant.learning.maps.extended_map import ExtendedMap
 from assistant.learning.maps.goals import (
     InBox,
@@ -18,7 +19,6 @@ from assistant.learning.maps.goals import (
 )
 from assistant.learning.maps.seen_arm import SeenArm, pair_for, seen_arm
 from assistant.learning.maps.training import start
-from assistant.program.arrays import Floats
 from assistant.vision.cameras.camera import Camera, looking_at
 
 TIP: Final = (0.0, 0.0, 60.0)

@@ -23,8 +23,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
 from assistant.learning.maps.lattice import Box, Neighbourhood
-from assistant.program.arrays import Floats, Rows
 
 AT_RANDOM: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""

@@ -8,12 +8,12 @@ from typing import Final, Literal
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths, norms
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.rules import BAD_BOX, BAD_RANGE, NOT_REACHED
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.solving import solve
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, norms
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 
 Rule = Literal["any", "down", "forward"]

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 
 LEAST: Final = 2e-3
 """Shares of a Gaussian below which a unit learns nothing from its neighbour."""

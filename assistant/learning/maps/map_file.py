@@ -13,13 +13,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.budgets import most_unpacked
+from assistant.base.diagnostics import Refused, Unreadable
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import read_bytes
 from assistant.learning.maps.extended_map import ExtendedMap, Scale, Task
 from assistant.learning.maps.rules import NO_MAP, OTHER_VERSION
 from assistant.learning.maps.training import MOST_UNITS
-from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.budgets import most_unpacked
-from assistant.program.system.writing import write_all
-from assistant.program.text import read_bytes
 
 VERSION: Final = 1
 KIND: Final = "learned map"

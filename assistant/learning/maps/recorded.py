@@ -8,14 +8,14 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, evenly_spaced
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.extended_map import ExtendedMap, Pace
 from assistant.learning.maps.goals import Goals
 from assistant.learning.maps.rules import FEW_ROWS
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.training import Plan
 from assistant.learning.maps.trials import teach, times
-from assistant.program.arrays import Floats, Ints, evenly_spaced
-from assistant.program.diagnostics import Refused
 
 LEAST: Final = 100
 """Fewest rows to learn from."""

@@ -13,12 +13,12 @@ from typing import Final, Protocol
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, norms
 from assistant.learning.maps.goals import Goals
 from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.solving import solve
 from assistant.learning.maps.training import Errors
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, norms
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.triangulating import triangulate
 

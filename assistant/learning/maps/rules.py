@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 NO_MAP: Final = error(
     "LN001", "this is no learned map: {reason}", "learn one with `robot-assistant learn`"

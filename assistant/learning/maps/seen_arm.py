@@ -9,11 +9,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, rows_of
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.extended_map import Task
 from assistant.learning.maps.rules import NO_AXIS, NO_LENGTH
-from assistant.program import rotations
-from assistant.program.arrays import Floats, rows_of
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms.five_axis import FiveAxis

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.learning.maps.seen_arm import SeenArm
-from assistant.program.arrays import Floats
 
 STEP: Final = 1e-4
 """Degrees (mm) by which slopes of forward kinematics are taken."""

@@ -10,6 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, norms
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.cooling import Cooling, learning
 from assistant.learning.maps.extended_map import DETERMINED_BY, ExtendedMap, begun
 from assistant.learning.maps.goals import Goals, Space
@@ -18,9 +21,6 @@ from assistant.learning.maps.seen_arm import SeenArm
 from assistant.learning.maps.solving import slope_of
 from assistant.learning.maps.trials import Arm, learn, times, tried
 from assistant.learning.maps.using import BEYOND
-from assistant.program import rotations
-from assistant.program.arrays import Floats, norms
-from assistant.program.diagnostics import Refused
 
 AT_ONCE: Final = 16
 """Targets that are tried before what they told is learnt: an arm that is computed is asked for all

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.extended_map import ExtendedMap, Pace
 from assistant.learning.maps.rules import NO_ANSWER
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Refused
 
 Arm = Callable[[Floats], Floats]
 """Joints (n, a) to which an arm is moved one after the other → pixels (n, d) at which its tool is

@@ -8,6 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning.maps.doubting import beside, surroundings
 from assistant.learning.maps.extended_map import ExtendedMap, Pace
 from assistant.learning.maps.rules import (
@@ -20,8 +22,6 @@ from assistant.learning.maps.rules import (
     UNLIKE,
 )
 from assistant.learning.maps.trials import Arm, Trials, learn, looked, times
-from assistant.program.arrays import Floats, Rows, Truths, norms
-from assistant.program.diagnostics import Diagnostic, Refused
 
 NEAR: Final = 1.4
 """Times the distance between neighbours up to which a target is like what was learnt."""

@@ -1,1 +1,3 @@
-"""What is known of a program without running it: who changes what, what has a value."""
+"""Static analyses of programs: data flow, values, types, uses, and the state of motion."""
+
+from __future__ import annotations

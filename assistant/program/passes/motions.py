@@ -1,9 +1,9 @@
-"""Speeds and blends of moves: by value or by name, and corners whose size is left open."""
+"""Speeds, blends and accelerations of moves: by value or by name, and corners without a size."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, Generic, TypeVar
@@ -11,14 +11,14 @@ from typing import Any, Final, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Span
+from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.passes.legalising import Corners, Legalisation
-from assistant.program.passes.legalising import Motions as MotionTable
-from assistant.program.passes.path_tables import reported_at_lines, table_of
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Kind, Path, Speed
+from assistant.program.passes.legalisation import Corners, Legalisation, Rewording
+from assistant.program.passes.legalisation import Motions as MotionTable
+from assistant.program.passes.paths import reported_at_lines, table_of
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import ComputedBlend, ComputedSpeed, Motion
@@ -284,3 +284,24 @@ class CornerSizes:
         blend[rows] = len(path.blends) + at.reshape(-1)
         kept = (more[0] if o else b for o, b in zip(open_, path.blends, strict=True))
         return replace(path, blend=blend, blends=(*kept, *more))
+
+
+def one_acceleration(r: Rewording, node: p.SetAcceleration) -> Iterator[p.Statement]:
+    """The smaller of two values for both, not less than the language takes."""
+    one, two, can = node.acceleration, node.deceleration, r.job.can.acceleration
+    if can is None:
+        yield node
+        return
+    value = one
+    if isinstance(one, e.Number) and isinstance(two, e.Number):
+        least = max(min(one.value, two.value), can.least)
+        if (least, least) != (one.value, two.value):
+            r.job.changed(
+                f"acceleration {one.value} and deceleration {two.value} percent",
+                f"{least} percent for both",
+                can.cure_of_least,
+            )
+        value = e.Number(least)
+    elif one != two:
+        r.job.changed("the deceleration", "the acceleration", can.cure)
+    yield replace(node, acceleration=value, deceleration=value)

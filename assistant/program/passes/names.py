@@ -1,4 +1,4 @@
-"""Names that a language takes: legal, short enough, none twice and none of its own."""
+"""Names that a language takes: legal, short, unique, not reserved, spelled as declared."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_body
+from assistant.program.analysis.declared_types import Spelling
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.passes.legalising import Legalisation
+from assistant.program.motion import Path
+from assistant.program.passes.legalisation import Legalisation
 from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import rewrite
+from assistant.program.statement_index import records_in_body
 
 FIELDS: Final[dict[type, tuple[str, ...]]] = {
     Program: ("name", "entry"),
@@ -117,3 +119,53 @@ def with_legal_names(job: Legalisation) -> Program:
         t: {of(n): part for n, part in getattr(program, t).items()} for t in TABLES
     }
     return rewrite(replace(program, **rows), renamed)
+
+
+def with_declared_names(program: Program) -> Program:
+    """The program with every name as it was declared, and calls that say another unit than theirs.
+
+    Tools, frames, speeds and blends are the business of motions.
+    """
+    spelling = Spelling(program)
+    variables = _respelled(program.variables, spelling, None)
+    return replace(
+        program,
+        variables=variables,
+        procedures=tuple(_respelled_procedure(q, spelling) for q in program.procedures),
+    )
+
+
+def _respelled_procedure(procedure: Procedure, spelling: Spelling) -> Procedure:
+    spelling.enter(procedure)
+    return replace(
+        procedure,
+        variables=_respelled(procedure.variables, spelling, procedure.unit),
+        body=_respelled(procedure.body, spelling, procedure.unit),
+    )
+
+
+def _respelled(value: Any, spelling: Spelling, unit: str | None) -> Any:
+    """unit: in which it stands."""
+
+    def visit(node: Any) -> Any:
+        match node:
+            case e.Name(name):
+                return replace(node, name=spelling.name(name))
+            case e.Elapsed(timer) | p.StartTimer(timer):
+                return replace(node, timer=spelling.timer(timer))
+            case e.Member(field=field):
+                return replace(node, field=field.lower())
+            case e.Apply(function) if function.lower() in e.FUNCTIONS:
+                return replace(node, function=function.lower())
+            case e.Apply(function) if called := spelling.procedure(function):
+                return replace(node, function=called.name)
+            case p.SetSignal(name) | p.WaitSignal(name) | p.Trigger(name):
+                return replace(node, signal=spelling.name(name))
+            case p.For(name):
+                return replace(node, variable=spelling.name(name))
+            case p.Call(name) if called := spelling.procedure(name):
+                other = None if called.unit == unit else called.unit
+                return replace(node, procedure=called.name, unit=other)
+        return node
+
+    return rewrite(value, visit, (Path, p.Motion, e.TargetValue, e.JointValue, e.PoseValue))

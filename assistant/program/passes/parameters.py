@@ -1,9 +1,10 @@
-"""Parameters and results of procedures as a language without them has to say them.
+"""Parameters and results of procedures, for a language without them.
 
 There they become variables of the program. A call becomes assignments to the parameters and the
 call, a parameter that is the caller's own variable is copied back, and a function is called before
 the statement that needs its result. Where a procedure may use the caller's variable by another name
-as well, a copy of the procedure works on that variable itself.
+as well, a copy of the procedure works on that variable itself. What cannot be expressed in this way
+is an error.
 """
 
 from __future__ import annotations
@@ -14,23 +15,25 @@ from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import Any, Final
 
+from assistant.base.diagnostics import Declared, Rule
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import (
     along_calls,
     altered,
     base_variable,
+    called_by,
     declared,
     handed_over,
     mentioned_variables,
+    read_before,
     unordered,
 )
-from assistant.program.diagnostics import Rule
-from assistant.program.passes.hoisting import Taken, hoisted
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.long_calls import LineWidths, procedures_too_long
-from assistant.program.passes.parameters_refused import refuse_kept_texts, refuse_other_order
-from assistant.program.passes.procedures import has_form, is_called_with_arguments
+from assistant.program.expressions import unknown_effect
+from assistant.program.passes.hoisted_statements import Taken, hoisted
+from assistant.program.passes.legalisation import Legalisation
+from assistant.program.passes.line_lengths import LineWidths, procedures_too_long
+from assistant.program.passes.procedure_forms import has_form, is_called_with_arguments
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -38,9 +41,58 @@ from assistant.program.program import (
     TakenNames,
     Variable,
     identifier,
+    walk,
 )
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
-from assistant.program.subjects import Declared
+
+
+def refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
+    """An error for each kept text that names a parameter: it would name another variable then."""
+    own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
+    for node in walk(procedure.body):
+        for part in records(head(node)) if own else ():
+            if isinstance(part, p.Opaque | e.Verbatim):
+                effect = unknown_effect(part.text) if part.effect is None else part.effect
+                for name in sorted(effect.names & own.keys()):
+                    what = f"`{part.text}`, which names the parameter `{own[name]}`"
+                    with job.findings.at(node.span):
+                        job.cannot(what, "say it in plain statements")
+
+
+def refuse_other_order(
+    job: Legalisation,
+    body: Body,
+    called: Mapping[str, Procedure],
+    alters: Mapping[str, frozenset[str]],
+) -> None:
+    """An error at each statement that would say another thing with its calls in front of it.
+
+    called: procedures with parameters or a result. alters: what each procedure changes beyond its
+    own variables. Names are in lower case.
+    """
+    for node in walk(body):
+        if isinstance(node, p.WaitUntil) and node.timeout is not None:
+            _refuse_once(job, node, called)
+        alone = [b.condition for b in node.branches] if isinstance(node, p.If) else [head(node)]
+        read = [pair for x in alone for pair in read_before(x, called, alters)]
+        with job.findings.at(node.span):
+            for name, function in dict.fromkeys(read):
+                job.cannot(
+                    what=f"that {called_by(name)} is read before `{function}` changes it",
+                    cure="assign it to a variable in a statement before, and read that",
+                )
+
+
+def _refuse_once(job: Legalisation, node: p.WaitUntil, called: Mapping[str, Procedure]) -> None:
+    """An error at a wait with a limit for what a call tells: it would be called once only."""
+    for record in records(node.condition):
+        if isinstance(record, e.Apply) and record.function.lower() in called:
+            with job.findings.at(node.span):
+                job.cannot(
+                    what=f"a wait with a limit that calls `{record.function}` again and again",
+                    cure="call it in a loop that waits a little and reads a clock",
+                )
+
 
 MOST_COPIES: Final = 200
 """Procedures that are made of one with parameters; more is no program that anybody reads."""

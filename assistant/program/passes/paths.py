@@ -1,25 +1,32 @@
-"""Moves through consecutively numbered targets as one path, in a pseudo-program."""
+"""Paths: made of numbered moves, as moves to points, their tables, and their split into units.
+
+Moves through consecutively numbered targets become one path; a path becomes moves row by row for a
+language without paths. A controller takes only so many targets in one program, so long paths go to
+units of their own.
+"""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from assistant.base.arrays import Ints, Rows
+from assistant.base.diagnostics import Declared, Findings, Span, span_over
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import span_over
 from assistant.program.geometry import Target
-from assistant.program.kept import effect_of
-from assistant.program.path import Kind, Path, configuration_row
-from assistant.program.program import Program, bodies
-from assistant.program.rewriting import map_bodies
+from assistant.program.motion import Kind, Path, configuration_row
+from assistant.program.passes.legalisation import Legalisation, Units
+from assistant.program.program import Procedure, Program, TakenNames, bodies, identifier, walk
+from assistant.program.rewriting import Body, map_bodies
+from assistant.program.vendor_statements import effect_of
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 
@@ -168,3 +175,246 @@ def joined_paths(name: str, paths: list[Path]) -> Path:
         columns[column] = np.concatenate([getattr(path, column) for path in paths])
     columns.update(tables)
     return replace(paths[0], name=name, places=None, **columns)
+
+
+def motion_at(path: Path, row: int) -> p.Motion:
+    """The speed, blend, tool and frame of one row; for the few, never for all of a long path."""
+    speed, blend = path.speeds[path.speed[row]], path.blends[path.blend[row]]
+    return p.Motion(speed, blend, path.tools[path.tool[row]], path.frames[path.frame[row]])
+
+
+def move_at(path: Path, row: int, target: e.Expression) -> p.Move:
+    """The move to a row of a path that is no part of an arc."""
+    kind = path.kinds[row]
+    return p.Move("joint" if kind == Kind.JOINT else "linear", target, motion_at(path, row))
+
+
+def with_points(program: Program) -> Program:
+    """The program that moves to declared targets: those in moves and of paths become such.
+
+    For a language without paths and without targets written out. Paths with arcs stay.
+    """
+    targets = dict(program.targets)
+    taken = TakenNames(targets)
+
+    def point(target: Target, wanted: str) -> e.Name:
+        name = identifier(wanted, taken)
+        taken.add(name)
+        targets[name] = target
+        return e.Name(name)
+
+    def moves(node: p.Statement) -> Iterator[p.Statement]:
+        match node:
+            case p.Move(target=e.TargetValue(target)):
+                yield replace(node, target=point(target, "point"))
+            case p.Follow(path) if set(path.kinds.tolist()) <= {Kind.JOINT, Kind.LINEAR}:
+                for row in range(len(path)):
+                    to = point(path.target(row), f"{path.name}_{row + 1}")
+                    yield replace(move_at(path, row, to), span=node.span)
+            case _:
+                yield map_bodies(node, body)
+
+    def body(given: Body) -> Body:
+        return tuple(made for node in given for made in moves(node))
+
+    procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=procedures, targets=targets)
+
+
+T = TypeVar("T")
+
+COLUMNS: Final = ("speed", "blend", "tool", "frame")
+"""Columns of rows in the tables `speeds`, `blends`, `tools` and `frames` of a path."""
+
+
+def has_half_arcs(path: Path) -> bool:
+    """Whether a via point has no end behind it, or an end no via point in front of it."""
+    if not len(path):
+        return False
+    after = np.append(path.kinds[1:], np.uint8(Kind.LINEAR))
+    torn = (path.kinds == Kind.VIA) != (after == Kind.END)
+    return bool(torn.any() or path.kinds[0] == Kind.END)
+
+
+def with_whole_arcs(path: Path) -> Path:
+    """The path with speed, blend, tool and frame of an arc's end at its via point, too."""
+    via = np.flatnonzero(path.kinds[:-1] == Kind.VIA)
+    made: dict[str, Any] = {}
+    for column in COLUMNS:
+        values = np.array(getattr(path, column))
+        values[via] = values[via + 1]
+        made[column] = values
+    return replace(path, **made)
+
+
+def with_used_entries(path: Path) -> Path:
+    """The path with only those table rows that it uses, in the order of their first use."""
+    made: dict[str, Any] = {}
+    for column in COLUMNS:
+        table: tuple[Any, ...] = getattr(path, column + "s")
+        made[column + "s"], made[column] = table_of(getattr(path, column), table.__getitem__)
+    return replace(path, **made)
+
+
+def reported_at_lines(
+    findings: Findings,
+    line: Callable[[int], Span | None],
+    index: NDArray[Any],
+    value: Callable[[int], T],
+    entry: int,
+) -> T:
+    """The value of an entry, with what is found about it at the line of each row that has it.
+
+    line: where the move to a row is in the source text. index: (n,) the entry of each row.
+    """
+    rows = np.flatnonzero(index == entry)
+    before, known = line(int(rows[0])), len(findings)
+    with findings.at(before):
+        made = value(entry)
+    found = findings[known:]
+    for row in rows[1:].tolist() if found else ():
+        span = line(row)
+        if span != before:  # the two rows of an arc have one line
+            with findings.at(span):
+                findings.extend(found)
+        before = span
+    return made
+
+
+def table_of(
+    index: NDArray[Any], value: Callable[[int], Any]
+) -> tuple[tuple[Any, ...], NDArray[np.int32]]:
+    """The entries that an index column uses, each once and by first use, and their rows."""
+    used, first, inverse = np.unique(index, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    entries: list[Any] = []
+    rows = np.zeros(len(used), dtype=np.int32)
+    for i in order:
+        entry = value(int(used[i]))
+        if entry not in entries:
+            entries.append(entry)
+        rows[i] = entries.index(entry)
+    return tuple(entries), rows[inverse.reshape(-1)]
+
+
+def split(job: Legalisation) -> Program:
+    """The program with calls of new procedures for the paths that fill a unit over its limit."""
+    if job.can.units is None:
+        return job.program
+    splitter = _Splitter(job, job.can.units)
+    procedures = tuple(map(splitter.procedure, job.program.procedures))
+    if not splitter.new:
+        return job.program
+    return replace(job.program, procedures=(*procedures, *splitter.new))
+
+
+class _Splitter:
+    """count: targets that each unit still has. new: procedures of pieces."""
+
+    def __init__(self, job: Legalisation, units: Units) -> None:
+        program = job.program
+        self.findings, self.units = job.findings, units
+        self.most = max(units.most, units.least_most)
+        self.new: list[Procedure] = []
+        self.taken = TakenNames((program.name, *(q.name for q in program.procedures)))
+        self.taken.update(q.unit for q in program.procedures if q.unit is not None)
+        self.taken.update(program.targets, program.variables, program.signals, program.tools)
+        self.count: dict[str | None, int] = {None: len(program.targets)}
+        for q in program.procedures:
+            kept = sum(size for size in _path_sizes(q) if size <= self.most)
+            self.count[q.unit] = self.count.get(q.unit, 0) + kept
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        return replace(procedure, body=self.body(procedure.body, procedure))
+
+    def body(self, body: Body, owner: Procedure) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            if isinstance(node, p.Follow):
+                made += self.follow(node, owner)
+            else:
+                made.append(map_bodies(node, lambda inner: self.body(inner, owner)))
+        return tuple(made)
+
+    def follow(self, node: p.Follow, owner: Procedure) -> Iterator[p.Statement]:
+        """A path, or calls of a new procedure, in a new unit, for each piece of it."""
+        pieces = unit_ranges(node.path, self.units, self.most)
+        if len(pieces) < 2 and self.stays(len(node.path), owner):
+            yield node
+            return
+        by_procedure = self.units.counted == "procedure"
+        about = Declared(owner.name, "procedures") if by_procedure else None
+        name, count = node.path.name, len(node.path)
+        self.findings.append(
+            self.units.split(name=name, count=count, parts=len(pieces), about=about)
+        )
+        for number, (start, stop) in enumerate(pieces, 1):
+            procedure = identifier(self.units.part.format(name, number), self.taken)
+            self.taken.add(procedure)
+            unit = procedure
+            if self.units.unit:
+                unit = identifier(self.units.unit.format(name, number), self.taken)
+                self.taken.add(unit)
+            rows = node.path.rows(start, stop, self.units.path.format(procedure))
+            self.new.append(Procedure(procedure, (p.Follow(with_used_entries(rows)),), unit=unit))
+            yield p.Call(procedure, unit=unit, span=node.span)
+
+    def stays(self, size: int, owner: Procedure) -> bool:
+        """Whether a path in one piece stays where it is; the last one of a unit does."""
+        if self.units.counted == "procedure":
+            sizes = _path_sizes(owner)
+            lone = owner.unit is not None and len(owner.body) == 1
+            return lone or len(sizes) < 2 or sum(sizes) <= self.most
+        left = self.count[owner.unit] - size
+        if self.count[owner.unit] <= self.most or (owner.unit is not None and left == 0):
+            return True
+        self.count[owner.unit] = left
+        return False
+
+
+def _path_sizes(procedure: Procedure) -> list[int]:
+    return [len(node.path) for node in walk(procedure.body) if isinstance(node, p.Follow)]
+
+
+def unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
+    """Ranges of rows that fit one unit each; an arc's two rows stay together."""
+    n = len(path)
+    costs, most_steps = _row_steps(path, units), units.most_steps or np.iinfo(np.int64).max
+    total = np.concatenate([[0], np.cumsum(costs)])
+    if n <= most and total[-1] <= most_steps:
+        return [(0, n)]
+    pieces, start = [], 0
+    while start < n:
+        room = min(int(total[start]) + most_steps, int(total[-1]))
+        stop = int(np.searchsorted(total, room, side="right")) - 1
+        stop = min(n, start + most, max(stop, start + 2))
+        if stop < n:
+            stop -= units.least if n - stop < units.least else 0
+            stop = _good_cut(path, start, stop, units.straight)
+        pieces.append((start, stop))
+        start = stop
+    return pieces
+
+
+def _good_cut(path: Path, start: int, stop: int, straight: bool) -> int:
+    """The last row up to `stop` that a piece may begin with.
+
+    straight: it begins with a straight move where one is near, so that no arc starts unknown.
+    """
+    least = max(start + 1, stop - (stop - start) // 4)
+    kinds = path.kinds[least : stop + 1]
+    straights = np.flatnonzero((kinds != Kind.VIA) & (kinds != Kind.END))
+    if straight and len(straights):
+        return least + int(straights[-1])
+    whole = np.flatnonzero(path.kinds[start + 1 : stop + 1] != Kind.END)
+    return start + 1 + int(whole[-1]) if len(whole) else stop
+
+
+def _row_steps(path: Path, units: Units) -> Ints:
+    """Steps that each row takes at most: its move, and its settings where they change."""
+    costs = (path.kinds != Kind.VIA).astype(np.int64)
+    costs[:1] += units.first
+    for column, lines in units.steps.items():
+        values = getattr(path, column)
+        costs[1:] += lines * (values[1:] != values[:-1])
+    return np.asarray(costs)

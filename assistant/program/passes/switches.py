@@ -9,18 +9,10 @@ from typing import Final, Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_value, known_types
+from assistant.program.analysis.declared_types import is_value, known_types
 from assistant.program.analysis.uses import changed_by_others, declared
-from assistant.program.contents import records_in_procedures
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.rewording import Rewording
-from assistant.program.program import (
-    Procedure,
-    Program,
-    TakenNames,
-    Variable,
-    identifier,
-)
+from assistant.program.passes.legalisation import Legalisation, Rewording
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import (
     Body,
     is_steady,
@@ -29,6 +21,7 @@ from assistant.program.rewriting import (
     map_head,
     records,
 )
+from assistant.program.statement_index import records_in_procedures
 
 
 def with_single_reads(job: Legalisation) -> Program:

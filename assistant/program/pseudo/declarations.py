@@ -1,4 +1,4 @@
-"""Declarations as text and back: what stands above the procedures."""
+"""Declarations to text and from it: what is above the procedures."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from typing import Any, Final, Literal, cast
 from lark import Token, Tree
 
 from assistant.program.program import Parameter, Program, Signal, ValueType, Variable
-from assistant.program.pseudo.expressions import expression_text, read_expression
-from assistant.program.pseudo.values import (
+from assistant.program.pseudo.expressions import (
     blend_text,
+    expression_text,
     frame_text,
     joints_text,
     read_blend,
+    read_expression,
     read_frame,
     read_joints,
     read_speed,

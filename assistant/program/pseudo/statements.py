@@ -1,4 +1,7 @@
-"""Statements of one line as text and back; `blocks` has those that hold others."""
+"""Statements of one line to text and from it; `parser` has those that hold others.
+
+The speed and blend of a move may be computed: `computed (v / 2) mm/s`.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +12,37 @@ from typing import Any, Final, NamedTuple
 
 from lark import Tree
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 from assistant.program.expressions import Binary, Expression, Index, Member, Name, Verbatim
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.motion import (
+    USUAL_LINEAR,
+    USUAL_ROTARY,
+    USUAL_ROTATION,
+    Blend,
+    ComputedBlend,
+    ComputedSpeed,
+    Speed,
+)
 from assistant.program.pseudo.expressions import (
     ATOM,
+    Turns,
     arguments_text,
     assignable_text,
+    blend_text,
     expression_text,
     read_arguments,
+    read_blend,
     read_expression,
-)
-from assistant.program.pseudo.findings import NOT_ASSIGNABLE, Wrong
-from assistant.program.pseudo.paces import (
-    move_blend_text,
-    move_speed_text,
-    read_move_blend,
-    read_move_speed,
+    read_speed,
+    read_speed_parts,
+    speed_parts_text,
+    speed_text,
 )
 from assistant.program.pseudo.words import (
+    NOT_ASSIGNABLE,
     Node,
+    Wrong,
     comment_text,
     name_text,
     read_integer,
@@ -66,6 +80,51 @@ from assistant.program.statements import (
     WaitSignal,
     WaitUntil,
 )
+
+_USUAL: Final[Turns[Expression]] = (USUAL_ROTATION, USUAL_LINEAR, USUAL_ROTARY)
+
+
+def move_speed_text(speed: Speed | ComputedSpeed | Name) -> str:
+    """`150 mm/s`, or `computed (v / 2) mm/s`, and whatever differs from a usual speed."""
+    if not isinstance(speed, ComputedSpeed):
+        return speed_text(speed)
+    turns = speed.rotation, speed.external_linear, speed.external_rotary
+    return f"computed {speed_parts_text(speed.tcp, turns, speed.joint, _USUAL, _inner)}"
+
+
+def read_move_speed(tree: object) -> Speed | ComputedSpeed | Name:
+    if not isinstance(tree, Tree) or tree.data != "computed_speed":
+        return read_speed(tree)
+    tcp, turns, joint = read_speed_parts(tree, _USUAL, read_expression)
+    return ComputedSpeed(tcp, *turns, joint)
+
+
+def move_blend_text(blend: Blend | ComputedBlend | Name) -> str:
+    """`10 mm`, or `computed (r) mm`, and what else it states."""
+    if not isinstance(blend, ComputedBlend):
+        return blend_text(blend)
+    parts = [f"computed {_inner(blend.radius)} mm"]
+    if blend.stops is not None:
+        parts.append(f"stops {_inner(blend.stops)}")
+    if blend.details is not None:
+        parts.append(f"details [{arguments_text(blend.details)}]")
+    return " ".join(parts)
+
+
+def read_move_blend(tree: object) -> Blend | ComputedBlend | Name:
+    if not isinstance(tree, Tree) or tree.data != "computed_blend":
+        return read_blend(tree)
+    radius, stops, details = tree.children
+    return ComputedBlend(
+        read_expression(radius),
+        None if stops is None else read_expression(stops),
+        None if details is None else read_arguments(details),
+    )
+
+
+def _inner(expression: Expression) -> str:
+    return f"({expression_text(expression)})"
+
 
 # -------------------------------------------------------------------------------- parts of lines
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base.arrays import Floats, Rows, Truths
 
 if TYPE_CHECKING:
     from assistant.robots.arms.chain import Chain

@@ -19,8 +19,8 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, turn_between
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz

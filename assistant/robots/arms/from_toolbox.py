@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, error, info
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused, error, info
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.chain import METRE, Joint
 from assistant.robots.arms.recognition import recognised

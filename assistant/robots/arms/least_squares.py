@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 
 Missing = Callable[[Floats, Rows], Floats]
 """Joints (m, s, a) of s tries for each of m searches, and which ones (m,) → what is missing

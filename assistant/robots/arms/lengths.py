@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
 from assistant.robots.arms.arm import BOUNDARY, CLOSING
 from assistant.robots.arms.links import axis_z
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 
 def zyz(first: Floats, second: Floats, third: Floats) -> Floats:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab, to_ab
 from assistant.robots.arms.least_squares import refined

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.chain import Chain

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.placed import Placed

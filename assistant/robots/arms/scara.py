@@ -17,7 +17,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.arms.arm import BOUNDARY, MISS_TOLERANCE, Arm, Link, turn_between
 from assistant.robots.arms.links import reach_excess, two_links
 

@@ -20,8 +20,8 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import CLOSING, Arm, Link, turn_between
 from assistant.robots.arms.chain import METRE, Along, Chain, Joint, matrices

@@ -13,8 +13,8 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.arms.arm import BOUNDARY, Arm, Link
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 

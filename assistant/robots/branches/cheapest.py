@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths
+from assistant.base.arrays import Floats, Rows, Singles, Truths
 
 CHANGE: Final = 0.5
 """Seconds of joint travel that a change of branch at a joint move must save to be worth it."""

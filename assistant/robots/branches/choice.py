@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths
-from assistant.program.path import UNSTATED, Kind
+from assistant.base.arrays import Floats, Rows, Singles, Truths
+from assistant.program.motion import UNSTATED, Kind
 from assistant.robots.branches.cheapest import Costs, choose
 from assistant.robots.branches.costs import BARRED, Stated, Travel, travel_of
 from assistant.robots.branches.row_reach import Survey

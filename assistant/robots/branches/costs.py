@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Ints, Rows, Singles, Truths
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Ints, Rows, Singles, Truths
+from assistant.program.motion import Kind
 from assistant.robots.branches.cheapest import CHANGE, Costs
 from assistant.robots.branches.quickest import Chains
 from assistant.robots.branches.turns import CLEARANCE

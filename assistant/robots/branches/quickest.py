@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths
+from assistant.base.arrays import Floats, Rows, Singles, Truths
 from assistant.robots.branches.cheapest import BREAK, CHANGE, Costs, cheapest
 from assistant.robots.branches.turns import Open
 from assistant.robots.motion.run import Run, continued

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.branches.rounding import roundings
 from assistant.robots.branches.within_rounding import CLOSE, PLAY, Wanted, looseness, settled, split

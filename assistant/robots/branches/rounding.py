@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, max_abs
-from assistant.program.rotations import to_euler
+from assistant.base.arrays import Floats, max_abs
+from assistant.base.rotations import to_euler
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.arms.five_axis import to_ab
 

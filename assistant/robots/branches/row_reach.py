@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths, all_of
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Floats, Rows, Singles, Truths, all_of
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
 from assistant.robots.branches.rounded_rows import SHORT, Slack, straighten, take

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths, all_of, any_of
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.path import UNSTATED
+from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.program.motion import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.branches.choice import Choice, Choices, chain_starts, choices

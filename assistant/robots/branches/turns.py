@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.base.arrays import Floats, Ints, Rows, Truths
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.robots.arms.least_squares import refined
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
 from assistant.robots.motion.arcs import Arcs
 from assistant.robots.motion.run import Mounting
 from assistant.robots.robot import Robot

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Rows
+from assistant.program.motion import Kind
 
 STRAIGHT: Final = 1e-6
 """Sine of the angle at the start between via point and end up to which the three lie on a line."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, Rows, Singles, Truths
+from assistant.base.arrays import Floats, Ints, Rows, Singles, Truths
 from assistant.robots.motion.densities import Turns
 from assistant.robots.motion.on_the_way import Look
 from assistant.robots.motion.run import Run

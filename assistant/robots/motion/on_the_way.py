@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, all_of, any_of, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of, norms
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.robots.motion.along import ToolWays, flange_along, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.motion.densities import Turns

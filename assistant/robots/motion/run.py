@@ -9,13 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.diagnostics import Goal, Neighbours, Several, SomeTargets
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind
-from assistant.program.subjects import Goal, Neighbours, Several, SomeTargets
+from assistant.program.motion import Blend, Kind, Speed
 
 NAMED: Final = 3
 """How many rows, or ranges of rows, a finding names before it counts the rest."""

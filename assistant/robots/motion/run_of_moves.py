@@ -10,13 +10,12 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Goal, PathRow
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Tool
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import UNSTATED, Kind, Path, configuration_row
+from assistant.program.motion import UNSTATED, Blend, Kind, Path, Speed, configuration_row
 from assistant.program.statements import Motion
-from assistant.program.subjects import Goal, PathRow
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import Mounting, Pace, Run
 from assistant.robots.target_lookup import Place

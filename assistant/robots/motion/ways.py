@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, Rows
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Ints, Rows
+from assistant.base.diagnostics import Diagnostic
+from assistant.program.motion import Kind
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.branches.row_reach import distance

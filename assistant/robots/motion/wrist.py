@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Rows, Singles, Truths
+from assistant.program.motion import Kind
 from assistant.robots.arms.six_axis import BRANCHES
 from assistant.robots.robot import CHUNK
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.diagnostics import Refused, has_errors
+from assistant.base.budgets import TIMING, staged
+from assistant.base.diagnostics import Refused, has_errors
 from assistant.program.program import Program
-from assistant.program.system.budgets import TIMING, staged
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.timing.carrying import Carried
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of

@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats
+from assistant.program.motion import Kind
 from assistant.robots.timing.course import Course
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.rows import Moves

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, max_abs, norms
-from assistant.program.path import Kind
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, max_abs, norms
+from assistant.program.motion import Kind
 from assistant.robots.motion.densities import Times
 from assistant.robots.robot import Robot
 from assistant.robots.timing.knots import Knots, followed, solved

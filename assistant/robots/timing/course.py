@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, max_abs
-from assistant.program.path import Kind
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, max_abs
+from assistant.program.motion import Kind
 from assistant.robots.robot import Robot
 from assistant.robots.timing.corners import Corners
 from assistant.robots.timing.knots import Knots

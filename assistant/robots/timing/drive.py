@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.robots.robot import Robot
 
 TIME_TO_SPEED: Final = 0.1

@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, max_abs
-from assistant.program.path import Kind
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, max_abs
+from assistant.program.motion import Kind
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import ToolWays, joints_along
 from assistant.robots.robot import IN_LINE

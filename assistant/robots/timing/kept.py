@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from assistant.program.effects import Effect
-from assistant.program.kept import effect_of
+from assistant.program.expressions import Effect
 from assistant.program.program import Program
 from assistant.program.rewriting import records
 from assistant.program.statements import Call, Moving, Opaque
+from assistant.program.vendor_statements import effect_of
 
 
 class KeptMotion:

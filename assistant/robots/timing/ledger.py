@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.robots.timing.on_way import OutputTime, output_times
 from assistant.robots.timing.pieces import Piece
 from assistant.robots.timing.plan import Plan

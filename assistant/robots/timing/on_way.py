@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, norms
+from assistant.base.arrays import Floats, norms
 from assistant.program.expressions import Expression, Number
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Trigger

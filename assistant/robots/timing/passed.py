@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.timing.exact import Exact
 from assistant.robots.timing.pieces import Piece
 from assistant.robots.timing.plan import Places, Plan

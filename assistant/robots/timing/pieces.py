@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.expressions import Expression
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
-from assistant.program.path import UNSTATED, Kind, configuration_row
+from assistant.program.motion import UNSTATED, Kind, configuration_row
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, norms
+from assistant.base.arrays import Floats, Rows, norms
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import Course, course_of
 from assistant.robots.timing.drive import Drive

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 from assistant.robots.timing.bounds import Bounds
 from assistant.robots.timing.course import Course, sums
 from assistant.robots.timing.drive import Drive

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
 from assistant.lazy import pictured
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
 from assistant.robots.timing.plan import Moment, Plan
 from assistant.robots.timing.state import History

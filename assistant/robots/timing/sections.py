@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.timing.bounds import HIGHEST, LEAST, Bounds, norm
 
 LITTLE: Final = 0.02

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, error
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused, error
 from assistant.robots.robot import Robot
 from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.passed import Passed

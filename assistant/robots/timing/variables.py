@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from assistant.program.expressions import Expression, Index, Member, Name
-from assistant.program.kept import effect_of
 from assistant.program.rewriting import records
 from assistant.program.statements import Follow, Opaque, Statement
+from assistant.program.vendor_statements import effect_of
 
 
 def root(target: Expression) -> str:

@@ -8,12 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Rows
-from assistant.program.effects import unknown_effect
-from assistant.program.expressions import Expression, Name, Number
-from assistant.program.kept import effect_of
-from assistant.program.lines import lines_of
-from assistant.program.path import Kind
+from assistant.base.arrays import Rows
+from assistant.base.source_text import lines_of
+from assistant.program.expressions import Expression, Name, Number, unknown_effect
+from assistant.program.motion import Kind
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.rewriting import records
@@ -38,6 +36,7 @@ from assistant.program.statements import (
     While,
     trait,
 )
+from assistant.program.vendor_statements import effect_of
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing import again

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.program.motion import Kind
 from assistant.robots.branches.choice import branches_at
 from assistant.robots.motion.run import continued
 from assistant.robots.robot import Robot

@@ -10,16 +10,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Diagnostic, fold, has_errors
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Declared, Diagnostic, fold, has_errors
 from assistant.program.expressions import Apply, Expression, Name, TargetValue, Verbatim
 from assistant.program.geometry import Pose, Target, Tool
-from assistant.program.path import UNSTATED, Path
+from assistant.program.motion import UNSTATED, Path
 from assistant.program.program import Program
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import Follow, Move, MoveCircular, MoveJoints, Opaque, Travel
-from assistant.program.subjects import Declared
 from assistant.robots import findings as rules
 from assistant.robots.configurations import BACK
 from assistant.robots.configuring import solve_program

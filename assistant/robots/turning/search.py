@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
 from assistant.robots.turning.steps import Station, Step
 

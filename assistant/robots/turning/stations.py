@@ -12,11 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.program.expressions import Name
-from assistant.program.motion import Speed
-from assistant.program.path import Kind
+from assistant.program.motion import Kind, Speed
 from assistant.robots.motion.arcs import Arcs
 from assistant.robots.motion.on_the_way import Look
 from assistant.robots.motion.run import Run

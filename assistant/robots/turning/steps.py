@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints, Rows, Truths, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints, Rows, Truths, norms
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
 from assistant.robots.motion.along import ToolWays
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot

@@ -9,7 +9,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.arms.arm import Arm
 from assistant.robots.outlines import Kind, Outline, Outlines

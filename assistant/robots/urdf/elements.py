@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
 
-from assistant.program.diagnostics import Diagnostic, Unreadable, error
+from assistant.base.diagnostics import Diagnostic, Unreadable, error
 
 NO_XML: Final = error(
     "RB004", "the robot file is no URDF: {reason}", "export it again, or write a robot file in TOML"

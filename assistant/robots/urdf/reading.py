@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused, info
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused, info
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.chain import Joint as Axis

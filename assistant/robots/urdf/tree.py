@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.robots.urdf.elements import Element
 
 MOVING: Final = ("revolute", "continuous", "prismatic")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points

@@ -14,8 +14,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Rule, error, info, warning
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Points, chorded, sample
 from assistant.sources.contours.flat import started

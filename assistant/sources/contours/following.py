@@ -13,13 +13,12 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, error
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, error
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import TakenNames, identifier
 from assistant.program.statements import Follow, Motion, Move, MoveCircular, Statement, Trigger
 from assistant.sources.contours.chaining import Contour

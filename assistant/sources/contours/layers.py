@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, error, info, warning
+from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.statements import Comment, Statement

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.sources.contours.chaining import EXACT, Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, circle_through, cross
 from assistant.sources.contours.fitting import fit

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Rows
+from assistant.base.arrays import Rows
 from assistant.sources.contours.curves import Points
 
 BITS: Final = 20

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Truths
+from assistant.base.arrays import Truths
 from assistant.program.geometry import Vector
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, at_each, chorded, cross

@@ -10,8 +10,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, error, warning
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Line, sample

@@ -23,7 +23,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.neighbours import along_curve, near_owners

@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Rows
+from assistant.base import rotations
+from assistant.base.arrays import Rows
 from assistant.program.geometry import Vector
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.moves import Moves
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.diagnostics import Diagnostic, warning
+from assistant.base.diagnostics import Diagnostic, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Curve, Line, Points, at_each, vector
 from assistant.sources.contours.flat import many_chords

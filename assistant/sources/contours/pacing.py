@@ -15,9 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Truths
-from assistant.program.motion import Speed
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats, Truths
+from assistant.program.motion import Kind, Speed
 from assistant.sources.contours.curves import Arc, Line, Points, cross, vector
 from assistant.sources.contours.moves import Moves, columns, possible
 from assistant.sources.process.ways import Pace

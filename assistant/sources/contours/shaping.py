@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.beside import Beside
 from assistant.sources.contours.chaining import Contour

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Rule, error
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Rule, error
 from assistant.program.expressions import Number
 from assistant.program.statements import SetSignal, Statement, Trigger, Wait
 from assistant.sources.process import Layer

@@ -16,7 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Line, Points, vector
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path as FilePath
 
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.without_gc import without_gc
+from assistant.base.budgets import without_gc
+from assistant.base.diagnostics import Refused, has_errors
 from assistant.sources.drawing.assembly import assemble
 from assistant.sources.drawing.contents import Contents, read_contents
 from assistant.sources.process import Process

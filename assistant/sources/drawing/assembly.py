@@ -10,13 +10,13 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.budgets import AROUND, CONTOURS, within
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
 from assistant.program.statements import Call, MoveJoints, Statement, Travel
-from assistant.program.system.budgets import AROUND, CONTOURS, within
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.contours.ordering import Measure, visited
 from assistant.sources.drawing.contents import Contents

@@ -32,7 +32,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
-from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.program.motion import FINE, Blend
 from assistant.sources.drawing.findings import (
     COMMA,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.budgets import INSERTING, within
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion
-from assistant.program.system.budgets import INSERTING, within
 from assistant.sources.contours.curves import Curve, vector
 from assistant.sources.contours.numbering import Written
 from assistant.sources.drawing.attributes import Tags

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable
-from assistant.program.system.budgets import DRAWING, within
-from assistant.program.text import read_bytes
+from assistant.base.budgets import DRAWING, within
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.source_text import read_bytes
 from assistant.sources.drawing.findings import (
     BROKEN,
     LOST,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.sources.drawing.primitives import Conic, Degenerate, Primitive, Spline, Straight
 from assistant.sources.drawing.transforms import cross, direction, ocs_axes, ocs_matrix, point
 

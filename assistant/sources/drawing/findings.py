@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, error, info, warning
+from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 
 # The file.
 NO_DXF = error("DX001", "`{name}` is no DXF drawing: {reason}", "export it again as DXF")

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.sources.drawing.findings import MALFORMED, shown
 
 NUMBERS: Final = (

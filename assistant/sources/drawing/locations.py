@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import Speed
 from assistant.program.statements import Motion

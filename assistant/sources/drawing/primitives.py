@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.sources.contours.curves import (
     Arc,
     Curve,

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Floats
+from assistant.base.budgets import CONTOURS, INSERTING, within
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Vector
-from assistant.program.system.budgets import CONTOURS, INSERTING, within
 from assistant.sources.contours.chaining import chain
 from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.sources.contours.curves import vector
 from assistant.sources.contours.numbering import Written
 from assistant.sources.drawing.transforms import ocs_matrix

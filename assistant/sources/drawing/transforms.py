@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, Rule
-from assistant.program.system.budgets import budget_factor
+from assistant.base.arrays import Floats
+from assistant.base.budgets import budget_factor
+from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.counting import Count
 from assistant.sources.drawing.document import library_errors

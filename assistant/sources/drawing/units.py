@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.sources.drawing.findings import NO_UNITS, OTHER_UNIT, UNKNOWN_UNITS
 from assistant.sources.lengths import UNITS
 

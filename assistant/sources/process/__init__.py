@@ -9,15 +9,14 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.channels import ChannelLine
-from assistant.program.diagnostics import Diagnostic
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
-from assistant.program.interface import Interface
 from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.program import Signal
+from assistant.program.program import Interface, Signal
 from assistant.program.statements import Motion
+from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process.seen import NOT_SAID, Seen
 from assistant.sources.process.shaping import AS_DRAWN, Shaping
 from assistant.sources.process.ways import AT_ENDS, EVEN, LOW, Above, Order, Pace, Switching

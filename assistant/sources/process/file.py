@@ -120,13 +120,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.channels import ChannelLine
-from assistant.program.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
+from assistant.base.source_text import SourceText, decode, read_bytes
+from assistant.base.toml_text import parse_toml
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
-from assistant.program.toml_text import parse_toml
+from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import Defaults, Process
 from assistant.sources.process import values as values
 from assistant.sources.process.known import MOTION, Known

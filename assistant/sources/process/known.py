@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 from assistant.program.geometry import BASE, FLANGE, Tool
 from assistant.program.program import Signal
 from assistant.sources.process import values

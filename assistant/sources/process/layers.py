@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 from assistant.program.statements import Motion
 from assistant.sources.process import Defaults, Layer, values, way_keys
 from assistant.sources.process.known import MOTION, Known

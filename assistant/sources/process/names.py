@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.program.diagnostics import error
-from assistant.program.interface import Interface
+from assistant.base.diagnostics import error
+from assistant.program.program import Interface
 from assistant.sources.process import values
 from assistant.sources.process.table import Table
 from assistant.sources.process.values import Read

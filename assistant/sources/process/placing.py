@@ -14,9 +14,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Rule, error, info
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Rule, error, info
 from assistant.program.geometry import Pose
 from assistant.sources.process import values
 from assistant.sources.process.values import Read, Wrong, kind_of

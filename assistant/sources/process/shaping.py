@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final, Literal
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 from assistant.sources.process import values
 from assistant.sources.process.table import Table
 from assistant.sources.process.values import Read, Wrong, kind_of, shown

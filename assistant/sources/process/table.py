@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
+from assistant.base.diagnostics import Diagnostic, Rule, Span, error, warning
+from assistant.base.source_text import SourceText
+from assistant.base.toml_text import KeyPath, key_spans
 from assistant.program.program import IDENTIFIER, identifier
-from assistant.program.text import SourceText
-from assistant.sources.process.lines import KeyPath, key_spans
 from assistant.sources.process.values import Read, Wrong, kind_of, listed, shown
 
 UNKNOWN_KEY = error("CT302", "there is no key `{key}` {where}", "{cure}")

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Quaternion, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import IDENTIFIER, identifier

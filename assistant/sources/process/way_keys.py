@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 from assistant.program.motion import Speed
 from assistant.sources.process import Layer, values
 from assistant.sources.process.table import Table

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.path import Kind
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
+from assistant.program.motion import Kind
 from assistant.sources.process import Process
 from assistant.sources.tables import rows
 from assistant.sources.tables.cells import Cells

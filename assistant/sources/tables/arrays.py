@@ -16,9 +16,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, Severity, Unreadable, error
-from assistant.program.system.budgets import most_unpacked
+from assistant.base.arrays import Floats
+from assistant.base.budgets import most_unpacked
+from assistant.base.diagnostics import Refused, Severity, Unreadable, error
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR

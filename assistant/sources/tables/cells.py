@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.columns import read_numbers
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error
+from assistant.base.columns import read_numbers
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR

@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
-from assistant.program.path import UNSTATED, Kind
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors
+from assistant.program.motion import UNSTATED, Kind
 from assistant.sources.process import Process
 from assistant.sources.tables import rows
 from assistant.sources.tables.actions import signal_findings, via_findings

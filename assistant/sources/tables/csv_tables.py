@@ -14,11 +14,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
+from assistant.base.source_text import read_bytes
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import BASE, JointTarget, Pose, Target
-from assistant.program.path import Kind, Path, configuration_of
+from assistant.program.motion import Kind, Path, configuration_of
 from assistant.program.program import identifier
 from assistant.program.statements import (
     Comment,
@@ -29,7 +30,6 @@ from assistant.program.statements import (
     Statement,
     Wait,
 )
-from assistant.program.text import read_bytes
 from assistant.sources.contours.thinning import shortest
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading

@@ -9,18 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Severity,
-    Span,
-    Unreadable,
-    error,
-    info,
-)
-from assistant.program.lines import LINE_END_INSIDE, LINE_ENDS
-from assistant.program.text import SourceText, decode
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
+from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
 from assistant.sources.tables.cells import BLANKS, Cells, Offsets, line_of, unescaped
 
 ERROR: Final = Severity.ERROR

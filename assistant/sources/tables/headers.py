@@ -33,8 +33,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.program.diagnostics import Rule, Severity, error
-from assistant.program.path import CONFIGURATION_COLUMNS
+from assistant.base.diagnostics import Rule, Severity, error
+from assistant.program.motion import CONFIGURATION_COLUMNS
 from assistant.sources.lengths import UNITS
 from assistant.sources.process.table import nearest
 

@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, norms
-from assistant.program.diagnostics import Diagnostic, error, warning
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.diagnostics import Diagnostic, error, warning
 
 NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
 HUGE = error(

@@ -9,12 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, info
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, info
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.contours.thinning import THINNED, needed, shortest

@@ -38,17 +38,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Severity, error, has_errors
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Severity, error, has_errors
+from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.program.expressions import Name, Number
-from assistant.program.geometry import (
-    NO_EXTERNAL,
-    Configuration,
-    JointTarget,
-    Pose,
-    Target,
-)
-from assistant.program.path import Kind
+from assistant.program.geometry import NO_EXTERNAL, Configuration, JointTarget, Pose, Target
+from assistant.program.motion import Kind
 from assistant.program.statements import (
     Comment,
     Motion,
@@ -59,7 +54,6 @@ from assistant.program.statements import (
     Statement,
     Wait,
 )
-from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import Process
 from assistant.sources.process import values as values
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml

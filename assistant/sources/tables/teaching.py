@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from assistant.program.diagnostics import Refused, Span, error
+from assistant.base.diagnostics import Refused, Span, error
+from assistant.base.source_text import SourceText
+from assistant.base.toml_text import key_spans, parse_toml, value_spans
 from assistant.program.program import identifier
-from assistant.program.text import SourceText
-from assistant.program.toml_text import parse_toml
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import read_toml
-from assistant.sources.process.lines import key_spans, value_spans
 from assistant.sources.reading import Reading
 from assistant.sources.tables.taught import ORIENTATIONS, read_taught
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Severity, has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Severity, has_errors
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.store import CrProgram, CrRefusal
 from assistant.virtual.kernel import Broken, Ending, Task

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from assistant import languages
-from assistant.program.diagnostics import Refused
-from assistant.program.lines import lines_of
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import lines_of
 from assistant.virtual.cr.command import VT, Command, bare, parts, whole
 from assistant.virtual.cr.lines import check
 from assistant.virtual.cr.state import CrSession

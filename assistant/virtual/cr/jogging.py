@@ -10,8 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.cr.arm import CrArm

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from assistant import languages
+from assistant.base.budgets import STORED, within
+from assistant.base.diagnostics import Refused
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Refused
-from assistant.program.system.budgets import STORED, within
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.store import ENCODING, CrProgram
 from assistant.virtual.events import Place

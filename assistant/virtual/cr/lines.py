@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from assistant import languages
-from assistant.program.diagnostics import Refused, Severity
+from assistant.base.diagnostics import Refused, Severity
 from assistant.virtual.cr.store import ENCODING, CrRefusal
 
 SYNTAX: Final = 4220

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.rotations import from_euler, to_euler
+from assistant.base.arrays import Floats
+from assistant.base.rotations import from_euler, to_euler
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.rotations import to_euler
 from assistant.program.geometry import Pose
-from assistant.program.rotations import to_euler
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -28,7 +28,7 @@ from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import STEP_TIME
 
 if TYPE_CHECKING:
-    from assistant.program.arrays import Floats
+    from assistant.base.arrays import Floats
     from assistant.robots import Robot
     from assistant.virtual.melfa.lines import Line
     from assistant.virtual.melfa.plugins import Commands

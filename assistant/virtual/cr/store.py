@@ -9,9 +9,8 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.lines import lines_of
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import write_whole
+from assistant.base.file_access import read_file, write_whole
+from assistant.base.source_text import lines_of
 
 ENCODING: Final = "latin-1"
 """Bytes are kept one to one, whatever code page the client writes its comments in."""

@@ -10,7 +10,7 @@ from functools import partial
 from io import RawIOBase
 from typing import BinaryIO, Final
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.virtual.debugging import messages
 from assistant.virtual.debugging.expressions import Evaluate, Read, is_true, shown
 from assistant.virtual.debugging.holding import Holding, Reason, Step, Stride

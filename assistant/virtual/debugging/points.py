@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.base.diagnostics import Span
+from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.tree import syntax as melfa
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.rapid.tree import syntax as rapid
 from assistant.languages.rapid.tree.walk import lists
-from assistant.program.diagnostics import Span
 from assistant.program.program import walk
-from assistant.program.text import SourceText
 from assistant.virtual.debugging.expressions import Evaluate, Wrong, read_expression
 from assistant.virtual.debugging.holding import same_file
 from assistant.virtual.debugging.messages import Object, number, text

@@ -10,8 +10,7 @@ import shutil
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.system.bounded import read_file, read_text
-from assistant.program.system.durably import UNFINISHED, write_whole
+from assistant.base.file_access import UNFINISHED, read_file, read_text, write_whole
 from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 

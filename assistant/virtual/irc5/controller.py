@@ -15,8 +15,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Self
 from urllib.parse import quote
 
-from assistant.program.diagnostics import Refused
-from assistant.program.system.bounded import read_file
+from assistant.base.diagnostics import Refused
+from assistant.base.file_access import read_file
 from assistant.virtual.irc5.cabinet import Cabinet, Signal
 from assistant.virtual.irc5.file_server import FileServer
 from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load

@@ -19,7 +19,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program.rotations import between
+from assistant.base.rotations import between
 from assistant.virtual.irc5 import egm_packets as packets
 from assistant.virtual.irc5.egm_packets import Kind, Told
 

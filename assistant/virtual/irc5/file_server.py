@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 
 NEEDS_PYFTPDLIB = error(
     "VC001",

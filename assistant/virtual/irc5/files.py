@@ -17,9 +17,8 @@ from pyftpdlib.exceptions import FilesystemError
 from pyftpdlib.filesystems import AbstractedFS
 from pyftpdlib.handlers import DTPHandler, FTPHandler
 
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import UNFINISHED, write_whole
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.file_access import UNFINISHED, read_file, write_whole
 from assistant.virtual.irc5.modules import is_looked_at, look
 
 UNIT: Final = "HOME:"

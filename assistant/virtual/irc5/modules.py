@@ -11,11 +11,11 @@ from typing import Final
 from xml.etree import ElementTree
 
 from assistant import languages
+from assistant.base.budgets import STORED, within
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
+from assistant.base.file_access import read_file
 from assistant.languages import Tree
 from assistant.languages.rapid import rules
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
-from assistant.program.system.bounded import read_file
-from assistant.program.system.budgets import STORED, within
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
 PROGRAM_SUFFIX: Final = ".pgf"

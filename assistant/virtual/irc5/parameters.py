@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.program.lines import lines_of
+from assistant.base.source_text import lines_of
 from assistant.virtual.irc5.programs import TASK
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.base.source_text import lines_of
 from assistant.languages.rapid import Rapid
-from assistant.program.lines import lines_of
 
 COMMENT: Final = re.compile(r'("[^"\n]*")|[ \t]*!.*')
 DATA: Final = re.compile(r"^[ \t]*(?:(?:LOCAL|TASK)[ \t]+)?(?:CONST|PERS|VAR)[ \t].*", re.I | re.M)

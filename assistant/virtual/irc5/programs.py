@@ -19,9 +19,9 @@ from functools import partial
 from typing import Final, Literal
 
 from assistant import languages
+from assistant.base.budgets import STORED, within
+from assistant.base.diagnostics import has_errors
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import has_errors
-from assistant.program.system.budgets import STORED, within
 from assistant.robots import Robot
 from assistant.virtual.events import Logged, Reported, Stopped
 from assistant.virtual.irc5.panel import EventLog

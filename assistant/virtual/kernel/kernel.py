@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from greenlet import getcurrent
 
-from assistant.program.system.budgets import RUNNING, within
+from assistant.base.budgets import RUNNING, within
 from assistant.virtual.events import Called, Event, Kept, Logged, Moved, Place, Run, Switched
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person

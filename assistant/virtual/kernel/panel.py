@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assistant.program.passes.asking import ENTERED, KEY, NUMBER
+from assistant.program.passes.operator_texts import ENTERED, KEY, NUMBER
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.task import Task

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from assistant.virtual.events import Logged, Moved
 
 if TYPE_CHECKING:
-    from assistant.program.text import SourceText
+    from assistant.base.source_text import SourceText
     from assistant.virtual.kernel.kernel import Kernel
     from assistant.virtual.kernel.panel import Panel
     from assistant.virtual.kernel.task import Task

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
-from assistant.program.failing import internal_error, traceback_wanted
+from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
 from assistant.virtual.kernel.looking import Level
 

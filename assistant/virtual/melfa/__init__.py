@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from assistant.base.diagnostics import has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Run
 from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from types import NoneType, UnionType
 from typing import Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
-from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.virtual.melfa.options import Options
 
 NO_OPTION: Final = error("VC208", "there is no option `{name}`", "{cure}")

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 FLAT: Final = 1e-9
 """Sine of the angle between two chords below which three places lie on a line."""

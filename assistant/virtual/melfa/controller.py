@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.base.diagnostics import has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import pausing

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 from assistant.virtual.parts import Group
 
 SEVERAL: Final = error(

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.configurations import from_flags
 from assistant.virtual.events import How, Moved

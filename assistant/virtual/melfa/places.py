@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.arm import Arm

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Elements, Joints, Position

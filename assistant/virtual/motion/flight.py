@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import ON_THE_SPOT, STILL, TURN_OF_ZONE, sums

@@ -9,10 +9,10 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, norms
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, norms
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.path import UNSTATED, Kind
+from assistant.program.motion import UNSTATED, Kind
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.arcs import arcs_of
 from assistant.robots.motion.run import from_flange

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing.drive import Drive

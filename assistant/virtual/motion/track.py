@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.virtual.events import Logged, Switched
 from assistant.virtual.motion.timed import Timed
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from assistant.base.diagnostics import Span
+from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as rapid
 from assistant.languages.rapid.tree.mechanical_units import place_of, unit_of
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Span
 from assistant.program.geometry import Frame, Pose
-from assistant.program.text import SourceText
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
 from assistant.program.geometry import Pose
-from assistant.program.passes.asking import is_operators
+from assistant.program.passes.operator_texts import is_operators
 from assistant.virtual.branches import Branches
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Printed
 
 if TYPE_CHECKING:
-    from assistant.program.text import SourceText
+    from assistant.base.source_text import SourceText
     from assistant.robots import Robot
     from assistant.virtual.kernel.script import Script
     from assistant.virtual.rapid.controller import Controller as RapidController

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.expressions import ANGLES, EXTERNAL
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.program import Procedure, ValueType, Variable

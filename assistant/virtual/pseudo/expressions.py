@@ -12,7 +12,7 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Pose, Target
-from assistant.program.path import configuration_of, configuration_row
+from assistant.program.motion import configuration_of, configuration_row
 from assistant.robots.target_lookup import SHIFTS
 from assistant.virtual.kernel import dates
 from assistant.virtual.pseudo import data

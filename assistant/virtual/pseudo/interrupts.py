@@ -1,4 +1,4 @@
-"""Interrupts of a pseudo-program; what they mean is told in `assistant.program.interrupts`."""
+"""Interrupts of a pseudo-program; what they mean is told in `assistant.program.statements`."""
 
 from __future__ import annotations
 

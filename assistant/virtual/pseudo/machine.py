@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from assistant.base.source_text import SourceText
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Statement, outputs
-from assistant.program.text import SourceText
 from assistant.robots import Robot
 from assistant.virtual.events import Place as TextPlace
 from assistant.virtual.kernel import Task

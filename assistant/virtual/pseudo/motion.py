@@ -12,8 +12,7 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import UNSTATED, Kind, Path, configuration_row
+from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed, configuration_row
 from assistant.program.rewriting import records
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import to_flange

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.base.source_text import SourceText
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 from assistant.robots import Robot
 from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.pseudo.data import Cell, first_of

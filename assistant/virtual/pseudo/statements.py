@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
+from assistant.base.source_text import lines_of
 from assistant.program import statements as p
 from assistant.program.expressions import Expression
-from assistant.program.lines import lines_of
 from assistant.program.program import Procedure
 from assistant.program.pseudo.expressions import expression_text
 from assistant.virtual.events import Said, Stopped

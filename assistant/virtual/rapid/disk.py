@@ -12,7 +12,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import IO, ClassVar, Final, Literal
 
-from assistant.program.system.bounded import check_regular
+from assistant.base.file_access import check_regular
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
 Mode = Literal["read", "write", "append"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 from assistant.virtual.rapid.errors import NUMBERS
 from assistant.virtual.rapid.values import Value
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from assistant.base.diagnostics import Span
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.events import Moved, Switched

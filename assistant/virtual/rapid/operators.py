@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
 from assistant.virtual.rapid.precision import LARGEST, paired, single

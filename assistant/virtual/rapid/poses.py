@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose, Quaternion, Vector
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.values import Record, Value, copied, kind_of

@@ -7,8 +7,8 @@ from contextlib import suppress
 from functools import partial
 from typing import Final
 
+from assistant.base.diagnostics import has_errors
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.events import Run

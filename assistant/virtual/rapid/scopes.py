@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from assistant.base.diagnostics import Span
+from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Span
-from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.values import (
     Array,

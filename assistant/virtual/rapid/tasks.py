@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Final
 
 from assistant import languages
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system.bounded import read_text
+from assistant.base.diagnostics import Refused, error
+from assistant.base.file_access import read_text
 from assistant.virtual.parts import Group
 
 SEVERAL: Final = error(

@@ -13,8 +13,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Refused
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
 from assistant.vision.cameras.drawing import Picture

@@ -13,9 +13,9 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
 from assistant.vision.opencv import opencv

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 BAD_BOARD = error("VS030", "`{text}` is no board: {reason}", "{cure}")
 NO_BOARD = warning(

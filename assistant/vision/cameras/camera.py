@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, rows_of
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths, rows_of
 from assistant.program.geometry import IDENTITY, Pose, Vector
 
 WORLD: Final = "world"

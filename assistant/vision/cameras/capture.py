@@ -16,8 +16,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.text import is_file, is_folder, read_bytes
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import is_file, is_folder, read_bytes
 from assistant.vision.cameras import rules
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic
 from assistant.vision.cameras import rules
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.capture import Frame, look_at

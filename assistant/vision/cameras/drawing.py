@@ -15,11 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import Scene
 from assistant.cell.shapes import Shape, Sphere, extent
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.casting import met

@@ -8,8 +8,8 @@ from pathlib import PurePath
 
 import numpy as np
 
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic
 from assistant.vision.cameras import rules
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 NO_CAMERAS = error("VS010", "the file describes no camera", "write [cameras.NAME] for each of them")
 INCOMPLETE = error("VS011", "camera `{name}` has no {keys}", "write them, or calibrate the camera")

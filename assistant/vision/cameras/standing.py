@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.scene import Body, Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 

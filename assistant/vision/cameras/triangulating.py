@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths, rows_of
+from assistant.base.arrays import Floats, Truths, rows_of
 from assistant.vision.cameras.camera import NEAR, Camera
 
 ROUNDS: Final = 15

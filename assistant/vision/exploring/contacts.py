@@ -12,9 +12,9 @@ from typing import Final, Protocol
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture, draw, things_of
 from assistant.vision.cameras.standing import in_world

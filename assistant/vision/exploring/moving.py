@@ -9,6 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
 from assistant.cell.exploration.filling import STEP
@@ -17,8 +19,6 @@ from assistant.cell.exploration.rules import NOT_CLEAR
 from assistant.cell.exploration.wandering import best_of, drawn_in, ranges_of, way_to
 from assistant.controllers.leading.carrier import Carrier
 from assistant.controllers.recording import Recording
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 from assistant.vision.exploring import rules
 from assistant.vision.exploring.contacts import Contacts

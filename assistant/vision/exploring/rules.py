@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 STILL_TOUCHING: Final = error(
     "VS220",

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
 
 ROUNDS: Final = 6
 """Of leaving out what does not lie on the cone."""

@@ -18,9 +18,9 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import decode, read_bytes
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Quaternion, Vector
 
 DOWN: Final[Quaternion] = (0.0, 1.0, 0.0, 0.0)

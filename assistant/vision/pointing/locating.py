@@ -14,8 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.drawing import Picture

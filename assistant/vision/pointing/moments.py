@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from itertools import combinations
 from typing import Final
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig
 from assistant.vision.cameras.capture import Frame, files_of, opened

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.pointing import rules

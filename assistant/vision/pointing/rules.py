@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, warning
+from assistant.base.diagnostics import error, warning
 
 TOO_DARK = error(
     "VS101",

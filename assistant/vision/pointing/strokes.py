@@ -15,9 +15,9 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.pointing import rules

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
 from assistant.vision.cameras.camera import NEAR, Camera
 from assistant.vision.cameras.triangulating import triangulate
 

@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import is_file, read_bytes
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.program.system.writing import write_all
-from assistant.program.text import is_file, read_bytes
 from assistant.vision.recognition.objects import Line, Place
 from assistant.vision.recognition.rules import NOT_OURS
 from assistant.vision.recognition.seeing import Found
@@ -84,7 +84,7 @@ def found_text(found: Iterable[Found], base: Base, when: datetime.datetime) -> s
 
 def in_base(covariance: Floats, base: Base) -> Floats:
     """A covariance (6, 6) along and about the axes of the world, for those of a base."""
-    from assistant.program import rotations
+    from assistant.base import rotations
 
     turn = rotations.to_matrix(np.array(base.pose.quaternion)).T
     both = np.kron(np.eye(2), turn)

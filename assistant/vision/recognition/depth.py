@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Plane
 from assistant.vision.recognition.outlines import on_plane

@@ -9,11 +9,11 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.program.program import TakenNames, identifier
 from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.flat import polyline

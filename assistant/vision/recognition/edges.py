@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.recognition.estimating import Rows, slopes_of
 from assistant.vision.recognition.objects import Outline

@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 

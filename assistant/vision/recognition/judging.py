@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import Pose
 from assistant.vision.recognition.edges import BESIDE, Found, Samples, edges_near
 from assistant.vision.recognition.objects import Outline

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -27,13 +27,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, has_errors
+from assistant.base.arrays import Floats
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, has_errors
+from assistant.base.file_sets import write_files
+from assistant.base.source_text import decode, is_file, is_folder, read_bytes
 from assistant.program.geometry import Pose
 from assistant.program.program import IDENTIFIER
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.system.writing import write_files
-from assistant.program.text import decode, is_file, is_folder, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 
 DOWN: Final = (0.0, 1.0, 0.0, 0.0)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.objects import Line
 from assistant.vision.recognition.photo import Picture

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Ints, evenly_spaced
+from assistant.base.arrays import Floats, Ints, evenly_spaced
 from assistant.vision.recognition.edges import sampled
 from assistant.vision.recognition.objects import Outline
 

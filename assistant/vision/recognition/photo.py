@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Singles, Truths
+from assistant.base.arrays import Floats, Singles, Truths
 from assistant.vision.cameras.camera import Camera
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from assistant.program.diagnostics import Refused, Severity
+from assistant.base.diagnostics import Refused, Severity
 from assistant.sources.process.values import listed, shown
 from assistant.vision.cameras import rules as of_cameras
 from assistant.vision.cameras.camera import Camera

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import error, info, warning
+from assistant.base.diagnostics import error, info, warning
 
 NO_LIBRARY = error(
     "VS301",

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Plane

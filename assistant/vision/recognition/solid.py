@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Refused
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.triangulating import triangulate
 from assistant.vision.recognition.estimating import Plane
 from assistant.vision.recognition.keypoints import Descriptors, Keypoints, keypoints

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.vision.recognition.edges import sampled
 from assistant.vision.recognition.judging import to_ring
 from assistant.vision.recognition.objects import Outline

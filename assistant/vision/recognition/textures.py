@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Estimate, Plane, fitted, of_points

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.space import braked
 from assistant.controllers.leading.carrier import Arm
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots import Robot
 from assistant.vision.servoing import rules

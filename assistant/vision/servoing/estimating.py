@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Truths, all_of
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Truths, all_of
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.triangulating import triangulate

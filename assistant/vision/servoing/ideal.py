@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.vision.servoing.synthetic import Clock
 
 

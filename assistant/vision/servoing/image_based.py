@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Truths, all_of
+from assistant.base.arrays import Floats, Truths, all_of
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.servoing.estimating import Estimate

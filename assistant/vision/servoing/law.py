@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 

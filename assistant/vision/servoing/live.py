@@ -11,8 +11,8 @@ from pathlib import Path as FilePath
 from types import TracebackType
 from typing import Self
 
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.capture import Frame, opened
 from assistant.vision.servoing import rules

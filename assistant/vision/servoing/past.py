@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 
 KEPT: Final = 200
 """Moments that are remembered, of which each picture takes two."""

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.servoing.image_based import in_image
 from assistant.vision.servoing.interaction import carried_twist, cross, turned_by

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.scene import FLANGE, Placed, Scene
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera

@@ -34,12 +34,12 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
+from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.reading.bodies import pose_of
 from assistant.cell.reading.keys import PLACE
-from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.program.system.budgets import SETTINGS_FILE
-from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.table import Table

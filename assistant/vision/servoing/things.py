@@ -7,7 +7,7 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
+from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
 from assistant.blocks.code.templates import identifier, words
 from assistant.cell.reach.singularities import away
-from assistant.program.diagnostics import Refused
-from assistant.program.system.writing import write_files
 from assistant.robots import Robot, catalogue
 from assistant.robots.arms import Placed
 from tests.blocks.code.compiled import Library, compiled

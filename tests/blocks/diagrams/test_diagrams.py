@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.rules import NO_PORT
 from assistant.blocks.diagrams.running import run
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 
 class Time(Block):

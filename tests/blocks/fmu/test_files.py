@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.fmu import Model, arm_model, compiled, compilers, live_model, program_model
 from assistant.blocks.playback import Motion
-from assistant.program.diagnostics import Refused
 from tests.blocks.code.compiled import compiled as built
 from tests.blocks.code.compiled import compiler
 from tests.blocks.fmu.hosting import packed

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.fmu import live_model
 from assistant.blocks.fmu.live import RISE, SPEED
-from assistant.program.diagnostics import Refused
 from assistant.robots import Robot
 from assistant.virtual.cr.mxt_process import MxtProcess
 from tests.blocks.fmu.hosting import Hosted

@@ -12,13 +12,13 @@ import pytest
 from PIL import Image
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.library.adapted import add
 from assistant.blocks.library.sources import Constant
 from assistant.blocks.running_bdsim import run_bdsim, run_paced
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 

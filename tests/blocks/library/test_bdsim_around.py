@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import asked
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.library.external_control import by_egm
 from assistant.blocks.library.signals import Hand
 from assistant.blocks.running_bdsim import run_bdsim, run_paced
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
@@ -19,8 +21,6 @@ from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Settings
 from assistant.controllers.following import Wishes
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.robots.robot import Robot
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from assistant import robots, simulate
+from assistant.base.diagnostics import Refused
 from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import run
@@ -18,7 +19,6 @@ from assistant.blocks.library.kinematics import (
     Resolved,
 )
 from assistant.blocks.library.sources import Constant, PoseToPose, Table, joint_table, trapezoid
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots.timing import drive_of
 

@@ -14,6 +14,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection, operated
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
@@ -30,8 +32,6 @@ from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
 from assistant.controllers.following import Wishes
 from assistant.controllers.mitsubishi.control_mode.programs import MEASURE, texts
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved

@@ -10,6 +10,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
@@ -27,8 +29,6 @@ from assistant.blocks.library.poses import shown
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.cr import VirtualCr

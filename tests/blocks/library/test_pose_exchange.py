@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.clocks import RealTime
@@ -15,7 +16,6 @@ from assistant.blocks.diagrams.running import run
 from assistant.blocks.library.pose_exchange import ExchangedPose, exchanged
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers.abb.exchange import PoseExchange
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.exchanging import RunningRobot
 
 STEP = 0.02

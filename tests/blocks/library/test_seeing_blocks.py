@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block
 from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import Ran, run
@@ -18,7 +19,6 @@ from assistant.blocks.library.seeing import PointingDevice, ProjectedMarker, See
 from assistant.blocks.library.sources import Constant, PoseToPose, Table
 from assistant.cell.collision.model import Model
 from assistant.cell.reading.cell_file import read_scene
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.cameras.camera_file import Rig

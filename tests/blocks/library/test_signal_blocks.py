@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked, asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block
@@ -19,7 +20,6 @@ from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import Signal, VirtualIrc5
 

@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints
+from assistant.base.diagnostics import Refused
 from assistant.cell import arms
 from assistant.cell.collision.carriers import Carriers, carried
 from assistant.cell.collision.continuous import Way, clear, hits
@@ -23,9 +26,6 @@ from assistant.cell.exploration.occupancy import Occupancy, State
 from assistant.cell.exploration.wandering import asked, in_scene, ranges_of, wander
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.program.pseudo import parse
 from assistant.robots.timing import Simulation, simulate

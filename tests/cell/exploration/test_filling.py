@@ -7,13 +7,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.filling import Filler
 from assistant.cell.exploration.occupancy import places_of
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from tests.cell.exact import point_segment
 from tests.cell.gantry import TURN, gantry, joints

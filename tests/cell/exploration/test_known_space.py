@@ -9,6 +9,8 @@ import coal  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Floats, Truths
+from assistant.base.diagnostics import Refused
 from assistant.cell.collision.continuous import Way, clear
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.boxes import boxes_of, surface_of
@@ -20,8 +22,6 @@ from assistant.cell.planning.planner import plan
 from assistant.cell.reach.placing import best_base
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Shape, Sphere
-from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots.robot_file import read
 from tests.cell.exploration.test_exploring import arm, hidden, own

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Ints
+from assistant.base.diagnostics import Refused, Unreadable
 from assistant.cell.exploration.boxes import boxes_of
 from assistant.cell.exploration.map_file import load, save
 from assistant.cell.exploration.occupancy import Comparison, Occupancy, State, keys_of, places_of
-from assistant.program.arrays import Ints
-from assistant.program.diagnostics import Refused, Unreadable
 
 
 def line(start: int, stop: int) -> Ints:

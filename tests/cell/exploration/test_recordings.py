@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.recordings import Recorded, read_recording
-from assistant.program.diagnostics import Refused
 
 ROBOT = robots.get("rv-2aj")
 HEADER = "_seconds,_mode,_j1_deg,_j2_deg,_j3_deg,_j5_deg,_j6_deg,_j7_deg,_di_touch\n"

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell import arms
 from assistant.cell.planning.planner import Planned, plan
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from tests.cell.gantry import gantry
 from tests.cell.planning.test_planner import proven

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell import arms
 from assistant.cell.collision.continuous import hits
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.planner import Planned, plan
 from assistant.cell.planning.space import Cone, Space
 from assistant.cell.scene import Scene
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.robots.timing import simulate
 from assistant.robots.timing.passed import stretches_of

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.cell import arms
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.space import Space
@@ -23,8 +25,6 @@ from assistant.cell.reach.region import Range, directions_of, grid, range_of
 from assistant.cell.reach.singularities import away, jacobian
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Sphere
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot_file import read
 from tests.cell.gantry import TURN, gantry

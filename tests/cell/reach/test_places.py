@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell import arms
 from assistant.cell.reach.placing import (
     Goals,
@@ -22,8 +24,6 @@ from assistant.cell.reach.targets import targets_of
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Mesh
 from assistant.program import pseudo
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.robots.robot_file import read
 from tests.cell.reach.test_maps import SHELL

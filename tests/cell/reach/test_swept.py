@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.cell import arms
 from assistant.cell.holding import Holding
 from assistant.cell.reach.swept import BEYOND, MOST, Swept, swept
 from assistant.cell.scene import Body, Part, Placed, Scene
 from assistant.cell.shapes import Box, Capsule, Mesh, Sphere
-from assistant.program import pseudo, rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.program import pseudo
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import JointTarget, Pose
 from assistant.program.motion import FINE, MAXIMUM_SPEED

@@ -16,11 +16,11 @@ from typing import Any
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.loading import load_text, with_process
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation, translate
-from assistant.program.text import SourceText
 
 HERE = Path(__file__).parent
 TEXTS = {

@@ -5,9 +5,9 @@ import threading
 import numpy as np
 
 from assistant import languages, robots
+from assistant.base import rotations
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainFiles, Tool
-from assistant.program import rotations
 from assistant.virtual.events import Moved
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.motion import Timed

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.abb.exchange import PoseExchange
 from assistant.controllers.abb.exchange.messages import with_sum
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.events import Moved
 from tests.controllers.abb.cutting_ftp import CuttingFtp
 from tests.controllers.abb.exchanging import RunningRobot

@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.abb.egm import Egm, guide
 from assistant.controllers.abb.egm.messages import Message, decode, encode
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
 from assistant.controllers.cyclic.loop import Job, Loop, Stop
 from assistant.controllers.cyclic.wire import Wire
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import egm_packets as packets
 from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance, VirtualEgm
 

@@ -12,14 +12,13 @@ from contextlib import contextmanager, suppress
 import numpy as np
 import pytest
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PoseExchange, messages
 from assistant.controllers.rules import Lost
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path, Speed
 from tests.controllers.abb.exchanging import POSES, RunningRobot, moves, targets
 from tests.controllers.abb.sftp_server import SftpServer
 

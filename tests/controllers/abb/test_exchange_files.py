@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
 from assistant.controllers.abb.exchange import Module, Tool, messages
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.exchanging import MODULE
 
 

@@ -9,11 +9,11 @@ import socket
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders
 from assistant.controllers.abb import ftp_folders
 from assistant.controllers.abb.ftp_folders import Entry
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.ftp_servers import SERVERS, pyftpdlib
 
 BIG = bytes(range(256)) * 3000

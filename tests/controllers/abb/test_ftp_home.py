@@ -2,8 +2,8 @@
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
-from assistant.program.diagnostics import Refused
 from tests.cli.test_commands import run
 from tests.controllers.abb import ftp_servers
 

@@ -5,8 +5,8 @@ Servers that are not installed are skipped, and counted so.
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.ftp_servers import PASSWORD, own_certificate, proftpd, pyftpdlib, vsftpd
 
 SERVERS = {"vsftpd": vsftpd, "proftpd": proftpd}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainExchange, PlainFiles, Tool
 from assistant.controllers.abb.exchange.plain import parse
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb import ftp_servers

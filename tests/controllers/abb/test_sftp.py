@@ -8,10 +8,10 @@ import threading
 import asyncssh
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders
 from assistant.controllers.address import parse
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.sftp_server import SftpServer
 from tests.controllers.abb.test_ftp_files import TREE, fill
 

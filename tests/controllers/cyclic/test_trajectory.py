@@ -6,11 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
+from assistant.base.rotations import angle_between
 from assistant.controllers.cyclic import ArmLimits, Limits, Trajectory, resampled
-from assistant.program.diagnostics import Refused
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
-from assistant.program.rotations import angle_between
+from assistant.program.motion import Kind, Path, Speed
 from tests.examples import drawn
 
 SPEEDS = (420.0, 336.0, 250.0, 540.0, 623.0, 720.0)

@@ -5,10 +5,10 @@ import subprocess
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, folders
 from assistant.controllers.mitsubishi.kept_back import SECRET, why_left_out
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.cutting import Cutting
 from tests.wire import Wire

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Refused, Severity
 from assistant.controllers.mitsubishi.control_mode import FORM, ControlMode
 from assistant.controllers.mitsubishi.control_mode.programs import texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused, Severity
 from assistant.virtual.events import Moved
 from tests.controllers.mitsubishi.running import Running, samples, serial, tcp
 

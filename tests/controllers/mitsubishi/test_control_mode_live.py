@@ -4,12 +4,12 @@ from contextlib import contextmanager
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.control_mode import ControlMode, Measuring
 from assistant.controllers.mitsubishi.control_mode.programs import NAMES, texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.mitsubishi.test_control_mode import LIMITS, codes, points
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr, identity
 from assistant.controllers.mitsubishi.listing import listed
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from tests.examples import drawn
 from tests.wire import Wire

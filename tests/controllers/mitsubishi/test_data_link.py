@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, Rate
 from assistant.controllers.mitsubishi.data_link.records import read, written
 from assistant.controllers.mitsubishi.data_link.streams import stream_to
 from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.melfa.lines import TcpClient
 from tests.controllers.mitsubishi.running import Running, serial, tcp
 

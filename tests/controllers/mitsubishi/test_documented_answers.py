@@ -7,11 +7,11 @@ from contextlib import contextmanager, suppress
 
 import pytest
 
+from assistant.base.diagnostics import Refused
+from assistant.base.rotations import angle_between, from_euler
 from assistant.cli import main
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
-from assistant.program.rotations import angle_between, from_euler
 
 OPEN = "3F;3F;7,0;3,5,A,1E,32,46,64;MB4;PRM;RV-3SB;CRn-5xx;MELFA;05-07-14;Ver.K4a;ENG;C;1;1;2;"
 """Of an RV-3SB (client of FunMetJoel/MITSUBISHI-robot-arm-python-controller), with two slots."""

@@ -6,12 +6,12 @@ import threading
 
 import pytest
 
+from assistant.base.diagnostics import Refused
+from assistant.base.rotations import angle_between
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Jog
-from assistant.program.diagnostics import Refused
-from assistant.program.rotations import angle_between
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.cutting import Cutting
 from tests.controllers.mitsubishi.asked import COUNTING, codes, number, until

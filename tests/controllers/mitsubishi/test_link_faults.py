@@ -9,9 +9,9 @@ import time
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.cutting import Cutting, cuts, garbage, late, twice
 

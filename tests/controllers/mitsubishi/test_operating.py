@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
+from assistant.base.diagnostics import Refused
+from assistant.base.rotations import angle_between
 from assistant.controllers import Controller, connect
-from assistant.program.diagnostics import Refused
-from assistant.program.rotations import angle_between
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.mitsubishi.asked import COUNTING, codes, number, until
 from tests.wire import Wire

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.mitsubishi.framing import frame, unframed
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")

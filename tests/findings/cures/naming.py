@@ -18,13 +18,13 @@ from typing import Any, Final
 
 import typer
 
+from assistant.base.diagnostics import Rule
 from assistant.cell.reading import keys as of_cells
 from assistant.cli.app import app
 from assistant.compiler import script_file
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.cyclic.settings import Settings
-from assistant.program.diagnostics import Rule
-from assistant.program.pseudo.grammar import FIRST_WORDS
+from assistant.program.pseudo.words import FIRST_WORDS
 from assistant.project.schema import schema
 from assistant.sources import cell as of_data
 from assistant.sources.process import file as of_processes

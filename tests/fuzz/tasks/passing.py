@@ -7,12 +7,12 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from assistant.base.diagnostics import Severity
 from assistant.compiler import Translation, translate
 from assistant.compiler.filling import in_neutral_cell
 from assistant.compiler.loading import Loaded
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import load_task, tasks_of
-from assistant.program.diagnostics import Severity
 from tests.fuzz.target import promise
 from tests.fuzz.tasks.drawing import Drawn, drawn
 

@@ -10,13 +10,13 @@ from random import Random
 from typing import Any, Final
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled, compile, translate
 from assistant.compiler.checking import check_text
 from assistant.compiler.loading import parse_pseudo
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 from tests.fuzz.programs import NAME, laid_out, placed, said
 from tests.fuzz.target import file, promise, sound
 

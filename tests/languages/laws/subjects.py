@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.languages import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Procedure, Program, Signal

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Rule, Severity
 from assistant.findings import rulebook
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.program import Program
 from tests import strategies
 from tests.languages.laws.subjects import WAITING, damaged, errors, every_language, few, written

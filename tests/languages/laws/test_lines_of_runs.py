@@ -15,9 +15,9 @@ from typing import Any, Final, NamedTuple
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.findings.rulebook import pages, rules_in
 from assistant.languages.melfa_basic.reading import parser
-from assistant.program.text import SourceText
 
 ALONE: Final = 3
 """Lines of a run that no reader takes for columns."""

@@ -10,14 +10,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from assistant import compile, languages
+from assistant.base.diagnostics import Refused, Span
 from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import Configuration, Frame, Pose, Target, Tool
-from assistant.program.motion import FINE, FULL_BLEND, Speed
-from assistant.program.path import Path
+from assistant.program.motion import FINE, FULL_BLEND, Path, Speed
 from assistant.program.program import Procedure, Program, Signal
 from tests.examples import drawn
 from tests.languages.laws.subjects import (

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Unreadable
+from assistant.base.source_text import LINE_ENDS
 from assistant.program import statements as p
 from assistant.program.comparison import compare
-from assistant.program.diagnostics import Unreadable
-from assistant.program.lines import LINE_ENDS
 from assistant.program.program import Program
 from tests.examples import drawn
 from tests.languages.laws.subjects import (

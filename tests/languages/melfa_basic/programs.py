@@ -8,12 +8,11 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from assistant.base import rotations
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, FULL_BLEND, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, FULL_BLEND, Blend, Kind, Path, Speed
 from assistant.program.program import Parameter, Procedure, Program, Signal, Variable
 
 speeds = st.builds(

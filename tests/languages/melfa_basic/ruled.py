@@ -7,7 +7,7 @@ one that has the finding, and one that comes near to it and has not.
 from __future__ import annotations
 
 from assistant import languages
-from assistant.program.text import SourceText
+from assistant.base.source_text import SourceText
 
 Row = tuple[str, list[str]]
 

@@ -9,11 +9,11 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.languages.melfa_basic.convert.conversion import Converted, convert
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Severity
-from assistant.program.text import SourceText
 
 IV, V, VI = "melfa-basic-4", "melfa-basic-5", "melfa-basic-6"
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_text
-from assistant.program.text import SourceText
 
 ROWS: dict[str, tuple[int, str, list[str]]] = {
     "a jump elsewhere": (5, "X=1+\nGoTo *LOP", ["MB002 1", "MB101 2"]),

@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.formatting import format_text
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
-from assistant.program.text import SourceText
 from tests.examples import drawn
 from tests.languages.melfa_basic.files import files, of_type, position_lists
 from tests.languages.melfa_basic.layouts import scattered

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loading import load_text
-from assistant.program.diagnostics import Severity
-from assistant.program.text import SourceText
 
 PLACES = """P1=(+310,+0,+400,+180,+0,+180)(7,0)
 P2=(+330,+0,+420,+180,+0,+180)(7,0)

@@ -6,9 +6,9 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.program import statements as p
-from assistant.program.text import SourceText
 
 from .lifting import lifted
 

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.source_text import SourceText
 from assistant.compiler.formatting import format_text
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.text import SourceText
 from tests.examples import drawn
 from tests.languages.melfa_basic.files import files, of_type
 from tests.languages.melfa_basic.layouts import scattered

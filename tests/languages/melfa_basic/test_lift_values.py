@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base import rotations
+from assistant.base.source_text import SourceText
 from assistant.compiler.proof import prove
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Tool
 from assistant.program.motion import Speed
 from assistant.program.program import Parameter, Signal
-from assistant.program.text import SourceText
 
 from .lifting import AGAIN, body, lifted, moves, opaque
 

@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages, robots
+from assistant.base.source_text import SourceText
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 from tests.examples import drawn
 
 FIVE = languages.get("melfa-basic-5")

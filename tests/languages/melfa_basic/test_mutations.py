@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.base.diagnostics import Diagnostic, Severity
 from tests.languages.melfa_basic.mutations import PROGRAMS, Mutation, language_of, mutations
 
 LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.95, 0.90, 0.85

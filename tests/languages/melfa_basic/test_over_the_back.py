@@ -7,8 +7,7 @@ import pytest
 from assistant import languages, robots
 from assistant.program.expressions import Name
 from assistant.program.geometry import Configuration, Pose, Target
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Path
+from assistant.program.motion import FINE, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow, Motion, Move
 

@@ -9,18 +9,11 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Severity
 from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity
-from assistant.program.program import (
-    Parameter,
-    Procedure,
-    Program,
-    Signal,
-    ValueType,
-    Variable,
-)
+from assistant.program.program import Parameter, Procedure, Program, Signal, ValueType, Variable
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 from tests.examples import drawn

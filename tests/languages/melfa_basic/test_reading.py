@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Severity
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Configuration
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Path
+from assistant.program.motion import FINE, Blend, Path, Speed
 from assistant.program.program import Procedure, Program, Signal
 
 FIVE = languages.get("melfa-basic-5")

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Refused, Unreadable
+from assistant.base.source_text import SourceText
 
 FOUR, FIVE, SIX = (languages.get(f"melfa-basic-{n}") for n in (4, 5, 6))
 PLACE = "P1=(+1.00,+2.00,+3.00,+180.00,+0.00,+180.00)(7,0)\r\n"

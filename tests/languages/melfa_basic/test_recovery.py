@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import has_errors
 from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
 from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip
-from assistant.program.diagnostics import has_errors
 from tests.examples import drawn
 
 FIVE = languages.get("melfa-basic-5")

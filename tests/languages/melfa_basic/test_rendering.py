@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
-from assistant.program.diagnostics import has_errors
 from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
 from tests.languages.melfa_basic.layouts import scattered

@@ -9,9 +9,9 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.diagnostics import Severity
+from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.checks import CHECKS
-from assistant.program.diagnostics import Severity
-from assistant.program.text import SourceText
 from tests.languages.melfa_basic.ruled import QUIET, found, taught
 
 SAMPLES = Path(__file__).parents[3] / "samples"

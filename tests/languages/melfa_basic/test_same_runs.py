@@ -8,10 +8,10 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
-from assistant.program.passes.cycles import repeats_cycle
-from assistant.program.text import SourceText
+from assistant.program.passes.variables import repeats_cycle
 from assistant.virtual import melfa, rapid
 from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved

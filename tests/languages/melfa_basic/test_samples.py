@@ -8,10 +8,10 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.diagnostics import Severity
 from assistant.compiler.loading import load
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Severity
 
 SAMPLES = Path(__file__).parents[3] / "samples" / "melfa"
 NAMES = ("MULTITASK", "DATALINK", "CONTROLLINK")

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.reading.line import TooLarge, read_line
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.recovery.lexemes import Stop
-from assistant.program.text import SourceText
 from tests.examples import drawn
 
 FIXTURES = FilePath(__file__).parent / "fixtures"

@@ -9,7 +9,7 @@ from assistant.compiler.translating import translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Signal, Variable
-from assistant.program.timers import timers
+from assistant.program.undeclared_names import timers
 
 from .lifting import body, lifted, opaque
 from .test_translation import DIALECTS, there_and_back

@@ -11,17 +11,16 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base import rotations
+from assistant.base.diagnostics import Severity
 from assistant.compiler import load, translate
 from assistant.compiler.filling import in_neutral_cell
 from assistant.languages.answers import (
     Frames,
 )
-from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from tests.examples import drawn
 

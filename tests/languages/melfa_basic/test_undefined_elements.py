@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 from assistant.virtual import melfa
 
 DATA = """

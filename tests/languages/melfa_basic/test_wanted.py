@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.filling import cell_text, neutral_cell
 from assistant.compiler.loading import load
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import translate
 from assistant.program.geometry import Frame, Pose, Target
-from assistant.program.text import SourceText
-from assistant.program.wanted import Wanted
+from assistant.program.undeclared_names import Wanted
 from assistant.sources.cell import read_cell
 
 FIVE = languages.get("melfa-basic-5")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import assistant
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 
 TARGETS = "P1=(+354.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
 

@@ -7,8 +7,7 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Frame, JointTarget, Load, Pose, Target, Tool
-from assistant.program.motion import FINE, FULL_BLEND, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, FULL_BLEND, MAXIMUM_SPEED, Blend, Kind, Path, Speed
 from assistant.program.program import Parameter, Procedure, Program, Signal, Variable
 
 MOTION = p.Motion(Speed(150.0), Blend(100.0), "GRIPPER", "part")

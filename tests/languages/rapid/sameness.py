@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Final
 from unicodedata import combining, normalize
 
+from assistant.base import rotations
 from assistant.languages.rapid.text.header import read_header
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
 from assistant.languages.rapid.tree.runs import CIRCULAR, MOVES, PARTS, MoveRun, TargetRun
-from assistant.program import rotations
 
 Said = tuple[Any, ...]
 """What a node says, as nested tuples that compare."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_text
-from assistant.program.text import SourceText
 
 ROWS: dict[str, tuple[str, list[str]]] = {
     "a call elsewhere": ("VAR num x;\nx := 1 +;\nWaitTime 0;\nGripp;", ["RA103 4", "RA401 6"]),

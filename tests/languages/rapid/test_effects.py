@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
-from assistant.program.effects import Effect, unknown_effect
+from assistant.program.expressions import Effect, unknown_effect
 
 RAPID = languages.get("rapid")
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import compiler, languages
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid.reading.files import listed, newline_of
-from assistant.program.diagnostics import Refused
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import has_errors
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.texts.words import Word
-from assistant.program.diagnostics import has_errors
 from tests.examples import drawn
 from tests.languages.rapid.modules import files
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Severity
 from assistant.program import expressions as e
 from assistant.program import pseudo
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity
-from assistant.program.kept import with_effects
 from assistant.program.program import Parameter, Procedure, Program, Variable
+from assistant.program.vendor_statements import with_effects
 from tests.languages.rapid.test_translation import codes, proved, text
 
 RAPID = languages.get("rapid")

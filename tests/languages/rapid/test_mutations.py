@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.base.diagnostics import Diagnostic, Severity
 from tests.languages.rapid.mutations import PROGRAMS, Mutation, mutations
 
 RAPID = languages.get("rapid")

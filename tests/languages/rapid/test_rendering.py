@@ -15,8 +15,8 @@ from hypothesis import HealthCheck, Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Refused
 from tests.examples import drawn
 from tests.languages.rapid.changes import change, settled
 from tests.languages.rapid.modules import files

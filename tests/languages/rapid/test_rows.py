@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.rows import find_runs
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import FEWEST
-from assistant.program.diagnostics import Diagnostic
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import assistant
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
-from assistant.program.text import SourceText
 
 COUNT = 40
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
+from assistant.base.diagnostics import Rule, Severity
+from assistant.base.source_text import SourceText
 from assistant.languages.rapid.checks import CHECKS, plain_rules
-from assistant.program.diagnostics import Rule, Severity
-from assistant.program.text import SourceText
 
 RAPID = languages.get("rapid")
 OF_CALLS = ("RA40", "RA41", "RA42", "RA43", "RA44")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.program.diagnostics import has_errors
+from assistant.base.diagnostics import has_errors
 
 RAPID = languages.get("rapid")
 DATA = Path(__file__).parent / "data"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from assistant.base.source_text import SourceText
 from assistant.compiler import Translation, translate
 from assistant.compiler.loading import load_text
-from assistant.program.text import SourceText
 
 READ = r"""t:="";
 SocketReceive s\Str:=c\ReadNoOfBytes:=1\Time:=WAIT_MAX;

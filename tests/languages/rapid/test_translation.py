@@ -12,15 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Severity
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose, Target, Tool
-from assistant.program.motion import FULL_BLEND, MAXIMUM_SPEED, Blend, Speed
-from assistant.program.passes.procedures import units
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FULL_BLEND, MAXIMUM_SPEED, Blend, Kind, Path, Speed
+from assistant.program.passes.procedure_forms import units
 from assistant.program.program import Procedure, Program, Signal, Variable
 from tests.examples import drawn
 from tests.languages.rapid.programs import full, path

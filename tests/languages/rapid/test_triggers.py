@@ -10,13 +10,13 @@ import pytest
 
 import assistant
 from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import rewrite
-from assistant.program.text import SourceText
 from tests.languages.rapid.test_rules import found
 
 UNUSED = "[9E9,9E9,9E9,9E9,9E9,9E9]"

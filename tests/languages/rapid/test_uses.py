@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.base.diagnostics import Diagnostic, Rule, Severity
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.by_construct import uses
@@ -16,7 +17,6 @@ from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tables import signatures
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree.syntax import File
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from tests.examples import drawn
 from tests.languages.rapid import modules
 

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.languages import get
 from assistant.program.program import Signal
-from assistant.program.wanted import Wanted
+from assistant.program.undeclared_names import Wanted
 
 
 def wanted(*bodies: str) -> dict[str, Wanted]:

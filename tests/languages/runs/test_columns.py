@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints
 from assistant.languages.runs.columns import Entries, Run, Store, joined
 from assistant.languages.runs.gathering import gathered
 from assistant.languages.runs.merging import merged
 from assistant.languages.runs.names import Names, rows_of
-from assistant.program.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

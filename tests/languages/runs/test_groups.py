@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Floats
+from assistant.base.columns import Piece, Slots, rows_text
 from assistant.languages.runs.groups import Fewest, Groups, places_of
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.reading import Marks, Words, numbered
-from assistant.program.arrays import Floats
-from assistant.program.columns import Piece, rows_text
-from assistant.program.digits_at_offsets import Slots
 
 SQUARE = Groups((3, 1, 2), b"[[", b"],[", b"]]", known=((b"9E9", 9e9),))
 ROUND = Groups((3, 1, 2), b"(", b")(", b")")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assistant.base.columns import rows_text
 from assistant.languages.runs.names import Index, Names, rows_of, split
-from assistant.program.columns import rows_text
 
 WRITTEN = ("p1", "p10", "P1", "q", "p1_2", "p007", "a0", "x1234567890123456", "p1", "home")
 

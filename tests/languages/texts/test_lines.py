@@ -9,6 +9,9 @@ from typing import Any
 
 import pytest
 
+from assistant.base.arrays import Ints
+from assistant.base.diagnostics import Refused, Rule, Severity, Span
+from assistant.base.source_text import SourceText
 from assistant.languages.line_blocks import NO_WORD, Word
 from assistant.languages.line_steps import Change
 from assistant.languages.runs.columns import Run
@@ -16,9 +19,6 @@ from assistant.languages.texts import changed_files, changed_lines, lines, words
 from assistant.languages.texts.laying_out_lines import lay_out
 from assistant.languages.texts.merged_lines import LineMerger, Part
 from assistant.languages.texts.numbering import Steps, fitted, renumbered
-from assistant.program.arrays import Ints
-from assistant.program.diagnostics import Refused, Rule, Severity, Span
-from assistant.program.text import SourceText
 
 BLOCKS = {"repeat": Word("repeat", "loop"), "again": Word(closes=("repeat",))}
 

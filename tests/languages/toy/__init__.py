@@ -10,11 +10,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from assistant.base.diagnostics import Diagnostic, has_errors
+from assistant.base.source_text import SourceText
 from assistant.languages import Adapted, Language, Precision
 from assistant.languages.adapting import adapted
-from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
-from assistant.program.text import SourceText
 from assistant.robots import Robot
 
 from . import adapt, checks, lift, lower, reading, text

@@ -10,12 +10,17 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.passes.comments import with_plain_comments
-from assistant.program.passes.legalising import Capabilities, Comments, NameForm, pure
+from assistant.program.passes.legalisation import (
+    Capabilities,
+    Comments,
+    NameForm,
+    leaving_out,
+    pure,
+)
 from assistant.program.passes.motions import with_stated_motions
 from assistant.program.passes.names import with_legal_names
-from assistant.program.passes.parts_left_out import leaving_out
-from assistant.program.passes.points import with_points
+from assistant.program.passes.operator_texts import with_plain_comments
+from assistant.program.passes.paths import with_points
 from assistant.program.program import identifier
 
 from . import tables

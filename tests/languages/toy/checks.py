@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from assistant.base.diagnostics import Diagnostic, Rule, has_errors
+from assistant.base.source_text import finding_in
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.line_blocks import ANY
-from assistant.program.diagnostics import Diagnostic, Rule, has_errors
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.text import finding_in
 
 from . import tables
 from .tree import File, Line, Value, blocks_of

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings, Refused
 from assistant.languages.patterns import Slot, Writing
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings, Refused
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Procedure, Program, Signal, bodies
-from assistant.program.pseudo.parts import part_text
+from assistant.program.pseudo.printer import part_text
 from assistant.program.rewriting import Body
 
 from . import tables

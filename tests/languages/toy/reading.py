@@ -9,9 +9,8 @@ from typing import Final
 
 from lark import Lark, UnexpectedToken
 
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.lines import dominant_newline
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText, dominant_newline
 
 from . import tables
 from .tree import File, Line

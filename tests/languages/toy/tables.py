@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.base.diagnostics import error, info, warning
 from assistant.languages.patterns import MotionRow, Row, Rows, slots
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import error, info, warning
 from assistant.program.geometry import Frame, Target, Tool
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")

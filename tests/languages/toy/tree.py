@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 from assistant.languages import line_blocks
 from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, Word
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText
 
 Value = str | float
 BLOCKS = {

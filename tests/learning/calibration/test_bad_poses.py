@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.measured import measured, read_measured
 from assistant.learning.calibration.problem import Known
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import IDENTITY
 from tests.learning.calibration.truth import drawn, joints_of, points_of, quaternions_of
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.corrected_file import corrected_files
 from assistant.learning.calibration.measured import measured
 from assistant.learning.calibration.problem import Known
-from assistant.program import rotations
 from assistant.program.geometry import IDENTITY
 from tests.learning.calibration.truth import (
     NOMINAL,

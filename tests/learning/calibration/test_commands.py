@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.measured import measured, read_measured
 from assistant.learning.calibration.poses import suggested
-from assistant.program.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, write_cameras
 from tests.cli.test_commands import run

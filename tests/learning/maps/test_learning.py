@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.experiments import (
     MARKS,
     TIP,
@@ -32,8 +34,6 @@ from assistant.learning.maps.training import (
     usual,
 )
 from assistant.learning.maps.trials import tried
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 
 RV2AJ = robots.get("rv-2aj")
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.map_file import load, save
-from assistant.program.diagnostics import Refused
 from tests.learning.maps.small import SMALL
 
 

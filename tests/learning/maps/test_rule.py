@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Floats
 from assistant.learning.maps.extended_map import ExtendedMap, Pace, Task, begun
 from assistant.learning.maps.lattice import LEAST, Neighbourhood, pairs
 from assistant.learning.maps.trials import learn, tried
-from assistant.program.arrays import Floats
 
 SHAPE = (3, 4)
 TASK = Task("plane", ("J1", "J2"), ("left", "right"), 1)

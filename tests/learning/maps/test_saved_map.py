@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.learning.maps.cooling import in_use
 from assistant.learning.maps.experiments import TIP, moved, over_ranges, three_joints
 from assistant.learning.maps.extended_map import ExtendedMap
@@ -17,8 +19,6 @@ from assistant.learning.maps.seen_arm import seen_arm
 from assistant.learning.maps.training import errors, trained, usual
 from assistant.learning.maps.trials import tried
 from assistant.learning.maps.using import User
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 from tests.learning.maps.small import SMALL, STEPS
 
 EXPERIMENT = three_joints()

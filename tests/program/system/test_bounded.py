@@ -11,10 +11,10 @@ from pathlib import Path as FilePath
 
 import pytest
 
-from assistant.program.diagnostics import Refused, Unreadable
-from assistant.program.system.bounded import NoFile, TooLarge, read_file, read_stream
-from assistant.program.system.budgets import FACTOR_VARIABLE
-from assistant.program.text import read_bytes
+from assistant.base.budgets import FACTOR_VARIABLE
+from assistant.base.diagnostics import Refused, Unreadable
+from assistant.base.file_access import NoFile, TooLarge, read_file, read_stream
+from assistant.base.source_text import read_bytes
 
 
 def a_pipe(path: FilePath) -> None:

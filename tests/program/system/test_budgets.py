@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import pytest
 
-from assistant.program.diagnostics import Refused
-from assistant.program.system.budgets import FACTOR_VARIABLE, STAGES, Stage, within
+from assistant.base.budgets import FACTOR_VARIABLE, STAGES, Stage, within
+from assistant.base.diagnostics import Refused
 
 SMALL = Stage("trying", "bytes", 0.1, 0.0, 60, 0)
 ROOM = Stage("trying", "bytes", 1e6, 0.0, 60, 0)
@@ -143,13 +143,13 @@ def test_a_fork_has_budgets_of_its_own() -> None:
 STRESS = """
 import faulthandler, sys, threading, time
 from contextlib import suppress
-from assistant.program.diagnostics import Refused
-from assistant.program.system import watchdog
-from assistant.program.system.budgets import Stage, within
+from assistant.base.diagnostics import Refused
+from assistant.base import budgets
+from assistant.base.budgets import Stage, within
 
 faulthandler.dump_traceback_later(60, exit=True)  # what holds a lock for ever is told by name
 sys.setswitchinterval(1e-5)
-watchdog.PERIOD, watchdog.AGAIN, watchdog.MOST_TIMES = 0.0002, 0.0003, 1000
+budgets.PERIOD, budgets.REPEAT_AFTER, budgets.MOST_TIMES = 0.0002, 0.0003, 1000
 outer, inner = Stage("outer", "-", 5e-4, 0, 512, 0), Stage("inner", "-", 2e-4, 0, 512, 0)
 begin, refused = time.monotonic(), 0
 
@@ -166,12 +166,12 @@ def work():
                 while time.monotonic() < until:
                     with suppress(Refused), within(inner, None, 0):
                         time.monotonic()
-        except (Refused, watchdog.Reached):
+        except (Refused, budgets.Reached):
             refused += 1
 
 def worker():
     while going():
-        with suppress(watchdog.Reached):
+        with suppress(budgets.Reached):
             work()
 
 threads = [threading.Thread(target=worker) for _ in range(3)]
@@ -180,7 +180,7 @@ for one in threads:
 for one in threads:
     one.join()
 time.sleep(0.2)
-print(refused > 100, len(watchdog.watch.entered()))
+print(refused > 100, len(budgets.watch.entered()))
 """
 
 

@@ -6,8 +6,8 @@ import os
 
 import pytest
 
-from assistant.program.system import locks
-from assistant.program.system.durably import UNFINISHED, write_whole
+from assistant.base import file_access
+from assistant.base.file_access import UNFINISHED, write_whole
 
 
 @pytest.mark.skipif(os.name == "nt", reason="what is open cannot be deleted there")
@@ -15,10 +15,10 @@ def test_what_a_killed_one_has_left_goes_and_what_is_under_way_stays(tmp_path):
     (tmp_path / f"{UNFINISHED}left").write_bytes(b"half")
     under_way = tmp_path / f"{UNFINISHED}now"
     with under_way.open("wb") as file:
-        lock = locks.lock_open_file(file.fileno())
+        lock = file_access.lock_open_file(file.fileno())
     write_whole(tmp_path / "a.mod", b"one")
     assert sorted(os.listdir(tmp_path)) == [under_way.name, "a.mod"]
-    locks.free_lock(lock)
+    file_access.free_lock(lock)
     write_whole(tmp_path / "a.mod", b"two")
     assert os.listdir(tmp_path) == ["a.mod"]
     assert (tmp_path / "a.mod").read_bytes() == b"two"

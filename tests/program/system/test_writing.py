@@ -9,9 +9,8 @@ import sys
 
 import pytest
 
-from assistant.program.diagnostics import Refused
-from assistant.program.system.leftovers import reporting_leftovers
-from assistant.program.system.writing import scratch_folder, write_all, write_files
+from assistant.base.diagnostics import Refused
+from assistant.base.file_sets import reporting_leftovers, scratch_folder, write_all, write_files
 
 
 def test_writes_all_files_and_nothing_else(tmp_path):
@@ -55,8 +54,8 @@ FULL = """
 import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-from assistant.program.diagnostics import Refused
-from assistant.program.system.writing import write_files
+from assistant.base.diagnostics import Refused
+from assistant.base.file_sets import write_files
 try:
     write_files({"a.mod": b"new", "b.mod": b"x" * 5000}, sys.argv[1])
 except Refused as refused:
@@ -157,7 +156,7 @@ def test_who_reads_meanwhile_finds_the_name_at_any_time(tmp_path):
 
 WRITER = """
 import sys, threading
-from assistant.program.system.writing import write_files
+from assistant.base.file_sets import write_files
 waiting = threading.Thread(target=sys.stdin.read, daemon=True)
 waiting.start()
 while waiting.is_alive():
@@ -170,7 +169,7 @@ while waiting.is_alive():
 
 KILLED = """
 import os, pathlib, sys
-from assistant.program.system.writing import write_files
+from assistant.base.file_sets import write_files
 count, real = int(sys.argv[2]), pathlib.Path.replace
 def replace(self, target):
     global count

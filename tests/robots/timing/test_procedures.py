@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages, robots
-from assistant.program.diagnostics import Refused
-from assistant.program.kept import with_effects
+from assistant.base.diagnostics import Refused
 from assistant.program.program import Declaration
 from assistant.program.pseudo import parse
 from assistant.program.statements import Opaque
+from assistant.program.vendor_statements import with_effects
 from assistant.robots.timing import Drive, Simulation, simulate
 from tests.examples import drawn
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.pseudo import parse
 from assistant.robots.timing import Simulation, simulate
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Severity, has_errors
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.expressions import Apply, Name, Number, Truth
 from assistant.program.geometry import Configuration, Pose, Target, Tool
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
 from assistant.program.statements import Branch, Follow, If, Motion, Move, Statement

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Severity
+from assistant.base.diagnostics import Severity
 from assistant.sources.contours.chaining import chain
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, vector
 from tests.examples import drawn

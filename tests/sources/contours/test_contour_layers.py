@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Severity
 from assistant.program.expressions import Apply, Name, Number
 from assistant.program.geometry import Frame, Pose
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind
+from assistant.program.motion import FINE, Blend, Kind, Speed
 from assistant.program.program import IDENTIFIER
 from assistant.program.statements import (
     Comment,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.moves import moves

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import assistant
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.program.expressions import Apply
-from assistant.program.path import Kind
+from assistant.program.motion import Kind
 from assistant.program.statements import Move
-from assistant.program.text import SourceText
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.process.file import parse_process

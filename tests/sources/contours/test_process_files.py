@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Refused, Severity, Unreadable
+from assistant.base.diagnostics import Refused, Severity, Unreadable
+from assistant.base.source_text import SourceText
+from assistant.base.toml_text import key_spans
 from assistant.program.geometry import Frame, Load, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
-from assistant.program.text import SourceText
 from assistant.sources.process import NO_PROCESS, Defaults, Layer
 from assistant.sources.process import file as process_file
 from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
-from assistant.sources.process.lines import key_spans
 from assistant.sources.process.shaping import Lead, Shaping
 from assistant.sources.process.ways import Above, Instant, Pace, Switching
 from tests.examples import drawn

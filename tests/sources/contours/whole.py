@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from assistant.program.expressions import Apply, Name
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path
 from assistant.program.statements import Follow, Move, MoveCircular
 
 

@@ -13,7 +13,7 @@ from ezdxf.document import Drawing
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Refused, Severity, Unreadable
+from assistant.base.diagnostics import Refused, Severity, Unreadable
 from assistant.sources.contours.curves import Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS

@@ -14,7 +14,7 @@ from ezdxf.math import BSpline
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.program import IDENTIFIER
 from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents

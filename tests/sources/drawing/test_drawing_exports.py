@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import assistant
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from tests.sources.contours.exports import ways
 
 HEAD = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n"

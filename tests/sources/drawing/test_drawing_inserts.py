@@ -16,7 +16,7 @@ from ezdxf.xclip import XClip
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS

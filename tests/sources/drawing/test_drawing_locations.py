@@ -15,8 +15,8 @@ from ezdxf.entities import Insert
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused, Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed

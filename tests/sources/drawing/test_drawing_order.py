@@ -3,8 +3,8 @@
 import ezdxf
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.compiler import load
-from assistant.program.diagnostics import Refused
 from assistant.program.expressions import Name
 from assistant.program.statements import Move
 

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from assistant import sources
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.program.geometry import Frame, Pose
 from assistant.program.statements import Follow
-from assistant.program.text import SourceText
 from assistant.sources.drawing import read
 from assistant.sources.placements import of_options
 from assistant.sources.process import NO_PROCESS, Defaults

@@ -10,10 +10,9 @@ import pytest
 from ezdxf.document import Drawing
 
 from assistant import sources
-from assistant.program.diagnostics import Refused, Severity
+from assistant.base.diagnostics import Refused, Severity
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Call, Motion
 from assistant.sources.drawing import read

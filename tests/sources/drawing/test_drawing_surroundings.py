@@ -11,8 +11,8 @@ import pytest
 from ezdxf.document import Drawing
 
 from assistant import sources
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, info
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused, info
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend
 from assistant.program.pseudo import print_program

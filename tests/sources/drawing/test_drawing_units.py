@@ -12,8 +12,8 @@ from ezdxf.document import Drawing
 from typer.testing import CliRunner
 
 from assistant import sources
+from assistant.base.diagnostics import Refused, Severity
 from assistant.cli.app import app
-from assistant.program.diagnostics import Refused, Severity
 from assistant.program.statements import Follow
 from assistant.sources.contours.curves import Arc
 from assistant.sources.drawing import read, read_contents

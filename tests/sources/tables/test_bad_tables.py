@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant import sources
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.program import Signal
 from assistant.sources.process import Defaults, Process
 from tests.examples import drawn

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from assistant import sources
-from assistant.program import rotations
-from assistant.program.diagnostics import Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Severity
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import Configuration, JointTarget, Pose, Target, Tool
-from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import (
     Comment,

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 import assistant
 from assistant import sources
-from assistant.program.motion import FINE, Blend
-from assistant.program.path import Kind
+from assistant.program.motion import FINE, Blend, Kind
 from assistant.program.statements import Follow, Move
 from assistant.sources import waypoints
 from assistant.sources.process import Defaults, Process

@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from assistant import robots, sources
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.program.statements import Follow, MoveJoints
 
 SAMPLES = FilePath(__file__).parents[3] / "samples"

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Severity
+from assistant.base.source_text import SourceText
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
@@ -24,7 +25,6 @@ from assistant.program.statements import (
     SetSignal,
     Wait,
 )
-from assistant.program.text import SourceText
 from assistant.sources import Reading
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables.taught import read_taught

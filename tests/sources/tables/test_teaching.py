@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.sources.tables.teaching import TaughtTarget, begun, is_kept, with_target
 
 SAMPLE = Path(__file__).parents[3] / "samples" / "taught.toml"

@@ -15,12 +15,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from assistant import sources
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Severity
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused, Severity
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose, Target, Tool
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Follow, Move
 from assistant.sources import waypoints

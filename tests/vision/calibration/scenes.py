@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.calibration.boards import Board, View
 from assistant.vision.cameras.camera import Camera, Lens, looking_at

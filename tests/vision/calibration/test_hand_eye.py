@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration.hand_eye import METHODS, Mounting, find_hand_eye
 

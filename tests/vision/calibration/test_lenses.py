@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration.boards import Board, View, find
 from assistant.vision.calibration.lenses import find_lens

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration.boards import Board, View
 from assistant.vision.calibration.rigs import Looked, calibrate, look

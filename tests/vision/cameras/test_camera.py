@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.base import rotations
+from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.triangulating import triangulate

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.program.geometry import Pose
-from assistant.program.text import SourceText
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.camera_file import (
     Record,

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, write_cameras
@@ -158,7 +158,7 @@ HUGE = {
 }
 READ = """
 import sys
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera_file import Rig, write_cameras
 from assistant.vision.cameras.capture import read_picture

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from assistant.base import rotations
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Sphere
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.casting import met

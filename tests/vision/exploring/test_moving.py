@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
 from assistant.cell.exploration.occupancy import State
 from assistant.cell.reading.cell_file import parse_scene
 from assistant.cell.scene import Scene
-from assistant.program.diagnostics import Refused
-from assistant.program.text import SourceText
 from assistant.vision.exploring.contacts import (
     AnyContacts,
     InputContacts,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.pointing.devices import Ball, Device, ball, light, wand

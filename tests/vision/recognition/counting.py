@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assistant.program import rotations
-from assistant.program.diagnostics import has_errors
+from assistant.base import rotations
+from assistant.base.diagnostics import has_errors
 from assistant.vision.recognition.estimating import Plane
 from assistant.vision.recognition.seeing import Found, Recogniser, centre_of
 from tests.vision.recognition.scenes import ABOVE, Truth, scene, taken

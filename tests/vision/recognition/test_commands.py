@@ -13,8 +13,8 @@ import pytest
 from shapely.geometry import LineString, Point
 
 import assistant
+from assistant.base.rotations import from_euler
 from assistant.program.geometry import Pose
-from assistant.program.rotations import from_euler
 from assistant.sources.sights import doubts, read_sights
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.estimating import Plane, fitted, moved, of_points, slopes_of

@@ -11,7 +11,7 @@ import ezdxf
 import numpy as np
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.drawn import read_part
 from assistant.vision.recognition.library import add_objects, read_library

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.depth import matched_rows

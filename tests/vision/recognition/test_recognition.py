@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.drawing import Card, Thing

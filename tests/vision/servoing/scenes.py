@@ -11,12 +11,12 @@ from functools import partial
 import numpy as np
 
 from assistant import robots
+from assistant.base import rotations
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Settings
 from assistant.controllers.following import Wishes
 from assistant.controllers.leading import MODES
 from assistant.controllers.leading.cycles import by_egm
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

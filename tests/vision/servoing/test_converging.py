@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.vision.servoing.going import lead_to
 from assistant.vision.servoing.ideal import Ideal, Ticks
 from assistant.vision.servoing.interaction import flange_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.servoing.estimating import estimated

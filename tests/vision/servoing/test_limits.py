@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.settings import Settings as CyclicSettings
 from assistant.controllers.cyclic.ways import Corrected, Corrections, Job, line_of
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.interaction import flange_of

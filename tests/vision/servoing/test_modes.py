@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.vision.servoing.bounds import Bounds
 from assistant.vision.servoing.going import lead_to
 from assistant.vision.servoing.interaction import flange_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from assistant.program.diagnostics import Refused
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.servoing.ideal import Ideal, Ticks

@@ -11,6 +11,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.budgets import INSERTING, within
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading.drawings.rules import (
     NO_BODY_DRAWN,
     NO_SOLID,
@@ -30,12 +34,8 @@ from assistant.cell.reading.meshes import MOST_TRIANGLES, cleaned, shells
 from assistant.cell.rules import INSIDE_OUT
 from assistant.cell.scene import Body, Colour, Part
 from assistant.cell.shapes import Mesh
-from assistant.program import rotations
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import TakenNames, identifier
-from assistant.program.system.budgets import INSERTING, within
 from assistant.sources.drawing.assembly import name_locations
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints, norms
 from assistant.cell.scene import Part
 from assistant.cell.shapes import Convex, Cylinder, Mesh
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints, norms
 from assistant.program.geometry import Pose
 from assistant.sources.drawing.entities import check_stated, primitives
 from assistant.sources.drawing.primitives import Conic, Degenerate, Straight, check_places

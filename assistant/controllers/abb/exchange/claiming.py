@@ -14,11 +14,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path as FilePath
 from typing import Final, Protocol, Self, runtime_checkable
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import visible
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abilities import Disk
 from assistant.controllers.controller import Programs
-from assistant.program.diagnostics import Refused
-from assistant.program.visible import visible
 
 LONGEST: Final = 2000
 """Bytes of the claimant's file that are read."""

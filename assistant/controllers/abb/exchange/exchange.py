@@ -13,6 +13,7 @@ import threading
 import time
 from contextlib import suppress
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
 from assistant.controllers.abb.exchange.claiming import HandsOver
@@ -27,7 +28,6 @@ from assistant.controllers.abb.exchange.poses import (
 )
 from assistant.controllers.abb.exchange.recording import Spent, add
 from assistant.controllers.controller import Programs
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.files import TEXTS
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.resources import resource
 
 LANGUAGE: Final = "rapid"

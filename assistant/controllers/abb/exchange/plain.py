@@ -20,6 +20,7 @@ import time
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.exchange.claiming import HandsOver
@@ -33,7 +34,6 @@ from assistant.controllers.abb.exchange.poses import (
 )
 from assistant.controllers.abb.exchange.recording import NOTHING, Spent, add
 from assistant.controllers.controller import Controller, Programs
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Pose
 
 LONGEST: Final = 1000

@@ -12,6 +12,9 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, reals
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.exchange.claiming import Claim, Files
@@ -19,11 +22,8 @@ from assistant.controllers.abb.exchange.messages import Answer, Configuration
 from assistant.controllers.abb.exchange.recording import FIELDS, Spent
 from assistant.controllers.controller import Programs
 from assistant.controllers.recording import Recording
-from assistant.program import rotations
-from assistant.program.arrays import Floats, reals
-from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path
 
 Check = Callable[[Floats, Floats], Mapping[int, str]]
 """Positions (n, 3) mm and quaternions (n, 4) → why rows, from 0, must not be sent."""

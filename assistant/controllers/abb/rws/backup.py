@@ -8,10 +8,10 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.rws.files import Files
 from assistant.controllers.abb.rws.session import NotThere, Session
-from assistant.program.diagnostics import Refused
 
 KIND: Final = "abb"
 VOLUME: Final = "BACKUP:"

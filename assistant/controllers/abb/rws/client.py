@@ -11,6 +11,8 @@ from contextlib import AbstractContextManager
 from pathlib import Path as FilePath
 from typing import Final, Self
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import lines_of
 from assistant.controllers import rules
 from assistant.controllers.abb.files import RapidFiles, checked_name, only_module
 from assistant.controllers.abb.rws import events, remote, watching
@@ -31,8 +33,6 @@ from assistant.controllers.abilities import Rests
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
-from assistant.program.diagnostics import Refused
-from assistant.program.lines import lines_of
 
 UNIT: Final = "ROB_1"
 """The arm of a controller that has one."""

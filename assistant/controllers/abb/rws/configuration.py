@@ -9,11 +9,11 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Answer, Row
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import Session
-from assistant.program.diagnostics import Refused
 
 PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
 DANGEROUS: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.rapid import Rapid
 from assistant.controllers.abb.rws.session import NotThere, Session
-from assistant.program.diagnostics import Refused
 
 PROPERTIES: Final = tuple(f"rap-symprop{kind}" for kind in ("var", "pers", "const", "per", "con"))
 DATA: Final = frozenset({"var", "per", "con", "pers", "const", "any", ""})

@@ -6,11 +6,11 @@ import re
 from datetime import datetime
 from typing import Final, Literal
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Answer, Row
 from assistant.controllers.abb.rws.session import Session
 from assistant.controllers.states import Fault
-from assistant.program.diagnostics import Refused
 
 COMMON: Final = "0"
 """Domain of the log that holds the events of all others."""

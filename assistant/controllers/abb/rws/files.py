@@ -11,11 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.files import MOST_ENTRIES, asides, first_difference, free_aside
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.abilities import Rests
-from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole."""

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Answer
 from assistant.controllers.abb.rws.dialects import Domain
 from assistant.controllers.abb.rws.session import NoLongerThere, NoMastership, Session
-from assistant.program.diagnostics import Refused
 
 STATION: Final = "robot-assistant"
 PIN: Final = "1234"

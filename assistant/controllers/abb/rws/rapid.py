@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import Final
 from urllib.parse import unquote_to_bytes
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Row
 from assistant.controllers.abb.rws.files import Files
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import NotNow, Session
 from assistant.controllers.states import TaskState
-from assistant.program.diagnostics import Refused
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
 PROGRAM: Final = ".pgf"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.session import Session
-from assistant.program.diagnostics import Refused
 
 POLL: Final = 0.5
 GRANTED: Final = frozenset({"modify", "exec", "exclusive"})

@@ -16,6 +16,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import check_sent, lines_of, visible
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import TEXTS
 from assistant.controllers.abb.rws.backup import KIND, back_up
@@ -24,10 +26,6 @@ from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.panel import Panel
 from assistant.controllers.abb.rws.rapid import Rapid
 from assistant.controllers.abb.rws.session import NotThere, Session
-from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.lines import lines_of
-from assistant.program.text import check_sent
-from assistant.program.visible import visible
 
 LEFT_OUT: Final = {
     "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",

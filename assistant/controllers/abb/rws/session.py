@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from typing import Final, NoReturn
 from urllib.parse import quote, urlencode, urljoin
 
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.abb import trust
 from assistant.controllers.abb.rws import codes
@@ -20,7 +21,6 @@ from assistant.controllers.abb.rws.transport import BUSY, Broken, Response, Tran
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.diagnostics import Diagnostic, Refused
 
 UNCHANGED: Final = "nothing was changed by that"
 UNLESS: Final = ", unless the controller did it before the line was cut"

@@ -7,11 +7,11 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Row
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import Session
-from assistant.program.diagnostics import Refused
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
 INPUTS: Final = frozenset({"DI", "AI", "GI"})

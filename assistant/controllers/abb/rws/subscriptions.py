@@ -13,11 +13,11 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Answer, Row, parse
 from assistant.controllers.abb.rws.session import Session
 from assistant.controllers.abb.rws.signals import Signals
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from assistant.controllers.abb.rws.channel import Channel

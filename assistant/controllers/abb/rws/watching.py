@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.panel import Panel
 from assistant.controllers.abb.rws.rapid import Rapid
@@ -14,7 +15,6 @@ from assistant.controllers.abb.rws.session import Session
 from assistant.controllers.abb.rws.signals import Signals
 from assistant.controllers.abb.rws.subscriptions import Event, Events, subscribed
 from assistant.controllers.states import Sample, State
-from assistant.program.diagnostics import Refused
 
 CHANGES: Final = ("motors", "mode", "override", "execution")
 """What is told of by events instead of being asked for at each look."""

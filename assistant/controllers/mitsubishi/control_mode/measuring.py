@@ -8,12 +8,12 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Final, Self
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
 from assistant.controllers.mitsubishi.control_mode.status import STOPPING, Streaming
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.mitsubishi.helpers import Before
-from assistant.program.diagnostics import Refused
 
 TASK: Final = "2"
 

@@ -16,6 +16,8 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
 from assistant.controllers.mitsubishi.control_mode.points import check_steps, checked, limits_of
@@ -28,8 +30,6 @@ from assistant.controllers.mitsubishi.control_mode.status import (
 from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
 from assistant.controllers.mitsubishi.helpers import Before
 from assistant.controllers.rules import Lost
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 AHEAD: Final = 8
 """Points that are sent before the controller has taken them: what it moves to at most if the

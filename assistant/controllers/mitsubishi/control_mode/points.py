@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.base.arrays import Floats, reals
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.mitsubishi.data_link.records import AXES, DECIMALS
-from assistant.program.arrays import Floats, reals
-from assistant.program.diagnostics import Refused
 
 
 def limits_of(limits: ArrayLike) -> Floats:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.states import State
-from assistant.program.diagnostics import Refused
 from assistant.resources import resource
 
 FIRST: Final = "MULTITASK"

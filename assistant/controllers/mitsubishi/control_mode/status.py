@@ -13,10 +13,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
+from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, rules
 from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused, Rule
 
 FORM: Final = Form.parse("M_TIMER(1) | P_CURR | J_FBC | J_CURR | M_RSPD(3) | M_04")
 """What the program DATALINK prints."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from typing import Final, NoReturn, Self
 
+from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.mitsubishi.data_link import records, rules
 from assistant.controllers.mitsubishi.data_link.records import Form, Value
 from assistant.controllers.mitsubishi.data_link.streams import Rate, Stream, stream_to
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused, Rule
 
 MOST_LINE: Final = 4096
 """Bytes without an end after which what comes is no line of a program."""

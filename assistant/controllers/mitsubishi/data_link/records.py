@@ -13,9 +13,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.recording import Recording
-from assistant.program.diagnostics import Refused
 
 AXES: Final = 8
 """Components of a position and of joints: six, and two additional axes."""

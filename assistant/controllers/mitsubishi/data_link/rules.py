@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import error
+from assistant.base.diagnostics import error
 
 BAD_LINE: Final = error(
     "CN611",

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.data_link import rules
-from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     import serial

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, Self
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import cyclic
 from assistant.controllers.cyclic import Endpoint, Limits, Progress, Report, Settings, Trajectory
 from assistant.controllers.cyclic.rules import BROKEN, NO_ANSWER
@@ -22,8 +23,7 @@ from assistant.controllers.cyclic.wire import Wire
 from assistant.controllers.mitsubishi.mxt.link import ADDED, Mode, MxtLink, Watched
 from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES, DATA
 from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING, WRONG_KIND, require
-from assistant.program.diagnostics import Refused
-from assistant.program.path import Path
+from assistant.program.motion import Path
 
 PORT: Final = 10000
 """First element of NETPORT as delivered."""

@@ -21,9 +21,9 @@ from typing import Final, Self
 
 import numpy as np
 
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt.rules import MONITOR_SILENT, NO_MONITOR, require
-from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused
 
 PORT: Final = 12000
 """First element of MONPORT as delivered."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ipaddress
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt.link import Mode
 from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES
 from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING
-from assistant.program.diagnostics import Refused
 
 LONGEST_FILTER: Final = 10_000
 """ms; the manual states no most, and no one smooths longer."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, error
 
 BAD_SETTING: Final = error(
     "CN731",

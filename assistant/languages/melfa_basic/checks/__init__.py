@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.checks.damage import sound
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.melfa_basic import rules
@@ -28,7 +29,6 @@ from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
 __all__ = ["CHECKS", "check", "missing"]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, TypeVar
 
+from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.line_view import LineView
 from assistant.languages.checks.places import Lines
@@ -18,7 +19,6 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import lines_with, nodes, program_key, program_name
-from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")
 Named = s.Variable | s.Target

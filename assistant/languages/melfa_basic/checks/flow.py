@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.subroutines import Subroutines
 from assistant.languages.line_blocks import Block, Blocks, Misfit
@@ -19,7 +20,6 @@ from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blo
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
-from assistant.program.diagnostics import Diagnostic, Rule
 
 NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""

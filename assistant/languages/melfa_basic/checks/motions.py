@@ -6,6 +6,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, Truths
+from assistant.base.diagnostics import Rule, Span
 from assistant.languages.checks.moves import Follower, Moves
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
@@ -17,9 +19,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
-from assistant.program.arcs import ArcMeasures
-from assistant.program.arrays import Floats, Ints, Truths
-from assistant.program.diagnostics import Rule, Span
+from assistant.program.geometry import ArcMeasures
 
 NEAR: Final = 0.05
 """mm: points that are nearer to each other are the same one."""

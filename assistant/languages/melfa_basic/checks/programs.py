@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.checks.call_graph import depth, way_to
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import Keyed, firsts
@@ -20,7 +21,6 @@ from assistant.languages.melfa_basic.tree.walk import (
     program_key,
     program_name,
 )
-from assistant.program.diagnostics import Rule
 
 
 def missing(look: Look) -> Found:

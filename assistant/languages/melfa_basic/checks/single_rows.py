@@ -14,6 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from assistant.base.arrays import Ints, Truths
+from assistant.base.source_text import with_line_feeds
 from assistant.languages.checks.name_sets import NameSet, repeated_rows
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.left_out import before_last_step
@@ -28,8 +30,6 @@ from assistant.languages.melfa_basic.tree.columnar import (
     row_slice,
 )
 from assistant.languages.runs.names import Names
-from assistant.program.arrays import Ints, Truths
-from assistant.program.lines import with_line_feeds
 
 Table = MoveRows | PositionRows
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.line_steps import places_of_steps
@@ -15,7 +16,6 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of
-from assistant.program.diagnostics import Span
 
 _NUMBER: Final = re.compile(r"[ \t]*([0-9]+)")
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, Final
 
+from assistant.base.diagnostics import Severity
 from assistant.languages.checks.limits import Limits
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import alternatives
@@ -16,7 +17,6 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import literal
-from assistant.program.diagnostics import Severity
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
 HAND: Final = Limits("the number of the hand", 1, 8)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
 from assistant.languages.melfa_basic.checks.undefined import is_call
@@ -27,8 +28,7 @@ from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_name
-from assistant.program.diagnostics import Span
-from assistant.program.wanted import STATE_TYPE, CallArgument, Plain, Wanted, WantedKind
+from assistant.program.undeclared_names import STATE_TYPE, CallArgument, Plain, Wanted, WantedKind
 
 _OF_TYPE: Final[dict[str, str]] = {"Pos": "P", "Jnt": "J", "Char": "C"}
 """Type of a `Def` → the letter that names of it begin with elsewhere; numbers otherwise."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import kinds, value_rules
@@ -15,7 +16,6 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import literal, statements_in, word_of
-from assistant.program.diagnostics import Diagnostic
 
 LEVELS: Final = {dialect.level: dialect.title for dialect in DIALECTS.values()}
 JUMPS: Final = "write `If … Then GoTo` over the lines"

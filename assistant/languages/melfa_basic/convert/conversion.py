@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, has_errors
+from assistant.base.source_text import SourceText, finding_in, without_ends
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
@@ -26,9 +28,6 @@ from assistant.languages.melfa_basic.tree.targets import (
     labels_written,
     targets_in,
 )
-from assistant.program.diagnostics import Diagnostic, has_errors
-from assistant.program.lines import without_ends
-from assistant.program.text import SourceText, finding_in
 
 DEEPEST: Final = 51
 """Blocks inside one another that are converted; controllers stop at 16."""

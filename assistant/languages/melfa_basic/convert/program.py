@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import has_errors
 from assistant.languages.answers import (
     Conversion,
 )
@@ -22,7 +23,6 @@ from assistant.languages.melfa_basic.tree.walk import lines_with
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import has_errors
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 

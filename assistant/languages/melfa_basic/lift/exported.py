@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Findings
 from assistant.languages.answers import (
     Adapted,
 )
@@ -25,12 +26,11 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
-from assistant.program.analysis.left_settings import left_settings
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Diagnostic, Findings
-from assistant.program.kept import effect_of
+from assistant.program.analysis.motion_use import left_settings
 from assistant.program.program import Declaration, Program, walk
 from assistant.program.rewriting import head, records, rewrite, with_vendor_statements_replaced
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
 _OWN_ARM: Final = (

@@ -8,6 +8,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.left_out import summed, undefined
@@ -24,14 +25,13 @@ from assistant.languages.melfa_basic.tree.outside import COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_key, program_name
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.assumptions import (
+from assistant.program.analysis.definite_assignment import (
     first_move,
     functions_of_signed_bits,
     loops_with_changing_limits,
     variables_read_unset,
 )
 from assistant.program.analysis.uses import unordered
-from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program
 

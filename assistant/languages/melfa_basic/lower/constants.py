@@ -9,7 +9,7 @@ import numpy as np
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import JointTarget, Target
-from assistant.program.path import configuration_row
+from assistant.program.motion import configuration_row
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

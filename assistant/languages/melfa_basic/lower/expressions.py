@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
-from assistant.program.analysis.kinds import COMPONENTS, known_types
+from assistant.program.analysis.declared_types import COMPONENTS, known_types
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Procedure, Program, Signal
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.line_blocks import Blocks
 from assistant.languages.line_graph import EXIT, Graph
 from assistant.languages.melfa_basic.lift.structure.blocks import Structure
@@ -19,7 +20,6 @@ from assistant.languages.melfa_basic.tree.walk import (
     program_name,
     statements_in,
 )
-from assistant.program.diagnostics import Span
 
 JOINT: Final = ("Mov", "Mva")
 """Moves whose speed `JOvrd` sets."""

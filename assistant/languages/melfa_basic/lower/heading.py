@@ -12,9 +12,8 @@ from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.elsewhere import said
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.analysis.interrupts import interrupt_names
 from assistant.program.program import Parameter, ValueType, Variable
-from assistant.program.timers import timers
+from assistant.program.undeclared_names import interrupt_names, timers
 
 NO_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
 """Types whose letter is that of another one."""

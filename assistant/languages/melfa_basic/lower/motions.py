@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Declared
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.triggers import appended
@@ -20,9 +21,7 @@ from assistant.languages.runs.paths import setting_codes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind, Path
-from assistant.program.subjects import Declared
+from assistant.program.motion import Blend, Kind, Path, Speed
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer

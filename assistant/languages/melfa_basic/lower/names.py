@@ -24,13 +24,16 @@ from assistant.languages.melfa_basic.tables.variables import (
 from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
-from assistant.program.analysis.interrupts import interrupts, numbered_interrupts
-from assistant.program.analysis.open_channels import channels_open_together
-from assistant.program.channels import numbered_channels
+from assistant.program.analysis.io_use import channels_open_together
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
 from assistant.program.statements import Label
-from assistant.program.timers import numbered_timers
+from assistant.program.undeclared_names import (
+    interrupts,
+    numbered_channels,
+    numbered_interrupts,
+    numbered_timers,
+)
 
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""

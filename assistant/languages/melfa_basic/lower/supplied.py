@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.source_text import SourceText, ended_lines
 from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
@@ -18,12 +19,10 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes, program_name
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
-from assistant.program.lines import ended_lines
-from assistant.program.path import configuration_row
+from assistant.program.motion import configuration_row
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
-from assistant.program.text import SourceText
-from assistant.program.wanted import Supplied, SuppliedValue, Wanted
+from assistant.program.undeclared_names import Supplied, SuppliedValue, Wanted
 
 NO_FLAGS: Final = (0, 0)
 NOTHING: Final = (Tool(), Frame())

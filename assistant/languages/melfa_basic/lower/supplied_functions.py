@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.text import SourceText
-from assistant.program.wanted import ROUTINES, SuppliedValue, Wanted
+from assistant.program.undeclared_names import ROUTINES, SuppliedValue, Wanted
 
 _RESULTS: Final = {"num": ("M", "0"), "string": ("C", '""'), "": ("V", "")}
 """By the type of what a function gives: its letter, and what it gives until it is written."""

@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend
-from assistant.program.passes.places import ZERO, is_at_start, is_steady
+from assistant.program.passes.trigger_positions import ZERO, is_at_start, is_steady
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer

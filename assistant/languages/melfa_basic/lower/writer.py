@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from assistant.base.diagnostics import Declared, Diagnostic, Findings, Span
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import (
     Expressions,
@@ -25,15 +26,12 @@ from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, texts_in
-from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.kept import effect_of
-from assistant.program.motion import Blend, Speed
-from assistant.program.passes.procedures import has_functions, procedures_of
-from assistant.program.path import Path
+from assistant.program.motion import Blend, Path, Speed
+from assistant.program.passes.procedure_forms import has_functions, procedures_of
 from assistant.program.program import Parameter, Procedure, Program, Variable, bodies
 from assistant.program.rewriting import head, records
-from assistant.program.subjects import Declared
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -11,7 +11,7 @@ from assistant.languages.abouts import abouts
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.words import RESERVED
-from assistant.program.editing import (
+from assistant.program.editor_support import (
     Declaration,
     DeclaredKind,
     Editable,

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.line_grammar import LineGrammar
 from assistant.languages.melfa_basic.reading.grammar import grammar
 from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.lexemes import Lexeme, Stop
-from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"
 """What a line holds that holds nothing; the last one ends files of old systems."""

@@ -6,12 +6,12 @@ import math
 import sys
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages import nodes
 from assistant.languages.melfa_basic.tables.words import spelled
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import FLAGS
 from assistant.languages.nodes import Children, Place, row, without_place
-from assistant.program.diagnostics import Span
 
 _INTEGER_LIMIT: Final = 15
 

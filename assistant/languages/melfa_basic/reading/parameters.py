@@ -15,13 +15,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import KEPT
 from assistant.languages.tasks import CommunicationLine, Configured, Texts, file_named
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Frame, Pose, Tool
-from assistant.program.wanted import SuppliedValue, WantedKind
+from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 HEAD: Final = "NARC parameter system"
 SUFFIX: Final = ".prm"

@@ -7,6 +7,10 @@ from dataclasses import replace
 from itertools import compress
 from typing import Final
 
+from assistant.base.arrays import Truths
+from assistant.base.budgets import without_gc
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_line, statement
@@ -22,11 +26,6 @@ from assistant.languages.melfa_basic.tree.columnar import (
 )
 from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.languages.recovery.lexemes import Stop
-from assistant.program.arrays import Truths
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.lines import with_line_feeds
-from assistant.program.text import SourceText
-from assistant.program.without_gc import without_gc
 
 __all__ = ["parse", "statement"]
 

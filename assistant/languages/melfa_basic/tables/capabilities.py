@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP,
 from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.tables.words import MOST_PULSES
-from assistant.program.passes.legalising import (
+from assistant.program.passes.legalisation import (
     Arrays,
     Capabilities,
     Comments,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program import rotations
-from assistant.program.arrays import Floats, Ints
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Ints
 from assistant.program.geometry import NO_EXTERNAL, Pose, Target
 from assistant.robots.configurations import FLIP, from_flags, to_flags
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Final
 
+from assistant.base.source_text import words_of
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tables.vocabulary import commands, status
@@ -12,14 +13,13 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.texts.effects import Does, Effects, Untold
-from assistant.program.effects import (
+from assistant.program.expressions import (
     Effect,
     EffectBuilder,
     VendorTextKind,
     combined_effect,
     unknown_effect,
 )
-from assistant.program.text import words_of
 
 
 def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:

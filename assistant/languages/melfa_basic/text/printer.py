@@ -6,11 +6,11 @@ import math
 from functools import cache
 from typing import Any, Final
 
+from assistant.base.source_text import one_line
 from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDENCE, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.templates import Templates
-from assistant.program.lines import one_line
 
 SIGNS: Final = ("+", "-")
 SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})

@@ -15,15 +15,14 @@ from typing import ClassVar, Final, TypeVar
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Ints, Rows
+from assistant.base.columns import Chosen, Decimal, Integer, Offsets, Piece, Slots, rows_text
+from assistant.base.diagnostics import Span
 from assistant.languages.runs.columns import Run
 from assistant.languages.runs.groups import Groups
 from assistant.languages.runs.groups import places_of as fewest_places
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.reading import Marks, behind_digits, in_parts, numbered
-from assistant.program.arrays import Floats, Ints, Rows
-from assistant.program.columns import Chosen, Decimal, Integer, Piece, rows_text
-from assistant.program.diagnostics import Span
-from assistant.program.digits_at_offsets import Offsets, Slots
 
 KEYWORDS: Final = ("Mov", "Mvs", "Mvr")
 MOV, MVS, MVR = range(3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from assistant.program.diagnostics import Span
+from assistant.base.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True)

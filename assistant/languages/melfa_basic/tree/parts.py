@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.answers import (
     Part,
 )
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
-from assistant.program.diagnostics import Span
 
 ENDS: Final = frozenset({"Else", "EndIf", "WEnd", "Default", "End Select", "FEnd", "End", "Return"})
 """Commands that only close or divide a block, or end a program or subroutine."""

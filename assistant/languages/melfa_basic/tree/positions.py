@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats, Ints, Truths
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
@@ -18,9 +19,8 @@ from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.languages.runs.columns import joined
 from assistant.languages.runs.names import sorted_rows
 from assistant.program import expressions as e
-from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
-from assistant.program.path import UNSTATED, configuration_of
+from assistant.program.motion import UNSTATED, configuration_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -25,8 +25,8 @@ from assistant.languages.melfa_basic.tree.expressions import (
     Variable as Variable,
     Word as Word,
 )
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 
 # ---------------------------------------------------------------------------- statements
 

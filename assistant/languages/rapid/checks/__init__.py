@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.languages.checks.damage import sound
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.rapid.checks import (
@@ -26,7 +27,6 @@ from assistant.languages.rapid.checks.single_rows import with_single_rows
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic, has_errors
 
 __all__ = ["CHECKS", "check", "loaded_files"]
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.languages.checks.moves import Follower, Moves, Point
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
@@ -19,8 +20,7 @@ from assistant.languages.rapid.tree.runs import CIRCULAR, LINEAR, MotionNames, T
 from assistant.languages.rapid.tree.walk import lists
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Index, Names
-from assistant.program.arcs import ArcMeasures
-from assistant.program.arrays import Floats
+from assistant.program.geometry import ArcMeasures
 
 LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
@@ -13,7 +14,6 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.signatures import Call, Given, Misfit, Parameter, Signature, Slot
-from assistant.program.diagnostics import Rule
 
 CallNode = s.ProcedureCall | s.FunctionCall
 RULES: Final[Mapping[Misfit, Rule]] = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
+from assistant.base.diagnostics import Severity
 from assistant.languages.checks.reach import Reach
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
@@ -13,7 +14,6 @@ from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import blocks, nodes, root
-from assistant.program.diagnostics import Severity
 
 Body = Sequence[s.StatementNode]
 

@@ -8,13 +8,13 @@ from functools import cached_property
 from itertools import takewhile
 from typing import Any, Final, TypeVar, cast
 
+from assistant.base.diagnostics import Diagnostic, Rule, Severity
 from assistant.languages.checks.symbols import Declaration, Symbols, find
 from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 N = TypeVar("N", bound=s.Node)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from assistant.base.diagnostics import Rule, Severity
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look
@@ -12,7 +13,6 @@ from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.runs import MOVES
-from assistant.program.diagnostics import Rule, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
 """The moves that the pseudo-program has words for, lower case."""

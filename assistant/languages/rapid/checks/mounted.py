@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Severity
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
@@ -18,7 +19,6 @@ from assistant.languages.rapid.tree.gather import numbers
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import shape
 from assistant.languages.signatures import Signature
-from assistant.program.diagnostics import Severity
 
 TOOL: Final = "tooldata"
 FRAME: Final = "wobjdata"

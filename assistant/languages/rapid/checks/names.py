@@ -6,6 +6,7 @@ import math
 from itertools import chain
 from typing import Any, Final
 
+from assistant.base.diagnostics import Severity
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
@@ -19,7 +20,6 @@ from assistant.languages.rapid.checks.module_view import (
 from assistant.languages.rapid.tables.words import LONGEST_NAME, LONGEST_STRING, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.program.diagnostics import Severity
 
 PLAIN_NUMBER: Final = 24
 """Characters of a number without an exponent that any type holds."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from assistant.base.diagnostics import Severity
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
@@ -12,7 +13,6 @@ from assistant.languages.rapid.checks.module_view import VALUELESS
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Severity
 
 
 def component(node: s.Component, scope: Scope) -> Found:

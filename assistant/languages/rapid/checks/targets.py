@@ -8,6 +8,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import Rule, Severity
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
 from assistant.languages.rapid import rules
@@ -17,8 +19,6 @@ from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
 from assistant.languages.rapid.tree.runs import MOVES
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Rule, Severity
 
 OFF_UNIT: Final = 1e-5
 """Most that the squares of a quaternion may miss 1 by; beyond it NOrient has to mend it."""

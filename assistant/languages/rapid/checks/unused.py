@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.checks.name_sets import NameSet
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import Listing
@@ -15,7 +16,6 @@ from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Rule
 
 _WORD: Final = re.compile(r"[^\W\d]\w*")
 SHORTEST: Final = 3

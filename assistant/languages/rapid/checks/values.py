@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from assistant.base.diagnostics import Rule
 from assistant.languages.checks.kinds import Kind, Sizes, Unfit
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import use_rules as rules
@@ -13,7 +14,6 @@ from assistant.languages.rapid.checks.kinds import LOGICAL, OPERATORS, SIGNALS, 
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.program.diagnostics import Rule
 
 UNFIT: Final[Mapping[Unfit, Rule]] = {
     Unfit.TYPE: rules.WRONG_VALUE,

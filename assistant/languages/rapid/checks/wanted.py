@@ -43,7 +43,7 @@ from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of,
 from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
-from assistant.program.wanted import CallArgument, Wanted
+from assistant.program.undeclared_names import CallArgument, Wanted
 
 
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:

@@ -11,7 +11,7 @@ from typing import Final
 from assistant.languages.rapid.checks.kinds import SIGNALS, Types
 from assistant.languages.rapid.checks.wanted_records import Shape, Solved
 from assistant.program.program import Signal
-from assistant.program.wanted import CallArgument, Plain, Wanted, WantedKind
+from assistant.program.undeclared_names import CallArgument, Plain, Wanted, WantedKind
 
 OF_TYPE: Final[Mapping[str, WantedKind]] = {
     "tooldata": "tool", "wobjdata": "frame", "speeddata": "speed", "zonedata": "blend",

@@ -15,7 +15,7 @@ from typing import Final
 from assistant.languages.rapid.checks.kinds import NUMBER, Types
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.program import TakenNames, identifier
-from assistant.program.wanted import Plain, Wanted
+from assistant.program.undeclared_names import Plain, Wanted
 
 _SCALARS: Final[dict[str, Plain]] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": ""}
 _ANY: Final = ""

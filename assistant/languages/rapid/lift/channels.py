@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.gateways import OPTION, Gateways
 from assistant.languages.rapid.lift.instructions import Meaning
@@ -23,10 +24,9 @@ from assistant.languages.rapid.lift.told.one_way import one_way
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
-from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
+from assistant.program import undeclared_names
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite, with_vendor_statements_replaced
 
@@ -99,12 +99,12 @@ def with_channels(program: Program, findings: Findings) -> Program:
 
     instructions = {*_SAID, *PREPARING, "socketaccept", "open"}
     made = with_calls(program, instructions, READING, said)
-    if made is program or not channels.channels(made):
+    if made is program or not undeclared_names.channels(made):
         return program
     gateways.tell(made, findings)
     own = {**made.variables, **gateways.variables(), **states.variables()}
     made = states.asked(replace(made, variables=own))
-    told = {name.lower() for name in channels.channels(made)}
+    told = {name.lower() for name in undeclared_names.channels(made)}
     opened = {x.channel.lower() for x in made.statements() if isinstance(x, p.Attach)}
     made = rewrite(made, lambda part: _asked(part, told))
     return _without_handles(_without_unopened(made, opened))

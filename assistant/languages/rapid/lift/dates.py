@@ -10,9 +10,9 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.program import expressions as e
-from assistant.program.contents import records_in_procedures
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
+from assistant.program.statement_index import records_in_procedures
 
 OWN: Final = "cdate"
 OTHERS: Final = "date_today"

@@ -15,6 +15,7 @@ from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Findings
 from assistant.languages.answers import (
     Adapted,
 )
@@ -68,20 +69,17 @@ from assistant.languages.rapid.tree.gather import literal_number, numbers
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import with_used_signals
+from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.analysis.uses import locals_of
-from assistant.program.contents import records_in_procedures, statements_with
-from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import Frame, Tool
-from assistant.program.kept import effect_of
-from assistant.program.passes.angles import with_read_angles
-from assistant.program.passes.constants import with_constants, with_predefined
-from assistant.program.passes.open_lines import with_open_lines
-from assistant.program.passes.stops import stopped, with_stops
-from assistant.program.passes.table_rows import RowName, RowTable, with_table_rows
-from assistant.program.passes.triggers import with_triggers
+from assistant.program.passes.implicit_motion_state import stopped, with_open_lines, with_stops
+from assistant.program.passes.positions import RowName, RowTable, with_read_angles, with_table_rows
+from assistant.program.passes.trigger_data import with_triggers
+from assistant.program.passes.variables import with_constants, with_predefined
 from assistant.program.program import Declaration, Program, Variable
 from assistant.program.rewriting import records, rewrite, with_vendor_statements_replaced
+from assistant.program.statement_index import records_in_procedures, statements_with
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

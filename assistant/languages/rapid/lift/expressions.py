@@ -18,10 +18,7 @@ from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
-from assistant.program.geometry import (
-    BASE,
-    FLANGE,
-)
+from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Signal
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}

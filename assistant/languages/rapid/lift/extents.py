@@ -8,9 +8,9 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program.analysis.uses import names_in
-from assistant.program.contents import records_in_procedures
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
+from assistant.program.statement_index import records_in_procedures
 
 Sizes = Mapping[str, tuple[int, ...]]
 """Extents of arrays by lower-case name, none where they are not known."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
 from assistant.languages.rapid.tables.words import ANSWERS
@@ -19,8 +20,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
-from assistant.program.passes import asking
+from assistant.program.passes import operator_texts
 from assistant.program.program import Program
 
 NONE: Final = "stempty"
@@ -71,7 +71,7 @@ def with_operator(program: Program, findings: Findings) -> Program:
         yield from made
 
     told = with_calls(program, _ASKED, DIALOGS, said)
-    return asking.with_answers(told)
+    return operator_texts.with_answers(told)
 
 
 # ----------------------------------------------------------------------------- what is said
@@ -117,7 +117,7 @@ def _keys(q: KeptCall) -> Said:
     yield p.Message((question, e.Text("".join(texts))))
     keys = [n for n, _ in shown]
     counts = [_counts(q, node) for _, node in shown if node is not None]
-    yield from asking.asked_for_key(answer, keys, [e.Number(n) for n in keys], counts)
+    yield from operator_texts.asked_for_key(answer, keys, [e.Number(n) for n in keys], counts)
 
 
 def _counts(q: KeptCall, node: s.Expression) -> e.Expression | None:
@@ -137,7 +137,7 @@ def _number(q: KeptCall) -> Said:
     if answer is None or question is None:
         raise Unsaid
     yield p.Message((question,))
-    yield from asking.asked_for_number(answer)
+    yield from operator_texts.asked_for_number(answer)
 
 
 def _entry(q: KeptCall) -> Said:
@@ -147,7 +147,7 @@ def _entry(q: KeptCall) -> Said:
     assert q.answer is not None
     yield p.Message(_shown(q))
     least, most = q.option("minvalue"), q.option("maxvalue")
-    yield from asking.asked_for_number(q.answer, least, most)
+    yield from operator_texts.asked_for_number(q.answer, least, most)
 
 
 def _box(q: KeptCall) -> Said:
@@ -176,7 +176,7 @@ def _box(q: KeptCall) -> Said:
         raise Unsaid
     if buttons:
         values = [e.Number(value) for _, value in buttons]
-        yield from asking.asked_for_key(answer, keys, values, counts)
+        yield from operator_texts.asked_for_key(answer, keys, values, counts)
 
 
 def _listed(q: KeptCall, option: str) -> Sequence[s.Expression] | None:

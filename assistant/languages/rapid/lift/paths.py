@@ -9,6 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows
+from assistant.base.diagnostics import span_over
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
@@ -25,12 +28,9 @@ from assistant.languages.runs.paths import (
     values_at,
 )
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import span_over
 from assistant.program.geometry import Target
-from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.motion import UNSTATED, Kind, Path
 from assistant.program.program import TakenNames, Variable, identifier
 from assistant.robots.configurations import from_confdata
 

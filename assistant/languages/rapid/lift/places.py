@@ -11,15 +11,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.lift.ways import steps
 from assistant.languages.rapid.tables.functions import HERE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Span
-from assistant.program.passes.active_places import with_active_places
-from assistant.program.passes.present_places import Said, with_present_places
+from assistant.program.passes.implicit_motion_state import (
+    Said,
+    with_active_places,
+    with_present_places,
+)
 from assistant.program.program import Program
 
 DIFFERS: Final = e.Reason(

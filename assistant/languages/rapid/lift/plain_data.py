@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeGuard
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import starts_of
 from assistant.languages.answers import (
     Adapted,
 )
@@ -16,10 +18,8 @@ from assistant.languages.rapid.lift.program import lift
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.rewriting import Body, map_bodies
-from assistant.program.text import starts_of
 
 _TABLES: Final = (
     "frames", "tools", "speeds", "blends", "signals", "targets", "joint_targets", "variables",

@@ -10,6 +10,7 @@ from itertools import chain
 from types import MappingProxyType
 from typing import Any, Final
 
+from assistant.base.source_text import starts_of
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.kept_signals import signals_in
@@ -30,12 +31,12 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.signals import signal_uses, with_used_signals
-from assistant.program.passes.constants import with_constants
-from assistant.program.passes.counted_loops import with_hiding_loops_renamed
-from assistant.program.passes.messages import with_values
+from assistant.program.analysis.io_use import signal_uses, with_used_signals
+from assistant.program.passes.loops import with_hiding_loops_renamed
+from assistant.program.passes.operator_texts import with_values
 from assistant.program.passes.paths import with_paths
-from assistant.program.passes.triggers import with_triggers
+from assistant.program.passes.trigger_data import with_triggers
+from assistant.program.passes.variables import with_constants
 from assistant.program.program import (
     Declaration,
     Parameter,
@@ -47,7 +48,6 @@ from assistant.program.program import (
     identifier,
 )
 from assistant.program.rewriting import with_names_replaced, with_spans_from
-from assistant.program.text import starts_of
 
 NOTHING_KEPT: Final = MappingProxyType[int, str]({})
 

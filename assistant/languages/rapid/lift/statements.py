@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
+from assistant.base.diagnostics import Refused, span_over
 from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import REASONS, Meaning, instruction
@@ -20,8 +21,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused, span_over
-from assistant.program.passes.counted_loops import ascends
+from assistant.program.passes.loops import ascends
 from assistant.program.program import Program
 
 PARTS: Final = "say it with the components, one by one"

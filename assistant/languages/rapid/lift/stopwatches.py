@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import names_in_procedures
-from assistant.program.diagnostics import Findings
-from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, map_head
+from assistant.program.statement_index import names_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 TYPE: Final = "clock"
 CLOCKS: Final = ("clock1",)

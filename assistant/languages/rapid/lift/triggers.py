@@ -24,8 +24,7 @@ from assistant.languages.rapid.tree.triggers import set_up, taken
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.kept import VendorText
-from assistant.program.passes.triggers import (
+from assistant.program.passes.trigger_data import (
     Reasons,
     Told,
     TriggerData,
@@ -33,6 +32,7 @@ from assistant.program.passes.triggers import (
     TriggerSetUp,
 )
 from assistant.program.program import Declaration, Signal
+from assistant.program.vendor_statements import VendorText
 
 REASONS: Final = Reasons(
     special=e.Reason(

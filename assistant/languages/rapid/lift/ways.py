@@ -8,7 +8,7 @@ from typing import Final
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.analysis.ways import MotionStep
+from assistant.program.analysis.motion_state import MotionStep
 
 STANDING: Final = {
     ("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos"), ("waituntil", "inpos")

@@ -26,11 +26,11 @@ from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import SIZES_PLACES
 from assistant.languages.scoped_names import Naming
-from assistant.program.analysis.motions import stated_motions
+from assistant.program.analysis.motion_use import stated_motions
 from assistant.program.geometry import BASE, FLANGE, Load
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program, Variable
-from assistant.program.timers import timers
+from assistant.program.undeclared_names import timers
 
 TASK: Final = "TASK"
 LOCAL: Final = "LOCAL"

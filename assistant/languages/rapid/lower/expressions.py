@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from assistant.base.diagnostics import Refused
 from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables import functions
@@ -34,7 +35,6 @@ from assistant.languages.rapid.tree.runs import (
 from assistant.languages.records import Decimals, Values
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import FLANGE
 
 RECORDS: Final = Decimals(

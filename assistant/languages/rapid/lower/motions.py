@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.motions import speed_name, zone_name
 from assistant.languages.rapid.tables.words import UNUSED
@@ -27,10 +28,8 @@ from assistant.languages.runs.names import Names
 from assistant.languages.runs.paths import setting_codes
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Refused
 from assistant.program.geometry import BASE
-from assistant.program.motion import Blend, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.robots.configurations import to_confdata
 
 _SHORTEST: Final = 8

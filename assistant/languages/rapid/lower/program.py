@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import data, elsewhere, scope_of_paths, variable_node
 from assistant.languages.rapid.lower.modules import resident, with_own_places
@@ -19,7 +20,6 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
 from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, walk
 
 

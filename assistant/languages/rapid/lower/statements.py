@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings, Refused
 from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, cannot
@@ -24,11 +25,10 @@ from assistant.languages.rapid.tree.gather import gathered
 from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_value, known_types
-from assistant.program.diagnostics import Findings, Refused
+from assistant.program.analysis.declared_types import is_value, known_types
 from assistant.program.motion import Blend, Speed
-from assistant.program.passes.counted_loops import ascends
-from assistant.program.passes.messages import message_parts
+from assistant.program.passes.loops import ascends
+from assistant.program.passes.operator_texts import message_parts
 from assistant.program.program import Procedure, Program, Signal
 
 Lowered = Iterator[s.StatementNode]

@@ -15,11 +15,17 @@ from assistant.languages.rapid.tables.words import CELL_MODULE
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import has_no_value
-from assistant.program.channels import ChannelLine
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import identifier
-from assistant.program.wanted import CallArgument, Plain, Supplied, SuppliedValue, Wanted
+from assistant.program.undeclared_names import (
+    CallArgument,
+    ChannelLine,
+    Plain,
+    Supplied,
+    SuppliedValue,
+    Wanted,
+)
 
 _FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
 _OF_KIND: Final[Mapping[str, str]] = {

@@ -12,7 +12,7 @@ from assistant.languages.abouts import abouts
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.tables import predefined, signatures
 from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
-from assistant.program.editing import (
+from assistant.program.editor_support import (
     Declaration,
     DeclaredKind,
     Editable,

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText, decode
 from assistant.languages.rapid import rules
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText, decode
 
 _LOOKED_AT: Final = 1 << 16
 _BEGINS: Final = re.compile(

@@ -26,7 +26,7 @@ from assistant.languages.rapid.tree.external_axes import AXES, place_of
 from assistant.languages.tasks import Configured, Texts, catalogue_name, file_named
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
-from assistant.program.wanted import SuppliedValue, WantedKind
+from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 SIGNALS: Final = "eio.cfg"
 FOLDER: Final = "syspar"

@@ -6,6 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import Any, Final, Literal
 
+from assistant.base.budgets import without_gc
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
@@ -14,10 +17,6 @@ from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
 from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode, TargetRunNode
 from assistant.languages.runs.reading import Found
 from assistant.languages.shortened import RunInTheWay, Shortened
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.lines import with_line_feeds
-from assistant.program.text import SourceText
-from assistant.program.without_gc import without_gc
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:

@@ -16,6 +16,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from assistant.base.columns import Slots
 from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import (
@@ -33,7 +34,6 @@ from assistant.languages.runs.columns import Store
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.reading import MOST, Found, Marks, entries, line_spans, stretches
 from assistant.languages.runs.reading import Words as Spelling
-from assistant.program.digits_at_offsets import Slots
 
 _B = r"[ \t]"
 _NAME = r"[A-Za-z][A-Za-z0-9_]*+"

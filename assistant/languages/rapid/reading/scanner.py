@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Final
 
+from assistant.base.source_text import with_line_feeds
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.scanning import Words, pattern
 from assistant.languages.texts.words import Word
-from assistant.program.lines import with_line_feeds
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""

@@ -9,7 +9,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.motions import corner_of, zone_name
 from assistant.languages.rapid.tables.triggers import MEASURES
 from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING, MOST_TARGETS
-from assistant.program.passes.legalising import (
+from assistant.program.passes.legalisation import (
     Acceleration,
     Capabilities,
     Comments,

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.program.wanted import Plain
+from assistant.program.undeclared_names import Plain
 
 
 @dataclass(frozen=True, slots=True)

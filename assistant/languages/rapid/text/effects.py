@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import words_of
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.standard import CALLING, JUMPING, MOVING, NAMING, WAITING
 from assistant.languages.rapid.text import verbatim
@@ -16,9 +18,7 @@ from assistant.languages.runs.names import Names
 from assistant.languages.signatures import Parameter, Signature
 from assistant.languages.texts.effects import Does, Effects, Untold
 from assistant.languages.walking import Walk
-from assistant.program.diagnostics import Refused
-from assistant.program.effects import Effect, EffectBuilder, VendorTextKind, unknown_effect
-from assistant.program.text import words_of
+from assistant.program.expressions import Effect, EffectBuilder, VendorTextKind, unknown_effect
 
 _SPEED: Final = "speeddata"
 """Type of a parameter that instructions have which move, and others have not."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Refused
 from assistant.program.program import identifier
 
 

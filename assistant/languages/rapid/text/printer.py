@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final
 
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import LINE_ENDS, one_line
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import moves_text, targets_text
 from assistant.languages.texts.printed_blocks import Block
 from assistant.languages.texts.templates import BlockPrinter, Templates, joined
-from assistant.program.diagnostics import Refused
-from assistant.program.lines import LINE_ENDS, one_line
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"

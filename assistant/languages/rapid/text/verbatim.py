@@ -7,13 +7,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final, Literal, TypeVar
 
+from assistant.base.diagnostics import Refused
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parser import parse_items, parse_statements
 from assistant.languages.rapid.text.printer import print_nodes
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts import kept_texts
 from assistant.languages.texts.kept_texts import KeptTexts
-from assistant.program.diagnostics import Refused
 
 T = TypeVar("T")
 Kind = Literal["items", "statements", "handlers"]

@@ -15,7 +15,7 @@ from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.wanted import BASE_FRAME_SUFFIX
+from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 
 COMPONENT: Final = "extax"
 AXES: Final = tuple(f"eax_{letter}" for letter in "abcdef")

@@ -15,6 +15,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Span
 from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import (
@@ -28,8 +30,6 @@ from assistant.languages.rapid.tree.runs import (
     TargetRun,
 )
 from assistant.languages.runs import gathering as alike
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Span
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 

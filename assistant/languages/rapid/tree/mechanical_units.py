@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.wanted import BASE_FRAME_SUFFIX
+from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 
 _FOLLOWING: Final = frozenset(("waitwobj", "dropwobj"))
 """Instructions that follow a work object on a conveyor (option Conveyor Tracking)."""

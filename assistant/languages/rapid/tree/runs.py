@@ -9,12 +9,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats
+from assistant.base.columns import Chosen, Piece, rows_text
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.runs.columns import Entries, Run
 from assistant.languages.runs.groups import Fewest, Groups
 from assistant.languages.runs.names import Names
-from assistant.program.arrays import Floats
-from assistant.program.columns import Chosen, Piece, rows_text
 
 FEWEST: Final = 8
 """Rows that make a run; fewer are cheap as ordinary nodes."""

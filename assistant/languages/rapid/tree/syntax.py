@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from assistant.languages.rapid.tree.runs import MoveRun, TargetRun
-from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Span
-from assistant.program.text import SourceText
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.source_text import SourceText
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.answers import (
     Part,
 )
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.triggers import set_up
 from assistant.languages.walking import Walk
-from assistant.program.diagnostics import Span
 
 ERRNO: Final = "errno"
 """The variable in lower case that holds the number of the error."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ssl
 from pathlib import Path as FilePath
 
-from assistant.program.diagnostics import Refused, error
-from assistant.program.system import certificate
+from assistant.base import certificate
+from assistant.base.diagnostics import Refused, error
 
 NEEDS_PACKAGE = error(
     "VC002",

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program import rotations
+from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.given import Given, takes

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.configurations import from_confdata, to_confdata
 from assistant.virtual.kernel.motion import Standing

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import write_whole
+from assistant.base.file_access import read_file, write_whole
 from assistant.virtual.events import Sent
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated

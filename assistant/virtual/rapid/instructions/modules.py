@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from assistant.base.diagnostics import Refused, has_errors
+from assistant.base.file_access import write_whole
+from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Refused, has_errors
-from assistant.program.system.durably import write_whole
-from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.given import Given, takes

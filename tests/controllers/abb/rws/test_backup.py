@@ -2,9 +2,9 @@
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, folders
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.seam import SEAM, codes
 from tests.controllers.cutting import Cutting
 

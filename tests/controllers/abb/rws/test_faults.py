@@ -9,9 +9,9 @@ import time
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2

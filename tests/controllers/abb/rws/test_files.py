@@ -2,8 +2,8 @@
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.peer import Rws1, Rws2, refusal
 
 GOOD = b"MODULE Seam\r\n  PROC main()\r\n  ENDPROC\r\nENDMODULE\r\n"

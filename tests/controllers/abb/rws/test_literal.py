@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.states import State, TaskState
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.literal import FAULTS, ONE, POSITION, START, TEXT, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2, refusal
 

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import folders
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2, framed, li, refusal, rows
 from tests.controllers.abb.rws.seam import codes

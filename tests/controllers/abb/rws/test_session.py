@@ -9,9 +9,9 @@ import threading
 import pytest
 import trustme
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import Credentials, connect
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2, refusal
 from tests.controllers.cutting import Cutting

@@ -6,10 +6,10 @@ import threading
 
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Jog, TaskState
-from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import Signal
 from tests.controllers.abb.rws.seam import SEAM, SIGNALS, codes

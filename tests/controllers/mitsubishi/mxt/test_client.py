@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
 from assistant.controllers.mitsubishi.mxt import Mxt
-from assistant.program.diagnostics import Refused
+from assistant.program.motion import Path as Points
 from assistant.program.motion import Speed
-from assistant.program.path import Path as Points
 from assistant.virtual.cr.mxt_process import MxtProcess
 from tests.controllers.mitsubishi.mxt.controllers import (
     ARM,

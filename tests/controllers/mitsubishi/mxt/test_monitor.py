@@ -8,9 +8,9 @@ import threading
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt import Monitor
 from assistant.controllers.mitsubishi.mxt.monitor import FIELDS, FORMS, TYPES
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr.mxt import Bits
 from assistant.virtual.cr.mxt_arm import MxtArm
 from assistant.virtual.cr.mxt_monitor import PACKET, MxtMonitor

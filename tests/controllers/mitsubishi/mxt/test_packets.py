@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.base import rotations
+from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt import orientation, packet, program
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
-from assistant.program import rotations
-from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import mxt_packet
 
 # BFP-A3379-A, strdef.h of the sample program: offset and size of each member.

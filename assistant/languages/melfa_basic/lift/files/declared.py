@@ -20,7 +20,7 @@ from assistant.languages.melfa_basic.tree.positions import (
 )
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
-from assistant.program.passes.arrays import elements_by_indices
+from assistant.program.passes.variables import elements_by_indices
 from assistant.program.program import Variable, identifier
 
 

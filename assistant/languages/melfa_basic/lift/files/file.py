@@ -31,7 +31,7 @@ from assistant.languages.melfa_basic.tree.walk import program_name, statements_i
 from assistant.languages.settings.divided_forms import divided
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
 from assistant.languages.settings.forms import CalledForms, Form
-from assistant.program.passes import equal_procedures
+from assistant.program.passes import procedure_forms
 from assistant.program.program import (
     Declaration,
     Parameter,
@@ -257,7 +257,7 @@ class Unit:
                 self._procedure(number, form, reading)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.procedure for forms in several for form in forms}
-        reading.procedures = equal_procedures.without_equal_procedures(reading.procedures, origin)
+        reading.procedures = procedure_forms.without_equal_procedures(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 

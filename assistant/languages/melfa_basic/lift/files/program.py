@@ -8,13 +8,13 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from assistant import robots
+from assistant.base.source_text import starts_of
 from assistant.languages.melfa_basic.lift.files.file import Unit
 from assistant.languages.melfa_basic.lift.files.parts import File, interrupting, touching
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.analysis.integer_inference import without_needless_rounding
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import with_spans_from
-from assistant.program.text import starts_of
-from assistant.program.wholes import without_needless_rounding
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

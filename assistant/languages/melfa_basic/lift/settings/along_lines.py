@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.arrays import Ints
 from assistant.languages.melfa_basic.lift.settings.held import (
     ALL_SETTINGS,
     FRAME,
@@ -42,7 +43,6 @@ from assistant.languages.settings.flow import (
 )
 from assistant.languages.settings.forms import CalledForms
 from assistant.languages.settings.interrupts import with_interrupts
-from assistant.program.arrays import Ints
 from assistant.program.program import identifier
 
 NONE: Final = frozenset[str]()

@@ -15,8 +15,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unlifta
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
-from assistant.program.constructions import arc_middle_across, arc_middle_around, target_between
-from assistant.program.geometry import Target
+from assistant.program.geometry import Target, arc_middle_across, arc_middle_around, target_between
 from assistant.program.motion import Blend
 from assistant.program.statements import Reason
 

@@ -10,9 +10,9 @@ from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Unliftable
 from assistant.languages.melfa_basic.tables.channels import LINE, MODES, NUMBERS
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program import undeclared_names
 
 RECEIVED = {"text": "received", "number": "received_number", "integer": "received_number"}
 """What reads an item for a variable of a type."""
@@ -24,7 +24,7 @@ def name(node: s.Expression | None, lift: Expressions) -> str:
     value = None if node is None else lift.m.value(node)
     if not isinstance(value, float) or round(value) not in NUMBERS:
         raise Unliftable
-    return channels.name_of_channel(round(value))
+    return undeclared_names.name_of_channel(round(value))
 
 
 def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
@@ -44,7 +44,7 @@ def detach(node: s.Close, lift: Expressions) -> list[p.Statement]:
     if not node.numbers:
         if not lift.m.telling or lift.m.opened is None:
             raise Unliftable
-        return [p.Detach(channels.name_of_channel(number)) for number in lift.m.opened]
+        return [p.Detach(undeclared_names.name_of_channel(number)) for number in lift.m.opened]
     return [p.Detach(name(number, lift)) for number in node.numbers]
 
 

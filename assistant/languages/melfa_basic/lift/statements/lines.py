@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Final
 
+from assistant.base.diagnostics import Span
+from assistant.base.source_text import SourceText
 from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
 from assistant.languages.melfa_basic.lift.settings.followed import assignment, followed
@@ -45,9 +47,7 @@ from assistant.languages.settings.unknown_settings import UnknownSettings
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
-from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
-from assistant.program.text import SourceText
 
 
 @dataclass(slots=True)

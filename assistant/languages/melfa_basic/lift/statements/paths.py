@@ -11,6 +11,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.arrays import Ints, Rows, Truths
+from assistant.base.diagnostics import Span, span_over
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
@@ -28,10 +30,7 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.paths import path_kinds, settings_of_parts
 from assistant.languages.settings.flow import UNKNOWN, Computed
 from assistant.program import statements as p
-from assistant.program.arrays import Ints, Rows, Truths
-from assistant.program.diagnostics import Span, span_over
-from assistant.program.motion import Speed
-from assistant.program.path import Kind, Path
+from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import identifier
 
 Values = tuple[Any, ...]

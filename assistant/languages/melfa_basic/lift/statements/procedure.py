@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.followed import followed, named
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TCP, TOOL, set_by
@@ -20,7 +21,6 @@ from assistant.languages.settings.flow import UNKNOWN
 from assistant.languages.settings.forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import head, records
 

@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.passes.places import is_steady
+from assistant.program.passes.trigger_positions import is_steady
 
 _PLACES: Final = {name.upper(): place for name, place in PLACES.items()}
 _TURNED: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, TypeVar
 
+from assistant.base.diagnostics import Span
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
@@ -15,7 +16,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
 
 T = TypeVar("T", bound=p.Spanned)
 

@@ -15,6 +15,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.values.expressions import DEGREE
 from assistant.languages.melfa_basic.tables.poses import plain_pose
@@ -22,11 +24,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, declared, handed_over
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Pose
 from assistant.program.program import (
     Procedure,
@@ -47,6 +46,7 @@ from assistant.program.rewriting import (
     records,
     rewrite,
 )
+from assistant.program.statement_index import records_in_procedures
 
 SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
 """What a number beside a position is called behind the position's name."""

@@ -12,10 +12,10 @@ from assistant.languages.melfa_basic.lift.values.symbols import ENDED
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import records_in_procedures
-from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 
 def with_endings(program: Program) -> Program:

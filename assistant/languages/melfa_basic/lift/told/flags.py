@@ -15,10 +15,10 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures
 from assistant.program.geometry import Target
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.statement_index import records_in_procedures
 
 _FLAGS: Final = re.compile(r"(\w+)\.FL([12])\s*=\s*(\w+)\.FL([12])", re.IGNORECASE)
 _PLACE: Final = ("x", "y", "z", "about_x", "about_y", "about_z")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.signals import HANDS, AnyNumber, Numbered
 from assistant.languages.melfa_basic.lift.told.supplied import Supplied
@@ -16,7 +17,6 @@ from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
 from assistant.languages.melfa_basic.tables.library import library
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, head, map_bodies, map_expressions, map_head, records
 

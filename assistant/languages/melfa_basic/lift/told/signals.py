@@ -12,18 +12,20 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Final, Literal
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.possible import MOST_VALUES, Numbers, PossibleValues
-from assistant.program.analysis.possible_along import numbers_at
-from assistant.program.analysis.signals import AddressedSignals
+from assistant.program.analysis.io_use import AddressedSignals
+from assistant.program.analysis.possible_values import (
+    MOST_VALUES,
+    Numbers,
+    PossibleValues,
+    numbers_at,
+)
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Findings
-from assistant.program.kept import effect_of
-from assistant.program.passes.counted_loops import written_names
+from assistant.program.passes.loops import written_names
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -34,6 +36,8 @@ from assistant.program.program import (
     walk,
 )
 from assistant.program.rewriting import Body, records
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.vendor_statements import effect_of
 
 HANDS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
     "HOPEN": ("HOpen", "open"),

@@ -56,10 +56,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
-from assistant.program.channels import name_of_channel
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.rewriting import records
-from assistant.program.timers import timer_in_seconds
+from assistant.program.undeclared_names import name_of_channel, timer_in_seconds
 
 T = TypeVar("T")
 

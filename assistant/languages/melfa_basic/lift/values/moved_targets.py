@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from assistant.base import rotations
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tables.poses import plain_pose, plain_values
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program import rotations
 from assistant.program.geometry import Pose
 
 

@@ -26,9 +26,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.constructions import grid_points as points_of_grid
-from assistant.program.constructions import points_on_arc
-from assistant.program.geometry import Target
+from assistant.program.geometry import Target, points_on_arc
+from assistant.program.geometry import grid_points as points_of_grid
 from assistant.program.program import Variable
 from assistant.program.rewriting import records
 

@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions, joints_of, target_of
 from assistant.program import expressions as e
-from assistant.program.analysis.signals import AddressedSignals
+from assistant.program.analysis.io_use import AddressedSignals
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
 from assistant.program.statements import Reason

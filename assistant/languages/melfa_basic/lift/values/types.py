@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
-from assistant.program.analysis.kinds import of_operation
+from assistant.program.analysis.declared_types import of_operation
 from assistant.program.program import ValueType
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import ClassVar
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.channels import (
     ETHERNET,
@@ -14,13 +15,11 @@ from assistant.languages.melfa_basic.tables.channels import (
     NUMBERS,
     line_name,
 )
-from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.open_channels import channels_open_together
-from assistant.program.diagnostics import Diagnostic
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program import undeclared_names
+from assistant.program.analysis.io_use import channels_open_together
+from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
 from assistant.program.program import Program
 from assistant.program.pseudo.expressions import expression_text
 
@@ -28,14 +27,14 @@ from assistant.program.pseudo.expressions import expression_text
 def with_channels(job: Legalisation) -> Program:
     """The program with numbered channels to lines and files."""
     program = job.program
-    if not channels.channels(program):
+    if not undeclared_names.channels(program):
         return program
     reworded = _Channels(job)
     procedures = tuple(map(reworded.procedure, program.procedures))
     made = replace(program, procedures=procedures)
-    numbers = channels.numbered_channels(made, NUMBERS, channels_open_together)
-    return channels.with_channels_renamed(
-        made, {n: channels.name_of_channel(k) for n, k in numbers.items()}
+    numbers = undeclared_names.numbered_channels(made, NUMBERS, channels_open_together)
+    return undeclared_names.with_channels_renamed(
+        made, {n: undeclared_names.name_of_channel(k) for n, k in numbers.items()}
     )
 
 
@@ -44,7 +43,9 @@ class _Channels(Rewording):
 
     def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
-        self.numbers = channels.numbered_channels(job.program, NUMBERS, channels_open_together)
+        self.numbers = undeclared_names.numbered_channels(
+            job.program, NUMBERS, channels_open_together
+        )
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
         places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))

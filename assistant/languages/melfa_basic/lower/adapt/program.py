@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Declared, Diagnostic, Findings, Span, has_errors
 from assistant.languages.answers import (
     Adapted,
 )
@@ -25,42 +26,41 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP,
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.analysis.motions import branches_by_frame
-from assistant.program.analysis.signals import with_one_name
+from assistant.program.analysis.io_use import with_one_name
+from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.analysis.uses import shared_between_units
-from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
 from assistant.program.geometry import BASE
-from assistant.program.passes.arrays import (
-    with_array_parameters,
-    with_copied_arrays,
-    with_filled_arrays,
+from assistant.program.passes.hoisted_statements import with_functions_before_moves
+from assistant.program.passes.legalisation import Legalisation, Pass, legalise, pure, traced
+from assistant.program.passes.line_lengths import with_short_sums
+from assistant.program.passes.loops import with_settled_loops
+from assistant.program.passes.names import with_declared_names
+from assistant.program.passes.operator_texts import (
+    comment_lines,
+    with_blank_lines,
+    with_comments_in_front,
 )
-from assistant.program.passes.base_frames import in_base
-from assistant.program.passes.comments import comment_lines
-from assistant.program.passes.cycles import with_kept_values
-from assistant.program.passes.first_values import with_first_values
-from assistant.program.passes.interrupts import with_interrupts_first
-from assistant.program.passes.legalising import Legalisation, Pass, legalise, pure
-from assistant.program.passes.long_sums import with_short_sums
-from assistant.program.passes.many_pulses import with_few_pulses
-from assistant.program.passes.moving_functions import with_functions_before_moves
-from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
-from assistant.program.passes.places import with_measured_places
-from assistant.program.passes.procedures import (
+from assistant.program.passes.paths import split
+from assistant.program.passes.positions import in_base
+from assistant.program.passes.procedure_forms import (
     with_entry_first,
     with_fresh_variables,
+    with_interrupts_first,
     with_units_together,
     without_recursion,
 )
-from assistant.program.passes.settled_loops import with_settled_loops
-from assistant.program.passes.spacing import with_blank_lines, with_comments_in_front
-from assistant.program.passes.spelling import with_declared_names
-from assistant.program.passes.splitting import split
+from assistant.program.passes.signals import with_checked_outputs, with_few_pulses
 from assistant.program.passes.switches import with_single_reads
-from assistant.program.passes.watching import traced
+from assistant.program.passes.trigger_positions import with_measured_places
+from assistant.program.passes.variables import (
+    with_array_parameters,
+    with_copied_arrays,
+    with_filled_arrays,
+    with_first_values,
+    with_kept_values,
+)
 from assistant.program.program import Program
-from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

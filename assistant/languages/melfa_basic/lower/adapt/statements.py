@@ -22,24 +22,28 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
 from assistant.program.motion import FINE, Blend, Speed
-from assistant.program.passes.comments import as_comment, plain_comment
-from assistant.program.passes.endings import end_for_good
-from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.expression_forms import (
+    fixed_text,
+    with_shift_parts,
+    without_truth_values,
+)
+from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
 from assistant.program.passes.motions import ByValue
-from assistant.program.passes.places import (
+from assistant.program.passes.operator_texts import as_comment, plain_comment
+from assistant.program.passes.signals import (
+    check_fit,
+    end_for_good,
+    set_signal,
+    wait_signal,
+    wait_until,
+)
+from assistant.program.passes.switches import plain_switch
+from assistant.program.passes.trigger_positions import (
     by_speed,
     constant_numbers,
     with_constant_values,
     with_ends_apart,
 )
-from assistant.program.passes.plain_expressions import (
-    fixed_text,
-    with_shift_parts,
-    without_truth_values,
-)
-from assistant.program.passes.rewording import Changes, Rewording
-from assistant.program.passes.switches import plain_switch
-from assistant.program.passes.waits import check_fit, set_signal, wait_signal, wait_until
 from assistant.program.program import Procedure, Program, Variable
 
 if TYPE_CHECKING:

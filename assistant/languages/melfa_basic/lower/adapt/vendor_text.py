@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert.names import is_own
 from assistant.languages.melfa_basic.lower.names import Names
@@ -14,10 +15,9 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import statements_with_vendor_text
-from assistant.program.diagnostics import Findings
 from assistant.program.program import Program
 from assistant.program.rewriting import records
+from assistant.program.statement_index import statements_with_vendor_text
 
 
 def plain_verbatim(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:

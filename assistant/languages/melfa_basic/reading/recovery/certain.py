@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Severity, has_errors
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree.syntax import File
-from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 
 _PLAIN: Final = str.maketrans({
     **dict.fromkeys("‘’‚‛′´`＇", "'"),

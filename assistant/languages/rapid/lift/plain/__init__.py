@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 
+from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.arm_calls import with_arm_calls
 from assistant.languages.rapid.lift.plain.arrays import with_shared_arrays
@@ -49,7 +50,6 @@ from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.lift.plain.whole_texts import with_whole_texts
 from assistant.languages.rapid.lift.plain.written_out import with_written_out
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Signal
 
 Outside = tuple[tuple[Span | None, str], ...]

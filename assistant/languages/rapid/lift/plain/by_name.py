@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 MOST_NAMES: Final = 40

@@ -10,7 +10,7 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.signatures import Parameter
-from assistant.program.analysis.circles import recursive_names
+from assistant.program.analysis.uses import recursive_names
 
 Routines = Mapping[str, Sequence[s.Routine]]
 """Those of a program by lower-case name."""

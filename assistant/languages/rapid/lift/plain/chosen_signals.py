@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.plain.known_texts import MOST, Texts
 from assistant.languages.rapid.lift.plain.scopes import Fresh
@@ -25,7 +26,6 @@ from assistant.languages.rapid.lift.plain.signal_choices import (
 from assistant.languages.rapid.tables.signal_types import SIGNALS, VALUES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, mentions, nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Signal
 
 _WORDS: Final = ("aliasio", "getdataval")

@@ -13,13 +13,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.exchanging import exchanged
 from assistant.languages.rapid.lift.plain.library import call_of
 from assistant.languages.rapid.lift.plain.scopes import Fresh
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, mentions, nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 TYPE: Final = "clock"

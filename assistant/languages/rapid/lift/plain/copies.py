@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.called import Called, Given, Handed
 from assistant.languages.rapid.lift.plain.callers import STARTS, Callers
@@ -34,7 +35,6 @@ from assistant.languages.rapid.lift.plain.substituting import (
 )
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 

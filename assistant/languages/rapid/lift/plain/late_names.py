@@ -10,10 +10,10 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 Remarks = Sequence[tuple[Diagnostic, ...]]

@@ -12,12 +12,12 @@ from functools import cache, reduce
 from importlib.resources import files
 from typing import Any, Final, Protocol
 
+from assistant.base import rotations
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program import rotations
 from assistant.program.rewriting import rewrite
 
 SAME: Final[Mapping[str, str]] = {

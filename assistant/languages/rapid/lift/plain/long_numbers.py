@@ -10,11 +10,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import mentions, nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 LONG: Final = "dnum"

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.exchanging import exchanged
 from assistant.languages.rapid.lift.plain.scopes import Fresh
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import mentions, nodes
-from assistant.program.diagnostics import Diagnostic
 
 REMOVE: Final = "removefile"
 ASK: Final = "isfile"

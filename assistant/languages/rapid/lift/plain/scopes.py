@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.rapid.lift.plain.layouts import HELD, PACES, SETTINGS, Layouts, Path
 from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
 from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
@@ -20,7 +21,6 @@ from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.runs.names import Index
 from assistant.languages.signatures import Parameter, Slot
-from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import TakenNames, identifier
 
 

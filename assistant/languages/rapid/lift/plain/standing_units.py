@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 Remarks = tuple[Diagnostic, ...]

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
@@ -21,7 +22,6 @@ from assistant.languages.rapid.tree.external_axes import (
     still_axes,
 )
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.program.diagnostics import Diagnostic
 from assistant.program.rewriting import rewrite
 
 _NOT_THERE: Final = s.NumberLiteral("9E9")

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.rapid.lift.plain.scopes import Program, parameters
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.program.diagnostics import Span
 from assistant.program.rewriting import rewrite
 
 MOST_ROUNDS: Final = 12

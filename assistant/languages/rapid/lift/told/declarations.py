@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
+from assistant.base.diagnostics import Declared, Findings, ProgramTable
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.predefined import is_handle
 from assistant.languages.rapid.text import verbatim
@@ -20,12 +21,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in, texts_in
-from assistant.program.diagnostics import Findings
 from assistant.program.geometry import JointTarget, Target, Tool
-from assistant.program.kept import effect_of
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import records, with_vendor_statements_replaced
-from assistant.program.subjects import Declared, ProgramTable
+from assistant.program.vendor_statements import effect_of
 
 T = TypeVar("T")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import StatementLift
 from assistant.languages.rapid.lift.told import handlers as h
@@ -17,8 +18,7 @@ from assistant.languages.rapid.lift.told.handled import Making
 from assistant.languages.rapid.lift.told.interrupts import with_own_errors
 from assistant.languages.rapid.lift.told.raising import ZERO, Errors
 from assistant.program import statements as p
-from assistant.program.analysis.signals import with_used_signals
-from assistant.program.diagnostics import Findings
+from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, records
 

@@ -10,16 +10,16 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Span
 from assistant.languages.rapid.lift.statements import StatementLift
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
-from assistant.program.effects import Effect
-from assistant.program.kept import effect_of
+from assistant.program.expressions import Effect
 from assistant.program.program import walk
 from assistant.program.rewriting import Body, head, map_bodies, map_expressions, map_spans, records
+from assistant.program.vendor_statements import effect_of
 
 ERRNO: Final = "errno"
 ANY: Final = "long_jmp_all_err"

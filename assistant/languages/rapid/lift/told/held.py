@@ -7,15 +7,15 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.told.calls import call_of, word_of
 from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
-from assistant.program.kept import effect_of
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, map_head, records
+from assistant.program.vendor_statements import effect_of
 
 _HOLD, _LET_GO = "stopmove", "startmove"
 _ASKED: Final = re.compile(r"IsStopMoveAct\b.*", re.IGNORECASE | re.DOTALL)

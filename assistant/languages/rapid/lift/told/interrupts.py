@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning
@@ -25,12 +26,9 @@ from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.interrupts import interrupts
-from assistant.program.analysis.signals import with_used_signals
+from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.analysis.uses import called as calls_of
 from assistant.program.analysis.uses import declared, names_in
-from assistant.program.contents import records_in_procedures
-from assistant.program.diagnostics import Findings
 from assistant.program.program import (
     Procedure,
     Program,
@@ -47,6 +45,8 @@ from assistant.program.rewriting import (
     rewrite,
     with_vendor_statements_replaced,
 )
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.undeclared_names import interrupts
 
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}

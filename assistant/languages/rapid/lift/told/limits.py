@@ -17,15 +17,13 @@ from assistant.languages.rapid.tables.words import SPEED_CAP
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.possible import Numbers, PossibleValues
-from assistant.program.analysis.possible_along import numbers_of_all
+from assistant.program.analysis.possible_values import Numbers, PossibleValues, numbers_of_all
 from assistant.program.analysis.uses import declared
-from assistant.program.contents import records_in_procedures
-from assistant.program.motion import ComputedSpeed, Speed
+from assistant.program.motion import ComputedSpeed, Kind, Path, Speed
 from assistant.program.passes.motions import declared_value
-from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, with_vendor_statements_replaced
+from assistant.program.statement_index import records_in_procedures
 
 LIMIT: Final = "speed_limit"
 """Name of the variable that holds mm/s that a move may state; a number behind it where taken."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from typing import Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.pulses import OFF_VALUES
-from assistant.program.diagnostics import Findings
-from assistant.program.kept import effect_of
+from assistant.program.analysis.io_use import OFF_VALUES
 from assistant.program.program import Program
 from assistant.program.rewriting import records
+from assistant.program.vendor_statements import effect_of
 
 USUAL: Final = e.Number(0.2)
 """Seconds of a pulse that states none (RAPID reference manual, PulseDO)."""

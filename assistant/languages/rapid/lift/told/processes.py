@@ -25,10 +25,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.kept import effect_of
 from assistant.program.motion import Speed
-from assistant.program.passes.stops import stopped
+from assistant.program.passes.implicit_motion_state import stopped
 from assistant.program.program import Declaration, Program
+from assistant.program.vendor_statements import effect_of
 
 _USUAL: Final = tuple(map(s.NumberLiteral, ("500", "5000", "1000")))
 """The other parts of a speed: deg/s, and of external axes, as every predefined one has them."""

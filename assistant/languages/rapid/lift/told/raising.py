@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.statements import StatementLift
@@ -14,7 +15,6 @@ from assistant.languages.rapid.lift.told.waits import condition
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, TakenNames, identifier, walk
 from assistant.program.rewriting import Body, is_repeatable
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
@@ -21,7 +22,6 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.motions import declared_value
 from assistant.program.program import Program

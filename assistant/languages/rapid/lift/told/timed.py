@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.diagnostics import Findings, Span
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.instructions import Meaning, of_call
 from assistant.languages.rapid.lift.told.calls import call_of, word_of
@@ -19,8 +20,6 @@ from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
-from assistant.program.diagnostics import Findings, Span
-from assistant.program.kept import effect_of
 from assistant.program.motion import Blend, ComputedSpeed
 from assistant.program.passes.motions import declared_value
 from assistant.program.program import (
@@ -32,6 +31,7 @@ from assistant.program.program import (
     identifier,
 )
 from assistant.program.rewriting import Body, map_bodies
+from assistant.program.vendor_statements import effect_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

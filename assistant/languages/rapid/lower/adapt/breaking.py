@@ -18,10 +18,8 @@ from assistant.languages.rapid.lower.adapt.interrupts import EVERY, declaration,
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared, locals_of
-from assistant.program.contents import records_in_procedures
-from assistant.program.passes.legalising import Legalisation
+from assistant.program.passes.legalisation import Legalisation
 from assistant.program.program import (
     Declaration,
     Procedure,
@@ -31,6 +29,8 @@ from assistant.program.program import (
     identifier,
 )
 from assistant.program.rewriting import Body, map_bodies, map_expressions, records
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.undeclared_names import interrupts
 
 FLAG: Final = "broken_off"
 ENDED: Final = ("StopMove;", "ClearPath;", "StartMove;")

@@ -18,13 +18,12 @@ from assistant.languages.rapid.lower.expressions import Expressions
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program import channels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_value
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.messages import lines_of_parts
-from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program import undeclared_names
+from assistant.program.analysis.declared_types import is_value
+from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
+from assistant.program.passes.operator_texts import lines_of_parts
 from assistant.program.program import Declaration, Procedure, Program, Variable
 from assistant.program.rewriting import rewrite
 
@@ -40,7 +39,7 @@ CONNECTED: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<
 
 def with_channels(job: Legalisation) -> Program:
     """The program with what RAPID opens, writes and reads in place of its channels."""
-    if not channels.channels(job.program):
+    if not undeclared_names.channels(job.program):
         return job.program
     said = _Channels(job)
     procedures = tuple(map(said.procedure, job.program.procedures))

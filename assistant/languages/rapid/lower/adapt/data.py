@@ -13,8 +13,8 @@ from assistant.languages.rapid.lower.expressions import RECORDS
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.records import load_of
 from assistant.program.geometry import Load
-from assistant.program.passes.legalising import Loads, Positions
-from assistant.program.path import UNSTATED
+from assistant.program.motion import UNSTATED
+from assistant.program.passes.legalisation import Loads, Positions
 
 
 def _stated(branches: NDArray[np.int8]) -> NDArray[np.int8]:

@@ -19,11 +19,9 @@ from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.interrupts import interrupts
 from assistant.program.analysis.uses import called, declared
-from assistant.program.kept import effect_of
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.named_places import taken_names, with_named_positions
+from assistant.program.passes.legalisation import Legalisation
+from assistant.program.passes.positions import taken_names, with_named_positions
 from assistant.program.program import (
     Declaration,
     Procedure,
@@ -34,6 +32,8 @@ from assistant.program.program import (
     walk,
 )
 from assistant.program.rewriting import Body, map_bodies
+from assistant.program.undeclared_names import interrupts
+from assistant.program.vendor_statements import effect_of
 
 EVERY: Final = 0.1
 """Seconds from one asking to the next, the least of a timer that interrupts."""

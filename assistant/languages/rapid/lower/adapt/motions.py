@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.diagnostics import Declared, Span
 from assistant.languages.positions import Written
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
 from assistant.languages.rapid.tables.capabilities import CORNERS
@@ -24,13 +25,10 @@ from assistant.languages.rapid.tables.motions import (
 from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
-from assistant.program.motion import Blend, Speed
-from assistant.program.passes.legalising import Legalisation
+from assistant.program.motion import Blend, Path, Speed
+from assistant.program.passes.legalisation import Legalisation
 from assistant.program.passes.motions import CornerSizes, NamedValues
-from assistant.program.passes.path_tables import reported_at_lines
-from assistant.program.path import Path
-from assistant.program.subjects import Declared
+from assistant.program.passes.paths import reported_at_lines
 
 PERCENT: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"

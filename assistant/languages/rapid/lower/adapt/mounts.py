@@ -15,10 +15,9 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_position
+from assistant.program.analysis.declared_types import is_position
 from assistant.program.geometry import IDENTITY
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
 from assistant.program.program import Procedure, Program
 
 TIP: Final = "tframe"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from assistant.base.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.languages.answers import (
     Adapted,
 )
@@ -28,25 +29,22 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
-from assistant.program.analysis.signals import signal_uses, with_used_signals
-from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_errors
+from assistant.program.analysis.io_use import signal_uses, with_used_signals
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
-from assistant.program.passes.angles import with_whole_angles
-from assistant.program.passes.comments import comment_lines
-from assistant.program.passes.counted_loops import counted_loops
-from assistant.program.passes.integers import with_one_kind_of_numbers, with_rounded_values
-from assistant.program.passes.interrupts import with_interrupts_first
-from assistant.program.passes.legalising import Legalisation, Pass, legalise, pure
-from assistant.program.passes.named_places import with_named_places
-from assistant.program.passes.outputs import find_outputs_of_two_names
-from assistant.program.passes.paths import with_paths
-from assistant.program.passes.places import with_measured_places
-from assistant.program.passes.procedures import units
-from assistant.program.passes.results import with_results_taken
-from assistant.program.passes.settled_loops import with_directions
-from assistant.program.passes.spacing import with_comments_behind
-from assistant.program.passes.splitting import split
+from assistant.program.passes.expression_forms import with_one_kind_of_numbers, with_rounded_values
+from assistant.program.passes.legalisation import Legalisation, Pass, legalise, pure
+from assistant.program.passes.loops import counted_loops, with_directions
+from assistant.program.passes.operator_texts import comment_lines, with_comments_behind
+from assistant.program.passes.paths import split, with_paths
+from assistant.program.passes.positions import with_named_places, with_whole_angles
+from assistant.program.passes.procedure_forms import (
+    units,
+    with_interrupts_first,
+    with_results_taken,
+)
+from assistant.program.passes.signals import find_outputs_of_two_names
 from assistant.program.passes.switches import with_floors_read_once
+from assistant.program.passes.trigger_positions import with_measured_places
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_bodies
 

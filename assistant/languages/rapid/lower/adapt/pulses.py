@@ -17,11 +17,10 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.contents import records_in_procedures
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
 from assistant.program.program import Program
 from assistant.program.rewriting import is_repeatable, records
+from assistant.program.statement_index import records_in_procedures
 
 ON: Final = e.Number(1)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from assistant.base.diagnostics import Declared, Refused, has_errors
 from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.expressions import frame_name, lift, negative, tool_name
@@ -16,24 +17,25 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import is_position, is_truth
+from assistant.program.analysis.declared_types import is_position, is_truth
 from assistant.program.analysis.uses import changed_by_others
-from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import Target
 from assistant.program.motion import FINE
-from assistant.program.passes.accelerations import one_acceleration
-from assistant.program.passes.comments import plain_comment
-from assistant.program.passes.conditions import as_truth, compared, with_conditions
-from assistant.program.passes.legalising import Legalisation
-from assistant.program.passes.messages import short_messages
-from assistant.program.passes.motions import declared_value
-from assistant.program.passes.plain_expressions import floor, two_at_a_time, with_shift_parts
-from assistant.program.passes.points import move_at
-from assistant.program.passes.rewording import Rewording
+from assistant.program.passes.expression_forms import (
+    as_truth,
+    compared,
+    floor,
+    two_at_a_time,
+    with_conditions,
+    with_shift_parts,
+)
+from assistant.program.passes.legalisation import Legalisation, Rewording
+from assistant.program.passes.motions import declared_value, one_acceleration
+from assistant.program.passes.operator_texts import plain_comment, short_messages
+from assistant.program.passes.paths import move_at
 from assistant.program.passes.switches import plain_switch
 from assistant.program.program import Procedure, Variable, identifier
 from assistant.program.rewriting import is_steady, map_expressions
-from assistant.program.subjects import Declared
 
 
 class StatementAdapter(Rewording):

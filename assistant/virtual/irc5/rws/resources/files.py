@@ -14,8 +14,7 @@ from pathlib import Path as FilePath
 from typing import Final
 from urllib.parse import unquote
 
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import UNFINISHED, write_whole
+from assistant.base.file_access import UNFINISHED, read_file, write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected

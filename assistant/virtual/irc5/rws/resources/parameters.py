@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, get_args
 
-from assistant.program.system.bounded import read_text
-from assistant.program.system.durably import write_whole
+from assistant.base.file_access import read_text, write_whole
 from assistant.virtual.irc5.cabinet import Cabinet
 from assistant.virtual.irc5.parameters import DOMAINS, NAMES, How, Instance, parse
 from assistant.virtual.irc5.rws import reasons

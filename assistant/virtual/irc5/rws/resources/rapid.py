@@ -6,8 +6,7 @@ from typing import Final, Literal
 from urllib.parse import quote
 from xml.etree import ElementTree
 
-from assistant.program.system.bounded import read_file
-from assistant.program.system.durably import write_whole
+from assistant.base.file_access import read_file, write_whole
 from assistant.virtual.irc5.cabinet import Behind, Cabinet
 from assistant.virtual.irc5.programs import (
     MAIN,

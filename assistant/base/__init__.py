@@ -1,0 +1,1 @@
+"""Ground of all rooms: source texts, diagnostics, files, budgets, columns, rotations."""

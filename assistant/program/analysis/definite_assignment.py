@@ -1,0 +1,323 @@
+"""Variables that may be read before they have a value, and other assumptions of a program.
+
+Controllers differ in the values of unset variables, in loops whose limits change inside, and in
+bits of numbers below 0; the program is asked whether it depends on any of that.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from assistant.base.diagnostics import Span
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.dataflow import EXIT, ControlFlowGraph, Dataflow
+from assistant.program.analysis.integer_inference import NumberFacts
+from assistant.program.analysis.uses import base_variable, indices_of, names_in_procedure
+from assistant.program.program import Procedure, Program, Variable, walk
+from assistant.program.rewriting import Body, head, records
+from assistant.program.statement_index import records_in_body
+from assistant.program.undeclared_names import interrupts
+from assistant.program.vendor_statements import effect_of
+
+Element = tuple[str, tuple[int, ...]]
+Known = frozenset[str | Element]
+State = Known | None
+"""What has a value on every way to a place: names in lower case; None where no way leads to.
+
+Of arrays single elements too, and the array once all of them have one.
+"""
+
+
+@dataclass(slots=True)
+class Run:
+    """Names in lower case.
+
+    read: perhaps read before a value is given. own: those of its own variables.
+    given: have one on every way back. ends: whether any way comes back.
+    """
+
+    read: set[str] = field(default_factory=set)
+    own: set[str] = field(default_factory=set)
+    given: State = None
+
+    @property
+    def ends(self) -> bool:
+        return self.given is not None
+
+
+class AssignmentAnalysis:
+    """The procedures of a program.
+
+    written: names that anything in it may change. sizes: of its arrays, by lower-case name.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.sizes = {n.lower(): v.size for n, v in program.variables.items() if v.size}
+        self.written = {name for q in program.procedures for name in self._written(q)}
+        self.interrupts: dict[str, list[p.Interrupt]] = {}
+        """By lower-case name, what each may be."""
+        for one in interrupts(program):
+            self.interrupts.setdefault(one.name.lower(), []).append(one)
+        self._runs: dict[str, Run] = {}
+        self._running: list[str] = []
+
+    def run(self, procedure: Procedure) -> Run:
+        """What a call may read and surely gives; of those that call each other the worst.
+
+        One that calls itself reads no more by that than what it reads from its top.
+        """
+        key = procedure.name.lower()
+        if self._running and key == self._running[-1]:
+            return Run(given=frozenset())
+        if key in self._running:
+            read = set().union(*map(names_in_procedure, self.program.procedures))
+            return Run(read, given=frozenset())
+        if key not in self._runs:
+            self._running.append(key)
+            self._runs[key] = _ReadsFromTop(self, procedure).run
+            self._running.pop()
+        return self._runs[key]
+
+    def _written(self, procedure: Procedure) -> Iterator[str]:
+        kinds = p.Assign, p.For, p.Opaque, e.Verbatim, p.Call, e.Apply
+        for record in records_in_body(procedure, *kinds):
+            match record:
+                case p.Assign(target):
+                    yield base_variable(target)
+                case p.For(variable):
+                    yield variable.lower()
+                case p.Opaque() | e.Verbatim():
+                    yield from effect_of(record).names
+                case p.Call(name, arguments) | e.Apply(name, arguments):
+                    callee = self.program.procedure(name)
+                    given = zip(callee.parameters, arguments, strict=False) if callee else ()
+                    for parameter, value in given:
+                        if parameter.mode == "inout":
+                            yield base_variable(value)
+
+
+class _ReadsFromTop:
+    """One procedure, along the ways through it from its top."""
+
+    def __init__(self, assigning: AssignmentAnalysis, procedure: Procedure) -> None:
+        self.assigning, self.run = assigning, Run()
+        self.own = {q.name.lower() for q in procedure.parameters}
+        self.own |= {name.lower() for name in procedure.variables}
+        self.sizes = {name: n for name, n in assigning.sizes.items() if name not in self.own}
+        self.sizes |= {n.lower(): v.size for n, v in procedure.variables.items() if v.size}
+        self.graph = ControlFlowGraph(
+            procedure.body, lambda node: bool(filled_array(node, self.sizes))
+        )
+        flow = Dataflow(self.graph.after, self.behind, frozenset[str | Element].intersection)
+        flow.spread([(self.graph.start, frozenset())])
+        given = flow.found.get(EXIT)
+        self.run.given = None if given is None else self.others(given)
+
+    def behind(self, node: int, given: Known) -> State:
+        state: State = given
+        for part in self.graph.runs[node]:
+            state = None if state is None else self.ran(part, state)
+        return state
+
+    def ran(self, node: Any, state: Known) -> State:
+        """What has a value behind a statement, or behind a condition that is worked out."""
+        match node:
+            case p.Assign(e.Name(name), value):
+                return self.reads(value, state) | {name.lower()}
+            case p.Assign(e.Index() | e.Member() as target, value):
+                return self.reads((indices_of(target), value), state) | self.element(target, state)
+            case p.For(variable):
+                given = filled_array(node, self.sizes) or variable.lower()
+                return self.reads(head(node), state) | {given}
+            case p.Call(name):
+                return self.called(name, self.reads(node, state))
+            case p.Interrupt():
+                return state
+            case p.SwitchInterrupt(name, "on"):  # it may come at once, or never
+                for one in self.assigning.interrupts.get(name.lower(), ()):
+                    self.called(one.call.procedure, self.reads((one.condition, one.ends), state))
+                return state
+        return self.reads(node, state)
+
+    def element(self, target: e.Expression, state: Known) -> set[str | Element]:
+        """What has a value behind an assignment to an element: that, and its array if all have."""
+        place = assigned_element(target, self.sizes)
+        if place is None:
+            return set()
+        name, _ = place
+        if math.prod(self.sizes[name]) > len(state) + 1:  # not all of them, then
+            return {place}
+        every = itertools.product(*(range(1, n + 1) for n in self.sizes[name]))
+        return {place} if {(name, at) for at in every} - state - {place} else {place, name}
+
+    def reads(self, value: Any, state: Known) -> Known:
+        """What an expression or a plain statement reads, and its calls of functions."""
+        for record in records(value):
+            match record:
+                case e.Name(name):
+                    self.read({name.lower()}, state)
+                case p.Opaque() | e.Verbatim():
+                    self.read(set(effect_of(record).names), state)
+                case e.Apply(name):
+                    self.called(name, state)
+        return state
+
+    def called(self, name: str, state: Known) -> State:
+        callee = self.assigning.program.procedure(name)
+        if callee is None:
+            return state
+        run = self.assigning.run(callee)
+        # what the caller has of its own hides nothing from what it calls
+        self.run.read |= run.read - self.others(state)
+        return None if run.given is None else state | self.others(run.given)
+
+    def read(self, names: set[str], state: Known) -> None:
+        self.run.read |= names - self.own - state
+        self.run.own |= (names & self.own) - state
+
+    def others(self, state: Known) -> Known:
+        """What has a value of data that is not the procedure's own."""
+        return frozenset(x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
+
+
+def assigned_element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:
+    """The element that an assignment changes: its array in lower case, and its known indices."""
+    match target:
+        case e.Index(e.Name(name), indices) if name.lower() in sizes:
+            known = tuple(int(x.value) for x in indices if isinstance(x, e.Number))
+            return (name.lower(), known) if len(known) == len(indices) else None
+    return None
+
+
+def filled_array(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
+    """The array (lower case) all of whose elements loops give one value; empty for none."""
+    counters: list[str] = []
+    extents: list[float] = []
+    while isinstance(node, p.For) and (node.first, node.step) == (p.ONE, p.ONE):
+        if not isinstance(node.last, e.Number) or len(node.body) != 1:
+            return ""
+        counters.append(node.variable.lower())
+        extents.append(node.last.value)
+        node = node.body[0]
+    match node:
+        case p.Assign(e.Index(e.Name(name), indices), e.Number() | e.Text() | e.TargetValue()
+                      | e.PoseValue() | e.JointValue()):  # fmt: skip
+            counted = [x.name.lower() for x in indices if isinstance(x, e.Name)]
+            if counted == counters and sizes.get(name.lower()) == tuple(extents):
+                return name.lower()
+    return ""
+
+
+def first_move(program: Program, name: str, of: Literal["tool", "frame"]) -> Span | None:
+    """Where the program first moves with the tool, or in the frame, of that name."""
+    for statement in program.statements():
+        match statement:
+            case p.Follow(path=path):
+                used = set(path.tools if of == "tool" else path.frames)
+            case (
+                p.Move(motion=motion) | p.MoveCircular(motion=motion) | p.MoveJoints(motion=motion)
+            ):
+                used = {motion.tool if of == "tool" else motion.frame}
+            case _:
+                continue
+        if name in used:
+            return statement.span
+    return None
+
+
+def variables_read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
+    """Variables of the program that are read before they have a value, but for arrays.
+
+    With the place that first names one, else that of its declaration.
+    """
+    entry = program.procedure(program.entry) if program.entry else None
+    read = AssignmentAnalysis(program).run(entry).read if entry is not None else set()
+    met: dict[str, Span | None] | None = None
+    for name, variable in program.variables.items():
+        own = variable.storage == "variable" and variable.initial is None and not variable.size
+        if own and name.lower() in read:
+            met = _first_named(program) if met is None else met
+            yield name, variable, met.get(name.lower(), variable.span)
+
+
+def _first_named(program: Program) -> dict[str, Span | None]:
+    """Names in lower case of the program's own, each with the place of the first statement that
+    holds it.
+    """
+    found: dict[str, Span | None] = {}
+    for procedure in program.procedures:
+        own = {name.lower() for name in procedure.variables}
+        own |= {parameter.name.lower() for parameter in procedure.parameters}
+        for statement in walk(procedure.body):
+            for part in records(head(statement)):
+                if isinstance(part, e.Name) and part.name.lower() not in own:
+                    found.setdefault(part.name.lower(), statement.span)
+    return found
+
+
+def functions_of_signed_bits(
+    program: Program, functions: Collection[str]
+) -> Iterator[tuple[str, Span | None]]:
+    """Functions of bits, of those given, whose numbers may be below 0."""
+    numbers: NumberFacts | None = None
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            for part in records(head(statement)):
+                if isinstance(part, e.Apply) and part.function in functions:
+                    numbers = numbers or NumberFacts(program)
+                    if not all(numbers.of(x, procedure).positive for x in part.arguments):
+                        yield part.function, statement.span
+
+
+def loops_with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[str]]]:
+    """Loops whose end or step changes inside, with the names that do, in lower case.
+
+    Not those that change their own variable, which are no plain counts.
+    """
+    written = {q.name.lower(): set(_written_variables(q.body)) for q in program.procedures}
+    called = {q.name.lower(): set(_called_names(q.body)) for q in program.procedures}
+    for statement in program.statements():
+        if not isinstance(statement, p.For):
+            continue
+        changed = set(_written_variables(statement.body))
+        for name in _reached_procedures(set(_called_names(statement.body)), called):
+            changed |= written.get(name, set())
+        limits = {
+            r.name.lower()
+            for r in records((statement.last, statement.step))
+            if isinstance(r, e.Name)
+        }
+        found = sorted(limits & changed)
+        if found and statement.variable.lower() not in changed:
+            yield statement, found
+
+
+def _written_variables(body: Body) -> Iterator[str]:
+    """Names in lower case of variables that statements write."""
+    for statement in walk(body):
+        if isinstance(statement, p.For):
+            yield statement.variable.lower()
+        if isinstance(statement, p.Assign):
+            yield next(r.name.lower() for r in records(statement.target) if isinstance(r, e.Name))
+
+
+def _called_names(body: Body) -> Iterator[str]:
+    for statement in walk(body):
+        if isinstance(statement, p.Call):
+            yield statement.procedure.lower()
+
+
+def _reached_procedures(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
+    """Procedures that are called, with those that these call."""
+    found: set[str] = set()
+    while names - found:
+        name = (names - found).pop()
+        found.add(name)
+        names = names | called.get(name, set())
+    return found

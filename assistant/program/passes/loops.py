@@ -1,0 +1,513 @@
+"""Counting loops: variables of their own, and bounds and direction that are fixed once.
+
+In some languages the variable of a loop is read-only, is seen in the loop only and hides what has
+its name outside. A `for` of the pseudo-program counts an ordinary variable: what the loop changes
+in it is seen outside, and afterwards it holds the value past the end. Both mean the same where
+nothing but the loop uses the variable.
+
+A `for` of the pseudo-program works its bounds out once and may count in either direction. Where a
+loop counts upwards unless a step says otherwise, and no manual tells what it makes of a bound that
+changes while it runs, such values get variables of their own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Generator, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+from assistant.base.diagnostics import Diagnostic
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.uses import base_variable, declared, names_in
+from assistant.program.passes.legalisation import Legalisation
+from assistant.program.program import (
+    Procedure,
+    Program,
+    TakenNames,
+    Variable,
+    bodies,
+    identifier,
+    walk,
+)
+from assistant.program.rewriting import Body, head, map_bodies, map_head, records, rewrite
+from assistant.program.vendor_statements import effect_of, respelled
+
+Found = dict[tuple[str, str], Diagnostic]
+Tells = Callable[..., Diagnostic]
+
+
+def counted_loops(job: Legalisation) -> Program:
+    """The program for a language whose loops have a variable of their own."""
+    loops = job.can.loops
+    if loops is None:
+        return job.program
+
+    def as_while(name: str, why: str, **where: Any) -> Diagnostic:
+        what = f"the `for` over `{name}`, which {why},"
+        return loops.changed(what=what, instead="a `while`", cure=loops.cure, **where)
+
+    program, found = counted(job.program, refused=loops.refused, changed=as_while)
+    job.findings.extend(found)
+    return program
+
+
+def counted(
+    program: Program, *, refused: Tells, changed: Tells
+) -> tuple[Program, list[Diagnostic]]:
+    """The program for a language whose loops have a variable of their own, and what was found.
+
+    A loop whose variable is used outside becomes a `while`; a finding tells of it (`changed`, with
+    the fields name and why), or that it cannot (`refused`).
+    """
+    found: Found = {}
+    while True:
+        uses = _Uses(program)
+        rewriter = _Whiles(program, uses, found, refused, changed)
+        procedures = tuple(map(rewriter.procedure, program.procedures))
+        if not rewriter.changed:
+            return program, list(found.values())
+        program = replace(program, procedures=procedures)
+
+
+def with_hiding_loops_renamed(program: Program) -> Program:
+    """A program of such a language, in which a loop that hides a name that is used has its own."""
+    if not any(isinstance(x, p.For) for x in program.statements()):
+        return program
+    uses = _Uses(program)
+    names = (*_globals(program), *(q.name for q in program.procedures))
+    taken = TakenNames(n.lower() for n in names)
+    for procedure in program.procedures:
+        taken.update(_own(procedure), uses.of[id(procedure)].touched)
+
+    def body(statements: Body, procedure: Procedure) -> Body:
+        out: list[p.Statement] = []
+        for x in statements:
+            x = map_bodies(x, lambda b: body(b, procedure))
+            if isinstance(x, p.For) and uses.outside(x, procedure, verbatim=False):
+                name = identifier(x.variable, taken)
+                taken.add(name.lower())
+                x = replace(x, variable=name, body=_renamed(x.body, x.variable, name))
+            out.append(x)
+        return tuple(out)
+
+    procedures = tuple(replace(q, body=body(q.body, q)) for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _renamed(body: Body, old: str, new: str) -> Body:
+    """The body with another name for a variable, but for loops inside that hide it."""
+    word = re.compile(rf'"[^"]*"|(?<![\\.\w]){re.escape(old)}(?!\w)', re.IGNORECASE)
+
+    def other(text: str) -> str:
+        return word.sub(lambda m: m[0] if m[0].startswith('"') else new, text)
+
+    def change(x: e.Expression) -> e.Expression:
+        match x:
+            case e.Name(name) if name.lower() == old.lower():
+                return e.Name(new)
+            case e.Verbatim(text=text):
+                return respelled(x, other(text), old.lower(), new.lower())
+        return x
+
+    out: list[p.Statement] = []
+    for x in body:
+        hides = isinstance(x, p.For) and x.variable.lower() == old.lower()
+        x = map_head(x, change)
+        if isinstance(x, p.Opaque):
+            x = respelled(x, other(x.text), old.lower(), new.lower())
+        out.append(x if hides else map_bodies(x, lambda b: _renamed(b, old, new)))
+    return tuple(out)
+
+
+# What uses what
+
+
+@dataclass(slots=True)
+class _Use:
+    """Lower-case names. read: outside loops that count them. called: of procedures, functions."""
+
+    read: set[str]
+    touched: set[str]
+    called: set[str]
+
+    @classmethod
+    def of(cls, body: Body) -> _Use:
+        use = cls(set(), set(), set())
+        use.body(body, frozenset())
+        return use
+
+    def body(self, body: Body, counts: frozenset[str]) -> None:
+        for x in body:
+            if isinstance(x, p.Follow):
+                continue
+            used: Any = head(x)
+            if isinstance(x, p.Assign) and isinstance(x.target, e.Name):
+                self.touched.add(x.target.name.lower())
+                used = x.value
+            names = {n.lower() for n in names_in(used)}
+            self.touched |= names
+            self.read |= names - counts
+            self.called |= _called_names(used)
+            inner = counts
+            if isinstance(x, p.For):
+                self.touched.add(x.variable.lower())
+                inner = counts | {x.variable.lower()}
+            for held in bodies(x):
+                self.body(held, inner)
+
+
+class _Uses:
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.known = {n.lower() for n in _globals(program)}
+        self.declared = {name for d in program.declarations for name in effect_of(d).names}
+
+    @cached_property
+    def of(self) -> dict[int, _Use]:
+        """By the identity of a procedure, what it uses."""
+        return {id(q): _Use.of(q.body) for q in self.program.procedures}
+
+    def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
+        """What tells the loop's variable from one of the loop's own, empty if nothing does.
+
+        verbatim: whether statements that are kept as text could assign it.
+        """
+        name = x.variable.lower()
+        if name in written_names(x.body, self.program, verbatim=verbatim):
+            return "is assigned inside the loop"
+        if name in self.of[id(procedure)].read:
+            return "is used outside the loop"
+        own = next((q for q in procedure.parameters if q.name.lower() == name), None)
+        if own is not None:
+            return "is handed back to the caller" if own.mode == "inout" else ""
+        if name in _own(procedure) or name not in self.known:
+            return ""
+        others = [q for q in self.program.procedures if name not in _own(q)]
+        called = self.reached(_Use.of(x.body).called)
+        if (
+            name in self.declared
+            or any(name in self.of[id(q)].read for q in others)
+            or any(name in self.of[id(q)].touched for q in others if q.name.lower() in called)
+        ):
+            return "is used in another procedure"
+        return ""
+
+    def reached(self, called: set[str]) -> set[str]:
+        """The names called, and those that procedures of these names call."""
+        found, pending = set(called), set(called)
+        while pending:
+            name = pending.pop()
+            for q in self.program.procedures:
+                if q.name.lower() == name:
+                    new = self.of[id(q)].called - found
+                    found |= new
+                    pending |= new
+        return found
+
+
+def written_names(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
+    """Lower-case names that a body assigns, counts or hands over to be assigned.
+
+    verbatim: whether statements that are kept as text count as well.
+    """
+    found: set[str] = set()
+    for x in walk(body):
+        match x:
+            case p.Follow():
+                continue
+            case p.Assign(target):
+                while isinstance(target, e.Member | e.Index):
+                    target = target.value
+                if isinstance(target, e.Name):
+                    found.add(target.name.lower())
+            case p.For():
+                found.add(x.variable.lower())
+            case p.Opaque() if verbatim:
+                found |= effect_of(x).writes
+        for part in records(head(x)):
+            if isinstance(part, p.Call | e.Apply):
+                name = part.procedure if isinstance(part, p.Call) else part.function
+                called = program.procedure(name)
+                pairs = zip(part.arguments, called.parameters if called else (), strict=False)
+                for argument, parameter in pairs:
+                    if parameter.mode == "inout":
+                        found |= {n.lower() for n in names_in(argument)}
+    return found
+
+
+def _called_names(node: Any) -> set[str]:
+    found: set[str] = set()
+    for part in records(node):
+        match part:
+            case p.Call():
+                found.add(part.procedure.lower())
+            case e.Apply():
+                found.add(part.function.lower())
+            case e.Verbatim() | p.Opaque():
+                found |= {n.lower() for n in names_in(part)}
+    return found
+
+
+def _globals(program: Program) -> Iterator[str]:
+    for table in (program.variables, program.targets, program.joint_targets, program.signals):
+        yield from table
+
+
+def _own(procedure: Procedure) -> set[str]:
+    """Lower-case names of its parameters and variables."""
+    names = (*(q.name for q in procedure.parameters), *procedure.variables)
+    return {n.lower() for n in names}
+
+
+# Loops that the language can say
+
+
+class _Whiles:
+    def __init__(
+        self, program: Program, uses: _Uses, found: Found, refused: Tells, as_while: Tells
+    ) -> None:
+        self.program, self.uses, self.found = program, uses, found
+        self.tells = {"refused": refused, "changed": as_while}
+        self.changed = False
+        self.taken = TakenNames(declared(program))
+        self.bounds: dict[str, Variable] = {}
+        """Of the procedure at hand, the variables that hold where its loops end."""
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        self.bounds = {}
+        body = self.body(procedure.body, procedure)
+        variables = {**procedure.variables, **self.bounds} if self.bounds else procedure.variables
+        return replace(procedure, body=body, variables=variables)
+
+    def body(self, body: Body, procedure: Procedure) -> Body:
+        out: list[p.Statement] = []
+        for x in body:
+            if isinstance(x, p.For):
+                why = self.uses.outside(x, procedure, verbatim=self.declared(x, procedure))
+                if why:
+                    as_while = self.as_while(x, procedure)
+                    place = f"{procedure.name}, `for {x.variable}`"
+                    what = "refused" if as_while is None else "changed"
+                    fields: dict[str, Any] = {"name": x.variable, "why": why}
+                    found = self.tells[what](**fields, place=place, span=x.span)
+                    self.found[place, what] = found
+                    if as_while is not None:
+                        self.changed = True
+                        out += as_while
+                        continue
+            out.append(map_bodies(x, lambda b: self.body(b, procedure)))
+        return tuple(out)
+
+    def declared(self, x: p.For, procedure: Procedure) -> bool:
+        return x.variable.lower() in self.uses.known | _own(procedure)
+
+    def as_while(self, x: p.For, procedure: Procedure) -> list[p.Statement] | None:
+        """The same counting said with a variable, None where that cannot be told."""
+        if not isinstance(x.step, e.Number) or not x.step.value:
+            return None
+        if not _countable(x.variable, procedure, self.program):
+            return None
+        assigned = written_names(x.body, self.program) | {x.variable.lower()}
+        name, step = e.Name(x.variable), x.step.value
+        made: list[p.Statement] = []
+        last = x.last
+        if not self.steady(last, procedure, x.body, assigned):
+            if any(isinstance(one, e.Verbatim) for one in records(last)):
+                return None
+            bound = identifier(f"{x.variable}_last", self.taken)
+            self.taken.add(bound)
+            counted = _variable(x.variable, procedure, self.program)
+            self.bounds[bound] = Variable("number" if counted is None else counted.type)
+            made.append(p.Assign(e.Name(bound), last, span=x.span))
+            last = e.Name(bound)
+        relation, operator = ("<=", "+") if step > 0 else (">=", "-")
+        further = e.Binary(operator, name, e.Number(abs(step)))  # type: ignore[arg-type]
+        condition = e.Binary(relation, name, last)  # type: ignore[arg-type]
+        body = (*x.body, p.Assign(name, further))
+        made.append(p.Assign(name, x.first, span=x.span))
+        return [*made, p.While(condition, body, span=x.span)]
+
+    def steady(
+        self, last: e.Expression, procedure: Procedure, body: Body, assigned: set[str]
+    ) -> bool:
+        """Whether the last value is the same however often it is computed."""
+        match last:
+            case e.Number():
+                return True
+            case e.Unary(_, operand):
+                return self.steady(operand, procedure, body, assigned)
+            case e.Binary(_, left, right):
+                return all(self.steady(q, procedure, body, assigned) for q in (left, right))
+            case e.Name(name) if name.lower() not in assigned:
+                variable = _variable(name, procedure, self.program)
+                if variable is None:
+                    return False
+                alone = name.lower() in _own(procedure) or variable.storage == "constant"
+                return alone or not _Use.of(body).called
+        return False
+
+
+def _variable(name: str, procedure: Procedure, program: Program) -> Variable | None:
+    """The variable or parameter of that name as a procedure sees it."""
+    for q in procedure.parameters:
+        if q.name.lower() == name.lower():
+            return Variable(q.type)
+    tables: tuple[Mapping[str, Variable], ...] = (procedure.variables, program.variables)
+    found = (v for table in tables for n, v in table.items() if n.lower() == name.lower())
+    return next(found, None)
+
+
+def _countable(name: str, procedure: Procedure, program: Program) -> bool:
+    variable = _variable(name, procedure, program)
+    return (
+        variable is not None
+        and variable.type in COUNTABLE
+        and variable.storage != "constant"
+        and not variable.size
+    )
+
+
+COUNTABLE: Final = ("number", "integer")
+
+
+def ascends(first: e.Expression, last: e.Expression) -> bool | None:
+    """Whether the bounds of a loop go upwards; None if they are not plain numbers."""
+    bounds = [e.plain_number(x) for x in (first, last)]
+    return None if bounds[0] is None or bounds[1] is None else bounds[0] <= bounds[1]
+
+
+_PLAIN_EXPRESSIONS: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
+"""Expressions that give the same each time, as long as nothing is assigned to their names."""
+_BACKWARDS: Final = e.Number(-1)
+
+
+def with_settled_loops(program: Program) -> Program:
+    """The program with a step for each loop, and with bounds that stay as they are."""
+    if not any(isinstance(node, p.For) for node in program.statements()):
+        return program
+    loops = _LoopBounds(program)
+    return replace(program, procedures=tuple(map(loops.procedure, program.procedures)))
+
+
+def with_directions(program: Program) -> Program:
+    """The program with a step for each loop whose bounds are numbers, where a reader sees which."""
+    return rewrite(program, _directed)
+
+
+def _directed(part: Any) -> Any:
+    if isinstance(part, p.For) and part.step is None:
+        upwards = ascends(part.first, part.last)
+        if upwards is not None:
+            return replace(part, step=p.ONE if upwards else _BACKWARDS)
+    return part
+
+
+class _LoopBounds:
+    """Names are in lower case.
+
+    written: those that anything in the program assigns to. own: those of the procedure's own
+    variables, which no call changes unless it is given them.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.signals = {name.lower() for name in program.signals}
+        self.written = {name for q in program.procedures for name in self._written(q.body)}
+        tables = (program.variables, program.targets, program.joint_targets, program.signals)
+        self.taken = TakenNames(name.lower() for table in tables for name in table)
+        self.taken.update(
+            name.lower() for q in program.procedures for name in _names_of_procedure(q)
+        )
+        self.variables: dict[str, Variable] = {}
+        self.own: set[str] = set()
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        self.variables = {}
+        self.own = {name.lower() for name in procedure.variables}
+        body = self._body(procedure.body)
+        if body == procedure.body:
+            return procedure
+        return replace(procedure, body=body, variables={**procedure.variables, **self.variables})
+
+    def _body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            node = map_bodies(node, self._body)
+            settled = self._settled(node) if isinstance(node, p.For) else (node,)
+            made += (x if x.span else replace(x, span=node.span) for x in settled)
+        return tuple(made)
+
+    def _settled(self, node: p.For) -> Iterator[p.Statement]:
+        match node.first, node.last:
+            case e.Number(low), e.Number(high) if node.step is None:
+                yield replace(node, step=p.ONE if low <= high else _BACKWARDS)
+                return
+        changed = self._changed(node)
+        first, last, step = node.first, node.last, node.step
+        bounds = (last,) if step is None else (last, step)
+        if step is not None and all(self._stays(x, changed) for x in bounds):
+            yield node
+            return
+        if not self._stays(first, set()):
+            first = yield from self._kept(node, "first", first)
+        if not self._stays(last, changed):
+            last = yield from self._kept(node, "last", last)
+        if step is None:
+            step = yield from self._kept(node, "by", p.ONE)
+            backwards = p.Branch(e.Binary(">", first, last), (p.Assign(step, _BACKWARDS),))
+            yield p.If((backwards,))
+        elif not self._stays(step, changed):
+            step = yield from self._kept(node, "by", step)
+        yield replace(node, first=first, last=last, step=step)
+
+    def _kept(
+        self, node: p.For, part: str, value: e.Expression
+    ) -> Generator[p.Statement, None, e.Name]:
+        """Assigns a value to a variable of the procedure's own, and gives that."""
+        name = identifier(f"{node.variable}_{part}", self.taken)
+        self.taken.add(name.lower())
+        self.variables[name] = Variable("number")
+        yield p.Assign(e.Name(name), value)
+        return e.Name(name)
+
+    def _stays(self, value: e.Expression, changed: set[str]) -> bool:
+        for record in records(value):
+            if not isinstance(record, _PLAIN_EXPRESSIONS):
+                return False
+            if isinstance(record, e.Name):
+                key = record.name.lower()
+                if key in changed or key in self.signals:
+                    return False
+        return True
+
+    def _changed(self, node: p.For) -> set[str]:
+        """Names that may be assigned to while a loop runs."""
+        changed = set(self._written((node,)))
+        for record in records(node.body):
+            match record:
+                case p.Call() | p.Opaque() | e.Verbatim():
+                    return changed | (self.written - self.own)
+                case e.Apply(name) if self.program.procedure(name):
+                    return changed | (self.written - self.own)
+        return changed
+
+    def _written(self, body: Body) -> Iterator[str]:
+        for record in records(body):
+            match record:
+                case p.Assign(target):
+                    yield base_variable(target)
+                case p.For(variable):
+                    yield variable.lower()
+                case p.Call(_, arguments) | e.Apply(_, arguments):
+                    yield from map(base_variable, arguments)
+                case p.Opaque() | e.Verbatim():
+                    yield from effect_of(record).names
+
+
+def _names_of_procedure(procedure: Procedure) -> Iterator[str]:
+    yield from procedure.variables
+    yield from (q.name for q in procedure.parameters)
+    yield from (r.variable for r in records(procedure.body) if isinstance(r, p.For))

@@ -1,0 +1,257 @@
+"""Trigger positions: outputs set during moves where a language measures it, and pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Set
+from dataclasses import replace
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.io_use import doubtful_pulses
+from assistant.program.analysis.motion_use import straight_lengths
+from assistant.program.motion import Blend, Speed
+from assistant.program.passes.legalisation import Legalisation, Outputs
+from assistant.program.passes.motions import declared_value
+from assistant.program.program import Procedure, Program, Variable
+from assistant.program.rewriting import Body, map_bodies
+from assistant.program.statement_index import once_per_program
+
+DECIMALS: Final = 3
+"""Of mm that are worked out."""
+SHORTEST: Final = 0.01
+"""mm of a way whose parts are told in mm; a move that turns the tool alone has none."""
+ZERO: Final = e.Number(0)
+
+
+def with_measured_places(job: Legalisation) -> Program:
+    """The program with places measured otherwise where it is known to be the same.
+
+    Either end of a way can be told as mm from it, and the rest of a straight move whose length is
+    known. Other places stay as they are; a finding tells of those that may be counted otherwise.
+    """
+    program, can = job.program, job.can.outputs
+    if can is None:
+        return program
+    _find_pulses(job, can)
+    measures = can.measures
+    if not sets_on_way(program):
+        return program
+    known = straight_lengths(program)
+    _find_other_positions(job, can)
+
+    def body(numbers: Mapping[str, e.Number], statements: Body) -> Body:
+        return tuple(one(numbers, x) for x in statements)
+
+    def one(numbers: Mapping[str, e.Number], node: p.Statement) -> p.Statement:
+        if not isinstance(node, p.MoveStatement) or not node.triggers:
+            inner: p.Statement = map_bodies(node, lambda held: body(numbers, held))
+            return inner
+        length = known.get(id(node))
+        triggers = tuple(_measured(x, measures, numbers, length) for x in node.triggers)
+        return replace(node, triggers=triggers)
+
+    procedures = ((q, constant_numbers(program, q)) for q in program.procedures)
+    return replace(
+        program, procedures=tuple(replace(q, body=body(known, q.body)) for q, known in procedures)
+    )
+
+
+def sets_on_way(program: Program) -> bool:
+    """Whether a move sets anything on its way."""
+    return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
+
+
+def constant_numbers(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
+    """Numbers of the constants that a procedure sees, by lower-case name."""
+    shared = _shared_constants(program)
+    own = {parameter.name.lower() for parameter in procedure.parameters}
+    own |= {name.lower() for name in procedure.variables}
+    if not own:
+        return shared
+    found = {name: value for name, value in shared.items() if name not in own}
+    hidden = {parameter.name.lower() for parameter in procedure.parameters}
+    found |= {k: v for k, v in _constant_numbers(procedure.variables).items() if k not in hidden}
+    return found
+
+
+@once_per_program
+def _shared_constants(program: Program) -> dict[str, e.Number]:
+    return _constant_numbers(program.variables)
+
+
+def _constant_numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
+    """Of those that are constants, by lower-case name."""
+    return {
+        name.lower(): one.initial
+        for name, one in variables.items()
+        if one.storage == "constant" and isinstance(one.initial, e.Number)
+    }
+
+
+def constant_value(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
+    """The number that a constant stands for, anything else as it is. numbers: see `constants`."""
+    return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
+
+
+def with_constant_values(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
+    """With numbers for truths and constants, and no delay of no time. numbers: see `constants`."""
+    value = e.Number(int(x.value.value)) if isinstance(x.value, e.Truth) else x.value
+    ahead = None if x.ahead is None else constant_value(x.ahead, numbers)
+    return replace(
+        x,
+        value=constant_value(value, numbers),
+        amount=constant_value(x.amount, numbers),
+        pulse=None if x.pulse is None else constant_value(x.pulse, numbers),
+        ahead=None if ahead == ZERO else ahead,
+    )
+
+
+def with_ends_apart(job: Legalisation, move: p.MoveStatement) -> Iterator[p.Statement]:
+    """The move; after it what it sets at its very end, before it what it sets as it begins.
+
+    Before it only where the language sets fewer outputs on one way. Where the robot does not stop
+    at the end, that is a place which others may count otherwise, see `with_measured_places`.
+    """
+    blend, can = move.motion.blend, job.can.outputs
+    if can is None or can.behind is None:
+        yield move
+        return
+    stops = isinstance(blend, Blend) and blend.fine
+    behind = [one for one in move.triggers if one.ahead is None and _is_at_end(one)]
+    left = [one for one in move.triggers if one not in behind]
+    most = len(left) if can.most is None else can.most
+    first = [one for one in left if is_at_start(one)][: max(0, len(left) - most)]
+    for one in first:
+        if can.before is not None:
+            job.findings.append(can.before(name=one.signal))
+        yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+    yield replace(move, triggers=tuple(one for one in left if one not in first))
+    for one in behind:
+        if stops:
+            job.findings.append(can.behind(name=one.signal))
+        yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+
+
+def is_at_start(one: p.Trigger) -> bool:
+    """True if the output is set as the move begins."""
+    return one.measure == "start" and one.amount == ZERO and one.ahead is None
+
+
+def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:
+    """Whether a value is the same as long as no statement changes it: of variables and numbers.
+
+    signals: names in lower case that are none of variables.
+    """
+    match value:
+        case e.Number():
+            return True
+        case e.Name(name):
+            return name.lower() not in signals
+        case e.Unary("-", operand):
+            return is_steady(operand, signals)
+        case e.Binary("+" | "-" | "*" | "/", left, right):
+            return is_steady(left, signals) and is_steady(right, signals)
+    return False
+
+
+def by_speed(job: Legalisation, x: p.Trigger, speed: Speed | None) -> p.Trigger:
+    """A trigger at a time, as the mm that a robot of that speed goes in it.
+
+    speed: of the move, None where it is not known, or not of the tool. What a language tells by
+    time stays, and so does what would be behind the end of the way.
+    """
+    can, ahead = job.can.outputs, ZERO if x.ahead is None else x.ahead
+    if can is None or can.timed is None or speed is None or speed.tcp <= 0:
+        return x
+    if not isinstance(x.amount, e.Number) or not isinstance(ahead, e.Number):
+        return x
+    seconds = ahead.value + (x.amount.value if x.measure == "time" else 0.0)
+    if x.measure not in ("end", "time") or not seconds:
+        return x
+    length = seconds * speed.tcp + (x.amount.value if x.measure == "end" else 0.0)
+    if length < 0:
+        return x
+    when = f"{abs(seconds):g} s {'before' if seconds > 0 else 'behind'}"
+    job.findings.append(can.timed(name=x.signal, when=when, speed=f"{speed.tcp:g}"))
+    return replace(x, measure="end", amount=e.Number(round(length, DECIMALS)), ahead=None)
+
+
+def _is_at_end(x: p.Trigger) -> bool:
+    return x.measure == "end" and x.amount == ZERO
+
+
+def _measured(
+    x: p.Trigger,
+    measures: Set[p.Measure],
+    numbers: Mapping[str, e.Number],
+    length: float | None,
+) -> p.Trigger:
+    amount = constant_value(x.amount, numbers)
+    if not isinstance(amount, e.Number):
+        return x
+    if x.measure == "share" and amount.value in (0, 100):
+        return replace(x, measure="start" if amount.value == 0 else "end", amount=ZERO)
+    if x.measure == "time" and amount.value == 0:
+        return replace(x, measure="end", amount=ZERO)
+    if x.measure in measures or x.measure == "time" or length is None or length < SHORTEST:
+        return x
+    if amount == ZERO and x.measure == "start":
+        return x
+    done = amount.value if x.measure == "start" else length * amount.value / 100.0
+    if not 0.0 <= done <= length:
+        return x
+    return replace(x, measure="end", amount=e.Number(round(length - done, DECIMALS)))
+
+
+# -------------------------------------------------------------------- what may be another place
+
+
+def _is_foreign(job: Legalisation) -> bool:
+    origin = job.program.origin
+    return origin is not None and origin.language not in job.can.kin
+
+
+def _find_pulses(job: Legalisation, can: Outputs) -> None:
+    """Pulses of another language's that may begin with the output on."""
+    for pulse in doubtful_pulses(job.program) if _is_foreign(job) else ():
+        if pulse.value != e.Number(1):
+            continue  # it is set back to the other value
+        with job.findings.at(pulse.span):
+            job.findings.append(can.pulse(name=pulse.signal))
+
+
+def _find_other_positions(job: Legalisation, can: Outputs) -> None:
+    """Places that are told by what languages may count otherwise."""
+    if not (_is_foreign(job) or (job.program.origin is None and not can.known)):
+        return
+    blends = job.program.blends
+    for move in job.program.statements():
+        if not isinstance(move, p.MoveStatement) or not move.triggers:
+            continue
+        blend = declared_value(move.motion.fixed[1], blends)
+        with job.findings.at(move.span):
+            for one in move.triggers:
+                what = _difference_of_position(move, one, blend)
+                if what is not None:
+                    job.findings.append(can.unlike(name=one.signal, what=what))
+
+
+def _difference_of_position(
+    move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name
+) -> str | None:
+    """Why a place may not be counted alike, None if it is on a straight line before a corner."""
+    stops = isinstance(blend, Blend) and blend.fine
+    number = x.amount.value if isinstance(x.amount, e.Number) else None
+    if x.measure == "time" or (x.measure == "start" and number == 0):
+        return None
+    if stops and ((x.measure == "end" and number == 0) or (x.measure == "share" and number == 100)):
+        return None
+    if not isinstance(move, p.Move) or move.kind == "joint":
+        return "an arc" if isinstance(move, p.MoveCircular) else "a joint move"
+    radius = blend.radius if isinstance(blend, Blend) else None
+    if stops or (
+        radius is not None and x.measure == "end" and number is not None and number > radius
+    ):
+        return None
+    return "a move with a rounded corner"

@@ -1,1 +1,0 @@
-"""What the computer does: files read with an end and replaced whole, signals, time and memory."""
