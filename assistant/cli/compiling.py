@@ -270,10 +270,10 @@ def _input(
     placement: Placing | None,
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
+    from assistant.base.length_units import unit_stated
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load_text
     from assistant.compiler.opening import load
-    from assistant.sources.lengths import unit_stated
     from assistant.sources.placements import check_drawn
 
     if placement is not None and source == STANDARD:

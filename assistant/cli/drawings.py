@@ -18,11 +18,11 @@ NOT_DRAWN = error(
 
 def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
     """0; 1 if something of the drawing is not in order."""
+    from assistant.base.length_units import known_unit
     from assistant.findings.severities import apply_severities
     from assistant.report import drawings as report
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
-    from assistant.sources.lengths import known_unit
     from assistant.sources.placements import DRAWN
     from assistant.sources.process import NO_PROCESS
 

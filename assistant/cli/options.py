@@ -35,7 +35,7 @@ def complete_robot(incomplete: str) -> list[str]:
 
 
 def complete_unit(incomplete: str) -> list[str]:
-    from assistant.sources.lengths import UNITS
+    from assistant.base.length_units import UNITS
 
     return [name for name in UNITS if name.startswith(incomplete)]
 

@@ -351,7 +351,7 @@ class _Running:
 
 def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
-    from assistant.sources.process.table import nearest
+    from assistant.program.settings_tables import nearest
     from assistant.virtual.kernel.script import When
 
     known = programs.signals()

@@ -64,11 +64,11 @@ def _read(
     as_text: without what charts of explored space add, which the text names.
     """
     from assistant.base.budgets import SETTINGS_FILE
+    from assistant.base.length_units import known_unit, unit_stated
     from assistant.base.source_text import decode, read_bytes
     from assistant.cell.reading.cell_file import parse_scene
     from assistant.cell.reading.drawings import read_drawing
     from assistant.cell.scene import Scene
-    from assistant.sources.lengths import known_unit, unit_stated
     from assistant.sources.placements import DRAWN
     from assistant.sources.process.file import ENCODINGS, read_toml
 
@@ -97,7 +97,7 @@ def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
 
 def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
     from assistant.cell.writing.rules import LEFT_OUT
-    from assistant.sources.process.values import shown
+    from assistant.program.settings_tables import shown
 
     return tuple(LEFT_OUT(table=shown(name)) for name in others)
 

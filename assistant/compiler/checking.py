@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import checks, languages, sources
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
+from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes
 from assistant.compiler.arms import known_robot, standing, taught_on
 from assistant.compiler.crossing import for_arm
@@ -36,7 +37,6 @@ from assistant.compiler.turning import with_turns
 from assistant.compiler.unplaced import unplaced
 from assistant.program import pseudo
 from assistant.program.program import Program
-from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:

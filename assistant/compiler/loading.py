@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
 from assistant.base.diagnostics import Diagnostic, Refused, did_you_mean, error, has_errors, warning
+from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, decode, folders_of, read_bytes
 from assistant.program import pseudo
 from assistant.program.program import Program, Signal
 from assistant.program.vendor_statements import with_effects
-from assistant.sources.lengths import unit_stated
 from assistant.sources.placements import check_drawn
 from assistant.sources.process.seen import NOT_SAID, Seen
 

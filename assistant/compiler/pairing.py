@@ -20,12 +20,12 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.base.source_text import decode, read_bytes
 from assistant.program import expressions as e
+from assistant.program import settings_tables
 from assistant.program import statements as p
 from assistant.program.program import Program
+from assistant.program.settings_tables import Wrong
 from assistant.program.statement_index import names_in_procedures, records_in_procedures
-from assistant.sources.process import values
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.values import Wrong
 
 NO_PAIR: Final = error(
     "CO120",
@@ -67,7 +67,7 @@ def read_names(path: str | FilePath) -> dict[str, str]:
 def _name(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return str(value)
-    name: str = values.text(value).strip()
+    name: str = settings_tables.text(value).strip()
     if not name:
         raise Wrong("is empty", "write a name, or the number of a signal")
     return name

@@ -36,10 +36,9 @@ from typing import Any, Final
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.base.source_text import SourceText, decode, lines_of, read_bytes
-from assistant.sources.process import values
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Read, Table, Wrong, kind_of, nearest, shown
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table, nearest
-from assistant.sources.process.values import Read, Wrong, kind_of, shown
 from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, words_of
 
 NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
@@ -71,7 +70,7 @@ MOST_TYPED: Final = 1e15
 def _signal(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return str(value)
-    name = values.text(value).strip()
+    name = settings_tables.text(value).strip()
     if _SIGNAL.fullmatch(name) is None:
         raise Wrong(f'is "{shown(name)}"', "write the name of a signal, or its number")
     return _key(name)
@@ -84,13 +83,15 @@ def _key(name: str) -> str:
 def _value(value: Any) -> float:
     if isinstance(value, bool):
         return float(value)
-    found: float = values.number("", least=-values.MOST_VALUE, most=values.MOST_VALUE)(value)
+    found: float = settings_tables.number(
+        "", least=-settings_tables.MOST_VALUE, most=settings_tables.MOST_VALUE
+    )(value)
     return found
 
 
 def _when(value: Any) -> When | Visit:
     cure = 'write "NAME = VALUE" of an output, "input NAME = VALUE", or "visit 3 of NAME"'
-    text = values.text(value)
+    text = settings_tables.text(value)
     visit = _VISIT.fullmatch(text)
     if visit is not None:
         if visit[1] is not None and int(visit[1]) == 0:
@@ -122,8 +123,8 @@ def _text(value: Any) -> str:
     return value
 
 
-_SECONDS: Final = values.number("seconds", least=0.0, most=MOST_SECONDS)
-_SOME_SECONDS: Final = values.number("seconds", above=0.0, most=MOST_SECONDS)
+_SECONDS: Final = settings_tables.number("seconds", least=0.0, most=MOST_SECONDS)
+_SOME_SECONDS: Final = settings_tables.number("seconds", above=0.0, most=MOST_SECONDS)
 
 SET: Final[Mapping[str, Read]] = {
     "input": _signal,
@@ -138,7 +139,7 @@ ANSWER: Final[Mapping[str, Read]] = {
     "to": _text,
     "value": _answer,
     "after": _SECONDS,
-    "always": values.truth,
+    "always": settings_tables.truth,
 }
 
 

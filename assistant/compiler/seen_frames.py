@@ -25,8 +25,8 @@ from assistant.compiler.asking import asking
 from assistant.compiler.locations import placed_in
 from assistant.program.geometry import IDENTITY, Frame, Pose
 from assistant.program.program import Program
+from assistant.program.settings_tables import listed, shown
 from assistant.sources.process.seen import Asking
-from assistant.sources.process.values import listed, shown
 from assistant.sources.sights import Sight, doubts
 
 NOT_KNOWN: Final = error(

@@ -43,12 +43,12 @@ from assistant.compiler.templates import (
     section_on,
     shown,
 )
+from assistant.program import settings_tables as kinds
 from assistant.program.program import Program
 from assistant.program.rewriting import map_bodies
+from assistant.program.settings_tables import Page, Table
 from assistant.program.statements import Comment
 from assistant.resources import resource
-from assistant.sources.process import values as kinds
-from assistant.sources.process.table import Page, Table
 from assistant.sources.project import STYLE, project_of
 
 if TYPE_CHECKING:

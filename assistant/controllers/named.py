@@ -29,7 +29,7 @@ from assistant.controllers.address import Address, holds_password, parse, withou
 from assistant.controllers.credentials import variable
 
 if TYPE_CHECKING:
-    from assistant.sources.process.table import Table
+    from assistant.program.settings_tables import Table
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 NO_USER: Final = re.compile("[:/=;?#]")
@@ -98,7 +98,7 @@ def of_project(name: str, folder: FilePath) -> Named:
 
 def controllers_of(folder: FilePath) -> dict[str, Named]:
     """The controllers of a folder's project by their names; raises Unreadable and Refused."""
-    from assistant.sources.process.table import Page, Table
+    from assistant.program.settings_tables import Page, Table
     from assistant.sources.project import CONTROLLERS, project_of
 
     project = project_of(folder)
@@ -122,15 +122,15 @@ def controllers_of(folder: FilePath) -> dict[str, Named]:
 
 def keys() -> Mapping[str, Callable[[Any], Any]]:
     """What the table of a controller may hold, and how each value is read."""
-    from assistant.sources.process import values
+    from assistant.program import settings_tables
 
     return {
-        "address": values.text,
-        "robot": values.text,
-        "user": values.text,
-        "certificate": values.text,
-        "timeout": values.number("seconds", above=0.0, most=LONGEST_TIMEOUT),
-        "serial": values.text,
+        "address": settings_tables.text,
+        "robot": settings_tables.text,
+        "user": settings_tables.text,
+        "certificate": settings_tables.text,
+        "timeout": settings_tables.number("seconds", above=0.0, most=LONGEST_TIMEOUT),
+        "serial": settings_tables.text,
     }
 
 

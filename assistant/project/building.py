@@ -15,12 +15,11 @@ from assistant.base.file_sets import file_in_folder, write_all
 from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
 from assistant.findings.formats import finding_record
 from assistant.findings.severities import apply_severities
+from assistant.program.settings_tables import listed, nearest, shown
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
 from assistant.project.layout import BUILT, Place, Project, Recipe
 from assistant.project.making import Made, Order, make_all, order_of
-from assistant.sources.process.table import nearest
-from assistant.sources.process.values import listed, shown
 
 Working = Callable[[int], contextlib.AbstractContextManager[None]]
 """What is around the making of so many programs."""

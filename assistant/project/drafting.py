@@ -10,9 +10,9 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
+from assistant.base.length_units import UNITS
+from assistant.program.settings_tables import shown
 from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer
-from assistant.sources.lengths import UNITS
-from assistant.sources.process.values import shown
 
 WIDTH: Final = 30
 """Columns before a comment."""

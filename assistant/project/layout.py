@@ -21,12 +21,11 @@ from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.answers import (
     Frames,
 )
+from assistant.program.settings_tables import Page, Table, listed, nearest, shown
 from assistant.project import rules
 from assistant.project.links import check_no_links
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
 from assistant.sources import project as stated
-from assistant.sources.process.table import Page, Table, nearest
-from assistant.sources.process.values import listed, shown
 
 KEPT: Final = FilePath(".robot-assistant")
 """Below the project's folder: what commands keep from one to the next."""

@@ -21,12 +21,12 @@ from assistant.compiler.style import style_of
 from assistant.compiler.together import together
 from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
+from assistant.program.settings_tables import listed
 from assistant.project import rules
 from assistant.project.inputs import Digests, digests, watched
 from assistant.project.layout import Place, Recipe
 from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.process.values import listed
 from assistant.sources.project import FILES
 
 

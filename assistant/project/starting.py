@@ -11,6 +11,7 @@ from assistant import __version__
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
+from assistant.base.length_units import known_unit
 from assistant.base.source_text import read_bytes
 from assistant.program.program import TakenNames, identifier
 from assistant.project import rules
@@ -20,7 +21,6 @@ from assistant.project.schema import FILE, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.survey import survey
-from assistant.sources.lengths import known_unit
 from assistant.sources.process import NO_PROCESS
 from assistant.sources.project import read_project
 

@@ -26,15 +26,15 @@ from dataclasses import dataclass
 from typing import Any, Final, get_args
 
 from assistant import languages
+from assistant.base.length_units import UNITS
 from assistant.compiler.style import KEYS
 from assistant.controllers.named import LONGEST_TIMEOUT, keys
 from assistant.languages.answers import (
     Frames,
 )
+from assistant.program import settings_tables
 from assistant.program.program import IDENTIFIER
-from assistant.sources.lengths import UNITS
-from assistant.sources.process import values
-from assistant.sources.process.values import Read, Wrong
+from assistant.program.settings_tables import Read, Wrong
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
 """Of programs and targets: they become names of folders."""
@@ -55,32 +55,34 @@ class Key:
 
 
 def task_name(value: Any) -> str:
-    given = values.text(value)
+    given = settings_tables.text(value)
     if TASK.fullmatch(given) is None:
-        raise Wrong(f'is "{values.shown(given)}", which is no task', 'write a name, as "T_ROB1"')
+        raise Wrong(
+            f'is "{settings_tables.shown(given)}", which is no task', 'write a name, as "T_ROB1"'
+        )
     return given
 
 
 def _text(about: str) -> Key:
-    return Key(values.text, TEXT, about)
+    return Key(settings_tables.text, TEXT, about)
 
 
 def _choice(words: tuple[str, ...], about: str) -> Key:
-    return Key(values.choice(*words), {"enum": list(words)}, about)
+    return Key(settings_tables.choice(*words), {"enum": list(words)}, about)
 
 
 def _language(about: str) -> Key:
     """In any case, although editors offer the names as they are."""
-    return Key(values.caseless(*SPOKEN), {"enum": list(SPOKEN)}, about)
+    return Key(settings_tables.caseless(*SPOKEN), {"enum": list(SPOKEN)}, about)
 
 
 def _whole(least: int, most: int, about: str) -> Key:
     form = {"type": "integer", "minimum": least, "maximum": most}
-    return Key(values.whole(least, most), form, about)
+    return Key(settings_tables.whole(least, most), form, about)
 
 
 def _truth(about: str) -> Key:
-    return Key(values.truth, {"type": "boolean"}, about)
+    return Key(settings_tables.truth, {"type": "boolean"}, about)
 
 
 SPOKEN: Final = languages.names()
@@ -88,7 +90,7 @@ SPOKEN: Final = languages.names()
 PROGRAM: Final[Mapping[str, Key]] = {
     "source": _text("Drawing, table, pseudo-program or robot program, from the project's folder."),
     "also": Key(
-        values.texts,
+        settings_tables.texts,
         {"type": "array", "items": TEXT},
         "Drawings and tables that are in the same program, each with a routine of its own.",
     ),
@@ -101,7 +103,7 @@ PROGRAM: Final[Mapping[str, Key]] = {
     "from_robot": _text("Arm that a robot program was written for, by name or file."),
     "entry": _text("Procedure that the program begins with; default its main."),
     "as": Key(
-        values.name,
+        settings_tables.name,
         {"type": "string", "pattern": f"^{IDENTIFIER.pattern}$"},
         "What others call the program; default main, or what its process file says.",
     ),
@@ -115,7 +117,7 @@ PROGRAM: Final[Mapping[str, Key]] = {
 TARGET: Final[Mapping[str, Key]] = {
     "controller": _text("Name in [controllers]; default the name of the target."),
     "programs": Key(
-        values.texts,
+        settings_tables.texts,
         {"type": "array", "items": TEXT, "minItems": 1},
         "Names of [programs], or program files from the project's folder.",
     ),

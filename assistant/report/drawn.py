@@ -7,9 +7,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.arrays import Floats
+from assistant.base.length_units import known_unit
 from assistant.program.geometry import BASE, Frame
 from assistant.sources import process_of
-from assistant.sources.lengths import known_unit
 
 if TYPE_CHECKING:
     from assistant.sources.placements import Placing

@@ -11,8 +11,8 @@ from typing import Final, cast
 
 from assistant.base.budgets import TABLE, most_unpacked, within
 from assistant.base.diagnostics import Unreadable, error
+from assistant.base.length_units import known_unit, unit_stated
 from assistant.base.source_text import is_file
-from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.placements import INSTEAD, Placing, check_drawn
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.seen import NOT_SAID

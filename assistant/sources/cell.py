@@ -45,9 +45,11 @@ from typing import Any, Final, TypeVar
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_text import parse_toml
+from assistant.program import settings_tables
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
+from assistant.program.settings_tables import Read, Table, Wrong
 from assistant.program.undeclared_names import (
     JOINT_SPEED,
     LINE_NAME,
@@ -58,10 +60,8 @@ from assistant.program.undeclared_names import (
     Wanted,
     WantedKind,
 )
-from assistant.sources.process import NO_PROCESS, Process, values
+from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, Wrong
 
 V = TypeVar("V")
 
@@ -84,7 +84,7 @@ def _plain(value: Any) -> Plain:
         case bool() | str():
             return value
         case int() | float():
-            return values.number("", least=-9e9, most=9e9)(value)  # type: ignore[no-any-return]
+            return settings_tables.number("", least=-9e9, most=9e9)(value)  # type: ignore[no-any-return]
         case list():
             return tuple(map(_plain, value))
     raise Wrong("is a date or a table", "write a number, true, false, a text, or these in brackets")
@@ -93,7 +93,7 @@ def _plain(value: Any) -> Plain:
 def _joints(value: Any) -> JointTarget:
     if not isinstance(value, list) or not 1 <= len(value) <= 6:
         raise Wrong("is no list of joint angles", "write up to six numbers of degrees in brackets")
-    return JointTarget(tuple(values.number("degrees")(one) for one in value))
+    return JointTarget(tuple(settings_tables.number("degrees")(one) for one in value))
 
 
 def _components(value: Any) -> Plain:
@@ -109,18 +109,18 @@ def _is_component(value: Any) -> bool:
     return isinstance(value, str) and bool(re.fullmatch(r"[^\W\d]\w* [^\W\d]\w*", value))
 
 
-SPEED: Final[Mapping[str, Read]] = {"speed": values.speed}
-BLEND: Final[Mapping[str, Read]] = {"blend": values.blend}
+SPEED: Final[Mapping[str, Read]] = {"speed": settings_tables.speed}
+BLEND: Final[Mapping[str, Read]] = {"blend": settings_tables.blend}
 POSITION: Final[Mapping[str, Read]] = {
-    "position": values.position,
-    "quaternion": values.quaternion,
-    "euler_zyx": values.euler_zyx,
+    "position": settings_tables.position,
+    "quaternion": settings_tables.quaternion,
+    "euler_zyx": settings_tables.euler_zyx,
     "joints": _joints,
 }
-DATA: Final[Mapping[str, Read]] = {"type": values.name, "value": _plain}
-ROUTINE: Final[Mapping[str, Read]] = {"routine": values.text}
+DATA: Final[Mapping[str, Read]] = {"type": settings_tables.name, "value": _plain}
+ROUTINE: Final[Mapping[str, Read]] = {"routine": settings_tables.text}
 RECORD: Final[Mapping[str, Read]] = {"components": _components}
-ARM: Final[Mapping[str, Read]] = {"arm": values.text}
+ARM: Final[Mapping[str, Read]] = {"arm": settings_tables.text}
 
 
 @dataclass(frozen=True, slots=True)

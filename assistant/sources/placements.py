@@ -8,10 +8,10 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, info
+from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.sources.process import values
+from assistant.program.settings_tables import shown
 from assistant.sources.process.placing import ONE_WAY, by_marks
-from assistant.sources.process.values import shown
 
 INSTEAD = info(
     "CT365",
@@ -61,9 +61,9 @@ def of_options(place: str | None, marks: Sequence[str]) -> Placing | None:
         numbers = _numbers(
             place, "place of a drawing", (3, 4, 6), "X,Y,Z, X,Y,Z,TURN or X,Y,Z,A,B,C"
         )
-        position = values.position(numbers[:3])
+        position = settings_tables.position(numbers[:3])
         angles = [*numbers[3:], 0.0, 0.0, 0.0][:3]
-        return Placing(Pose(position, values.euler_zyx(angles)))
+        return Placing(Pose(position, settings_tables.euler_zyx(angles)))
     if len(marks) != 3:
         raise Refused(THREE_MARKS(count=len(marks)), exit_status=2)
     pairs = [_pair(mark) for mark in marks]
@@ -88,6 +88,6 @@ def _numbers(text: str, what: str, counts: Sequence[int], cure: str) -> list[flo
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         numbers = []
-    if len(numbers) not in counts or not all(abs(n) <= values.LARGEST for n in numbers):
+    if len(numbers) not in counts or not all(abs(n) <= settings_tables.LARGEST for n in numbers):
         raise Refused(NO_NUMBERS(text=shown(text), what=what, cure=cure), exit_status=2)
     return numbers

@@ -23,13 +23,12 @@ from typing import Any, Final, Literal
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import decode, read_bytes
+from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.sources.process import values
+from assistant.program.settings_tables import REPAIRED, Read, Table, Wrong, kind_of, listed, shown
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.process.seen import NOT_SAID as NOT_STATED
 from assistant.sources.process.seen import TRUSTED, Asking, Seen, Trust
-from assistant.sources.process.table import REPAIRED, Table
-from assistant.sources.process.values import Read, Wrong, kind_of, listed, shown
 
 NOTHING_FOUND: Final = error(
     "SR010",
@@ -187,13 +186,13 @@ def _moment(value: Any) -> datetime.datetime:
 
 
 _KEYS: Final[Mapping[str, Read]] = {
-    "position": values.position,
-    "quaternion": values.quaternion,
-    "sigma_mm": values.number("mm", least=0.0),
-    "sigma_deg": values.number("degrees", least=0.0),
-    "confidence": values.number("", least=0.0, most=1.0),
+    "position": settings_tables.position,
+    "quaternion": settings_tables.quaternion,
+    "sigma_mm": settings_tables.number("mm", least=0.0),
+    "sigma_deg": settings_tables.number("degrees", least=0.0),
+    "confidence": settings_tables.number("", least=0.0, most=1.0),
     "seen": _moment,
-    "frame": values.choice("base", "world"),
+    "frame": settings_tables.choice("base", "world"),
 }
 _OPEN: Final = ("frame",)
 
@@ -208,6 +207,6 @@ def _sight(name: str, table: Table) -> Sight | None:
     if lacking or len(found) < len(known):
         return None
     turn, length = found.pop("quaternion")
-    if abs(length - 1.0) > values.EXACT_LENGTH:
+    if abs(length - 1.0) > settings_tables.EXACT_LENGTH:
         table.say(REPAIRED, "quaternion", key="quaternion", length=length)
     return Sight(name, Pose(found.pop("position"), turn), **found)

@@ -29,11 +29,11 @@ from assistant.base.diagnostics import (
     error,
     has_errors,
 )
+from assistant.base.length_units import UNITS
 from assistant.base.source_text import decode, read_bytes
 from assistant.program.motion import Kind, Path
 from assistant.program.program import Program, identifier
 from assistant.sources.contours.thinning import shortest
-from assistant.sources.lengths import UNITS
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows

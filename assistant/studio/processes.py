@@ -182,7 +182,7 @@ def _stated(drawing: FilePath, file: FilePath) -> tuple[dict[str, Any], Process,
 
 
 def _half(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
-    from assistant.sources.lengths import known_unit
+    from assistant.base.length_units import known_unit
     from assistant.sources.process import DEFAULTS, Layer
 
     found = replace(NO_PROCESS, leave_out=left)

@@ -22,8 +22,8 @@ from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose
+from assistant.program.settings_tables import shown
 from assistant.sources.process.seen import TRUSTED, Trust
-from assistant.sources.process.values import shown
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
 NO_QUESTION: Final = error(

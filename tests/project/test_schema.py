@@ -11,10 +11,10 @@ from assistant import languages
 from assistant.languages.answers import (
     Choice,
 )
+from assistant.program.settings_tables import Wrong
 from assistant.project.schema import schema, schema_text
 from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, STYLE, TARGET
 from assistant.resources import resource
-from assistant.sources.process.values import Wrong
 
 TABLES = {
     "controllers": CONTROLLER,

@@ -16,7 +16,7 @@ from assistant.cell.rules import NO_SHAPE, SAME_BODY
 from assistant.cell.scene import WORLD, Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.geometry import Pose, Vector
-from assistant.sources.process.table import Table
+from assistant.program.settings_tables import Table
 
 
 class Bodies:

@@ -73,10 +73,10 @@ from assistant.cell.rules import (
 )
 from assistant.cell.scene import MARGIN, Body, Named, Placed, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
+from assistant.program import settings_tables
 from assistant.program.geometry import Frame
-from assistant.sources.process import values
+from assistant.program.settings_tables import Table
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
 
 MOST_NAMES: Final = 12
 """Of what a body may stand in, in a message."""
@@ -132,7 +132,7 @@ class _Reader:
         allowed = {(min(p), max(p)) for p in world.get("allowed", ())}
         for name in sorted({name for pair in allowed for name in pair}):
             if name not in {body.name for body in scene.all_bodies()}:
-                self.top.table("world").say(NO_BODY, "allowed", name=values.shown(name))
+                self.top.table("world").say(NO_BODY, "allowed", name=settings_tables.shown(name))
         for one in placed:
             allowed |= arms.touching_links(one)
         self.stand(scene, drawn)
@@ -149,13 +149,13 @@ class _Reader:
         for body in drawn:
             if body.parent not in there:
                 at = self.top.table("world")
-                said = values.shown(body.parent)
+                said = settings_tables.shown(body.parent)
                 at.say(NO_PARENT, "frame", name=body.name, parent=said, known=known)
                 return
         for name, entry in self.top.table("bodies").named():
             one = scene.body(name)
             assert one is not None
-            said = values.shown(one.parent)
+            said = settings_tables.shown(one.parent)
             if one.parent not in there:
                 entry.say(NO_PARENT, "parent", name=name, parent=said, known=known)
             elif _in_itself(scene, one):
@@ -182,7 +182,7 @@ class _Reader:
         found = {}
         for name, entry in self.top.table("frames").named():
             quiet = Table(replace(entry.page, findings=[]), entry.path, entry.content)
-            said = quiet.read({**PLACE, "held": values.truth})
+            said = quiet.read({**PLACE, "held": settings_tables.truth})
             if not said.get("held", False):
                 found[name] = Frame(pose_of(said))
         return found
@@ -233,7 +233,9 @@ class _Reader:
         packages = {key: self.folder / folder for key, folder in said.get("packages", {}).items()}
         if robot.outlines is None or said.get("links") == "capsules":
             for package in packages:
-                entry.say(UNUSED_PACKAGE, "packages", name=name, package=values.shown(package))
+                entry.say(
+                    UNUSED_PACKAGE, "packages", name=name, package=settings_tables.shown(package)
+                )
             return None
         bodies, found = drawn_links(name, robot, packages)
         self.found += found
@@ -248,14 +250,14 @@ class _Reader:
         except KeyError:
             near = near_names(name, robots.names())
             names = ", ".join(near or robots.names())
-            entry.say(NO_ROBOT, "robot", name=values.shown(name), names=names)
+            entry.say(NO_ROBOT, "robot", name=settings_tables.shown(name), names=names)
             raise Refused from None
 
     def carried(
         self, bodies: tuple[Body, ...], tool: str, robot: str, entry: Table
     ) -> Iterator[Body]:
         if tool not in {body.name for body in bodies}:
-            entry.say(LONELY_TOOL, "tool", name=values.shown(tool))
+            entry.say(LONELY_TOOL, "tool", name=settings_tables.shown(tool))
         for body in bodies:
             yield replace(body, parent=f"{robot}.flange") if body.name == tool else body
 

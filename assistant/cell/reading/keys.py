@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from assistant.cell.scene import Colour
-from assistant.sources.process import values
-from assistant.sources.process.values import Read, Wrong
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Read, Wrong
 
-SIZE: Final = values.number("mm", above=0.0)
+SIZE: Final = settings_tables.number("mm", above=0.0)
 
 
 def _sizes(count: int) -> Read:
@@ -25,20 +25,20 @@ def _sizes(count: int) -> Read:
 def _pairs(value: Any) -> tuple[tuple[str, str], ...]:
     if not isinstance(value, list) or not all(isinstance(p, list) and len(p) == 2 for p in value):
         raise Wrong("is no list of pairs", 'write [["table", "arm.base"], …]')
-    return tuple((values.text(one), values.text(other)) for one, other in value)
+    return tuple((settings_tables.text(one), settings_tables.text(other)) for one, other in value)
 
 
 def _output(value: Any) -> tuple[str, float]:
     if not isinstance(value, dict) or len(value) != 1:
         raise Wrong("is no output with its value", 'write {gripper = 1}, or {"hand 1" = 1}')
     ((name, number),) = value.items()
-    return str(name), values.number("")(number)
+    return str(name), settings_tables.number("")(number)
 
 
 def _folders(value: Any) -> dict[str, str]:
     if not isinstance(value, dict) or not value:
         raise Wrong("is no table of folders", 'write {NAME = "FOLDER"}')
-    return {name: values.text(folder) for name, folder in value.items()}
+    return {name: settings_tables.text(folder) for name, folder in value.items()}
 
 
 def _colour(value: Any) -> Colour:
@@ -49,24 +49,24 @@ def _colour(value: Any) -> Colour:
 
 
 PLACE: Final[Mapping[str, Read]] = {
-    "position": values.position,
-    "quaternion": values.quaternion,
-    "euler_zyx": values.euler_zyx,
+    "position": settings_tables.position,
+    "quaternion": settings_tables.quaternion,
+    "euler_zyx": settings_tables.euler_zyx,
 }
 WORLD: Final[Mapping[str, Read]] = {
-    "margin": values.number("mm", least=0.0),
+    "margin": settings_tables.number("mm", least=0.0),
     "allowed": _pairs,
-    "drawing": values.text,
-    "frame": values.text,
-    "unit": values.unit,
+    "drawing": settings_tables.text,
+    "frame": settings_tables.text,
+    "unit": settings_tables.unit,
 }
 ROBOT: Final[Mapping[str, Read]] = {
-    "robot": values.text,
-    "tool": values.text,
+    "robot": settings_tables.text,
+    "tool": settings_tables.text,
     "packages": _folders,
-    "links": values.choice("capsules"),
-    "explored": values.text,
-    "unknown": values.choice("blocked", "free"),
+    "links": settings_tables.choice("capsules"),
+    "explored": settings_tables.text,
+    "unknown": settings_tables.choice("blocked", "free"),
     **PLACE,
 }
 SHAPES: Final[Mapping[str, Read]] = {
@@ -74,23 +74,23 @@ SHAPES: Final[Mapping[str, Read]] = {
     "sphere": SIZE,
     "cylinder": _sizes(2),
     "capsule": _sizes(2),
-    "mesh": values.text,
-    "convex": values.text,
-    "drawing": values.text,
+    "mesh": settings_tables.text,
+    "convex": settings_tables.text,
+    "drawing": settings_tables.text,
 }
 PART: Final[Mapping[str, Read]] = {
     **SHAPES,
     **PLACE,
-    "unit": values.unit,
-    "off": values.number("mm", least=0.0),
+    "unit": settings_tables.unit,
+    "off": settings_tables.number("mm", least=0.0),
 }
 PARTS: Final = "parts"
 BODY: Final[Mapping[str, Read]] = {
     **PART,
     PARTS: lambda value: value,
-    "parent": values.text,
+    "parent": settings_tables.text,
     "colour": _colour,
-    "margin": values.number("mm", least=0.0),
+    "margin": settings_tables.number("mm", least=0.0),
     "locations": lambda value: value,
     "taken": _output,
     "released": _output,

@@ -11,6 +11,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Ints, norms
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.length_units import UNITS
 from assistant.base.source_text import read_bytes
 from assistant.cell.rules import (
     INSIDE_OUT,
@@ -23,7 +24,6 @@ from assistant.cell.rules import (
 )
 from assistant.cell.shapes import Convex, Mesh
 from assistant.program.geometry import Vector
-from assistant.sources.lengths import UNITS
 
 if TYPE_CHECKING:
     from types import ModuleType

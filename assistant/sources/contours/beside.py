@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.base.diagnostics import Diagnostic, Rule
+from assistant.program.settings_tables import shown
 from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
@@ -33,7 +34,6 @@ from assistant.sources.contours.offsets import (
 )
 from assistant.sources.contours.room import Room
 from assistant.sources.process.shaping import Shaping
-from assistant.sources.process.values import shown
 
 if TYPE_CHECKING:
     from shapely import STRtree

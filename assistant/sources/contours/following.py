@@ -20,6 +20,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import TakenNames, identifier
+from assistant.program.settings_tables import shown
 from assistant.program.statements import Follow, Motion, Move, MoveCircular, Statement, Trigger
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import (
@@ -37,7 +38,6 @@ from assistant.sources.contours.orientation import along, facing, level, turned
 from assistant.sources.contours.pacing import Paced, lengths, paced
 from assistant.sources.contours.switching import Unfit, divided_at, outputs
 from assistant.sources.process import Layer, Process
-from assistant.sources.process.values import shown
 from assistant.sources.rounding import radii
 from assistant.sources.standing import Standing, backed_off, to, way_in
 from assistant.sources.surroundings import seconds

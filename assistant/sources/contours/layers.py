@@ -13,6 +13,7 @@ import numpy as np
 from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
+from assistant.program.settings_tables import nearest, shown
 from assistant.program.statements import Comment, Statement
 from assistant.sources.contours.chaining import Contour, chain, wide_gaps
 from assistant.sources.contours.curves import Arc, Curve, Line
@@ -24,8 +25,6 @@ from assistant.sources.contours.ordering import ordered
 from assistant.sources.contours.overlaps import trimmed
 from assistant.sources.contours.shaping import Shaped, Shaper
 from assistant.sources.process import Layer, Process
-from assistant.sources.process.table import nearest
-from assistant.sources.process.values import shown
 from assistant.sources.standing import Standing
 
 UNUSED = warning(

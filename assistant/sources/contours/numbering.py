@@ -13,10 +13,10 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.program.geometry import Vector
+from assistant.program.settings_tables import shown
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Line, sample
 from assistant.sources.contours.ordering import FREE, Ordering, travel
-from assistant.sources.process.values import shown
 
 HOLDER_FIRST = warning(
     "CT224",

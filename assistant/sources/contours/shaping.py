@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from assistant.base.diagnostics import Diagnostic
+from assistant.program.settings_tables import shown
 from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.beside import Beside
 from assistant.sources.contours.chaining import Contour
@@ -24,7 +25,6 @@ from assistant.sources.contours.room import Room
 from assistant.sources.contours.seen import View
 from assistant.sources.process import Layer
 from assistant.sources.process.shaping import Shaping
-from assistant.sources.process.values import shown
 
 Key = tuple[int, int]
 """Row of a layer, row of its contour."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.length_units import UNITS
 from assistant.sources.drawing.findings import NO_UNITS, OTHER_UNIT, UNKNOWN_UNITS
-from assistant.sources.lengths import UNITS
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

@@ -124,19 +124,18 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_text import parse_toml
+from assistant.program import settings_tables as values
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
+from assistant.program.settings_tables import REPAIRED, Page, Read, Table, shown
 from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import Defaults, Process
-from assistant.sources.process import values as values
 from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.layers import layer_of
 from assistant.sources.process.names import THERE, interface_of
 from assistant.sources.process.placing import MOST_MISFIT, ONE_WAY, PLACEMENT, by_marks, wrong_ways
 from assistant.sources.process.seen import KEYS as KEYS_OF_SEEN
 from assistant.sources.process.seen import seen_of
-from assistant.sources.process.table import REPAIRED, Page, Table
-from assistant.sources.process.values import Read, shown
 
 NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
 BOTH = error("CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx")

@@ -6,21 +6,20 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from assistant.base.diagnostics import error
+from assistant.program import settings_tables
 from assistant.program.geometry import BASE, FLANGE, Tool
 from assistant.program.program import Signal
-from assistant.sources.process import values
-from assistant.sources.process.table import Table, nearest
-from assistant.sources.process.values import Read, listed, shown
+from assistant.program.settings_tables import Read, Table, listed, nearest, shown
 
 NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
 NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
 NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
 
 MOTION: Final[Mapping[str, Read]] = {
-    "speed": values.speed,
-    "blend": values.blend,
-    "tool": values.name,
-    "frame": values.name,
+    "speed": settings_tables.speed,
+    "blend": settings_tables.blend,
+    "tool": settings_tables.name,
+    "frame": settings_tables.name,
 }
 
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from assistant.base.diagnostics import error
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Read, Table, shown
 from assistant.program.statements import Motion
-from assistant.sources.process import Defaults, Layer, values, way_keys
+from assistant.sources.process import Defaults, Layer, way_keys
 from assistant.sources.process.known import MOTION, Known
 from assistant.sources.process.shaping import SHAPING, shaping_of
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, shown
 
 TURNS_FREELY = error(
     "CT322",
@@ -20,17 +20,17 @@ TURNS_FREELY = error(
 )
 
 LAYER: Final[Mapping[str, Read]] = {
-    "process": values.text,
+    "process": settings_tables.text,
     **MOTION,
-    "on": values.switches,
-    "off": values.switches,
-    "delay": values.number("seconds", least=0.0),
-    "approach": values.number("mm", least=0.0),
-    "retract": values.number("mm", least=0.0),
-    "travel": values.speed,
-    "direction": values.direction,
-    "tangential": values.truth,
-    "inside_first": values.truth,
+    "on": settings_tables.switches,
+    "off": settings_tables.switches,
+    "delay": settings_tables.number("seconds", least=0.0),
+    "approach": settings_tables.number("mm", least=0.0),
+    "retract": settings_tables.number("mm", least=0.0),
+    "travel": settings_tables.speed,
+    "direction": settings_tables.direction,
+    "tangential": settings_tables.truth,
+    "inside_first": settings_tables.truth,
     **SHAPING,
     **way_keys.KEYS,
 }

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.base.diagnostics import error
+from assistant.program import settings_tables
 from assistant.program.program import Interface
-from assistant.sources.process import values
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read
+from assistant.program.settings_tables import Read, Table
 
 NOT_COUNTED = error(
     "CO328",
@@ -20,14 +19,14 @@ MOST_COUNTED: Final = 16
 """Highest number of a tool on controllers that count them (parameters MEXTL1 to MEXTL16)."""
 
 PROGRAM: Final[Mapping[str, Read]] = {
-    "as": values.name,
-    "main": values.truth,
-    "prefix": values.name,
-    "local": values.truth,
+    "as": settings_tables.name,
+    "main": settings_tables.truth,
+    "prefix": settings_tables.name,
+    "local": settings_tables.truth,
 }
 THERE: Final[Mapping[str, Read]] = {
-    "on_controller": values.truth,
-    "number": values.whole(1, MOST_COUNTED),
+    "on_controller": settings_tables.truth,
+    "number": settings_tables.whole(1, MOST_COUNTED),
 }
 """Keys of a tool or a frame."""
 

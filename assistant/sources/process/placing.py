@@ -17,9 +17,9 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Rule, error, info
+from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.sources.process import values
-from assistant.sources.process.values import Read, Wrong, kind_of
+from assistant.program.settings_tables import Read, Wrong, kind_of
 
 MISFIT = error(
     "CT360",
@@ -60,7 +60,7 @@ def _mark(value: Any) -> tuple[float, ...]:
     """Two or three numbers; in the plane of the drawing z is 0."""
     if isinstance(value, list) and len(value) == 2:
         value = [*value, 0.0]
-    return values.position(value)
+    return settings_tables.position(value)
 
 
 def _marks(value: Any) -> tuple[tuple[float, ...], ...]:
@@ -78,12 +78,12 @@ def _marks(value: Any) -> tuple[tuple[float, ...], ...]:
 
 
 PLACEMENT: Final[Mapping[str, Read]] = {
-    "position": values.position,
-    "quaternion": values.quaternion,
-    "euler_zyx": values.euler_zyx,
+    "position": settings_tables.position,
+    "quaternion": settings_tables.quaternion,
+    "euler_zyx": settings_tables.euler_zyx,
     "drawing": _marks,
     "cell": _marks,
-    "misfit": values.number("mm", above=0.0, most=100.0),
+    "misfit": settings_tables.number("mm", above=0.0, most=100.0),
 }
 """Keys of [placement]."""
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
-from assistant.sources.process import values
-from assistant.sources.process.values import Read, Wrong, shown
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Read, Wrong, shown
 
 NO_ADDRESS: Final = "is no address at which a program can ask"
 ADDRESSES: Final = (
@@ -105,12 +105,12 @@ NOT_SAID: Final = Seen()
 
 
 def _ask(value: Any) -> Asking:
-    return Asking.parse(values.text(value))
+    return Asking.parse(settings_tables.text(value))
 
 
 def _beside(value: Any) -> str:
     """The name of a file, in the same folder."""
-    given = values.text(value)
+    given = settings_tables.text(value)
     if re.search(r"[/\\:\x00-\x1f]", given) or given in (".", ".."):
         raise Wrong(f'is "{shown(given)}"', "write the name of a file beside this one, no folder")
     return given
@@ -119,11 +119,11 @@ def _beside(value: Any) -> str:
 KEYS: Final[Mapping[str, Read]] = {
     "ask": _ask,
     "found": _beside,
-    "oldest": values.number("seconds", above=0.0),
-    "sigma_mm": values.number("mm", above=0.0),
-    "sigma_deg": values.number("degrees", above=0.0),
-    "confidence": values.number("", least=0.0, most=1.0),
-    "within": values.number("mm", above=0.0),
+    "oldest": settings_tables.number("seconds", above=0.0),
+    "sigma_mm": settings_tables.number("mm", above=0.0),
+    "sigma_deg": settings_tables.number("degrees", above=0.0),
+    "confidence": settings_tables.number("", least=0.0, most=1.0),
+    "within": settings_tables.number("mm", above=0.0),
 }
 
 

@@ -8,9 +8,8 @@ from itertools import pairwise
 from typing import Any, Final, Literal
 
 from assistant.base.diagnostics import error
-from assistant.sources.process import values
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, Wrong, kind_of, shown
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Read, Table, Wrong, kind_of, shown
 
 NO_DEPTH = error("CT330", "`passes` needs a depth that they share", "give `depth` in mm as well")
 NO_WAY_UP = error(
@@ -100,11 +99,11 @@ def lead(value: Any) -> Lead:
     if kind == "tangent" and "angle" in value:
         raise Wrong("runs along the tangent and has no angle", "leave out the angle, or write line")
     try:
-        size: float = values.number("mm", above=0.0)(value[kind])
+        size: float = settings_tables.number("mm", above=0.0)(value[kind])
         angle: float = QUARTER
         if "angle" in value:
             most = 180.0 if kind == "arc" else 150.0
-            angle = values.number("degrees", above=0.0, most=most)(value["angle"])
+            angle = settings_tables.number("degrees", above=0.0, most=most)(value["angle"])
     except Wrong as wrong:
         raise Wrong(f"has a number that {wrong.what}", wrong.cure) from None
     if kind == "tangent":
@@ -116,7 +115,7 @@ def allowances(value: Any) -> tuple[float, ...]:
     cure = "write mm in brackets, falling to what the last one leaves: [0.5, 0]"
     if not isinstance(value, list) or not value:
         raise Wrong(f"is {kind_of(value)}" if value != [] else "is empty", cure)
-    read = values.number("mm", least=0.0)
+    read = settings_tables.number("mm", least=0.0)
     found = tuple(read(entry) for entry in value)
     if any(later >= earlier for earlier, later in pairwise(found)):
         raise Wrong("does not fall", cure)
@@ -124,15 +123,17 @@ def allowances(value: Any) -> tuple[float, ...]:
 
 
 SHAPING: Final[Mapping[str, Read]] = {
-    "offset": values.number("mm", above=0.0),
-    "side": values.choice("nesting", "inside", "outside", "left", "right"),
-    "way_round": values.choice("climb", "conventional", "clockwise", "anticlockwise", "drawn"),
-    "start": values.choice("nearest", "corner", "longest", "point"),
+    "offset": settings_tables.number("mm", above=0.0),
+    "side": settings_tables.choice("nesting", "inside", "outside", "left", "right"),
+    "way_round": settings_tables.choice(
+        "climb", "conventional", "clockwise", "anticlockwise", "drawn"
+    ),
+    "start": settings_tables.choice("nearest", "corner", "longest", "point"),
     "lead_in": lead,
     "lead_out": lead,
-    "overlap": values.number("mm", least=0.0),
-    "depth": values.number("mm", least=0.0),
-    "passes": values.whole(1, MOST_PASSES),
+    "overlap": settings_tables.number("mm", least=0.0),
+    "depth": settings_tables.number("mm", least=0.0),
+    "passes": settings_tables.whole(1, MOST_PASSES),
     "allowances": allowances,
 }
 

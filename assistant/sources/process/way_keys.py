@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from assistant.base.diagnostics import error
+from assistant.program import settings_tables
 from assistant.program.motion import Speed
-from assistant.sources.process import Layer, values
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, Wrong
+from assistant.program.settings_tables import Read, Table, Wrong
+from assistant.sources.process import Layer
 from assistant.sources.process.ways import Above, Instant, Pace, Switching
 
 EXCLUDED = error("CT340", "`{key}` and `{other}` cannot both be", "leave one of them out: {why}")
@@ -36,21 +36,21 @@ PLANNED = error(
 )
 
 PACE: Final[Mapping[str, tuple[str, Read]]] = {
-    "corner_speed": ("corner", values.speed),
-    "corner_angle": ("angle", values.number("degrees", above=0.0, most=180.0)),
-    "corner_radius": ("radius", values.number("mm", least=0.0)),
-    "corner_length": ("length", values.number("mm", least=0.0)),
-    "start_speed": ("start", values.speed),
-    "start_length": ("start_length", values.number("mm", above=0.0)),
-    "end_speed": ("end", values.speed),
-    "end_length": ("end_length", values.number("mm", above=0.0)),
+    "corner_speed": ("corner", settings_tables.speed),
+    "corner_angle": ("angle", settings_tables.number("degrees", above=0.0, most=180.0)),
+    "corner_radius": ("radius", settings_tables.number("mm", least=0.0)),
+    "corner_length": ("length", settings_tables.number("mm", least=0.0)),
+    "start_speed": ("start", settings_tables.speed),
+    "start_length": ("start_length", settings_tables.number("mm", above=0.0)),
+    "end_speed": ("end", settings_tables.speed),
+    "end_length": ("end_length", settings_tables.number("mm", above=0.0)),
 }
 """Keys of the process file, each with the field of `Pace` and its reading."""
 
 ABOVE: Final[Mapping[str, tuple[str, Read]]] = {
-    "travel_height": ("height", values.number("mm", above=0.0)),
-    "travel_blend": ("blend", values.blend),
-    "travel_kind": ("kind", values.choice("joint", "linear")),
+    "travel_height": ("height", settings_tables.number("mm", above=0.0)),
+    "travel_blend": ("blend", settings_tables.blend),
+    "travel_kind": ("kind", settings_tables.choice("joint", "linear")),
 }
 
 NEEDS: Final[Mapping[str, str]] = {
@@ -80,12 +80,12 @@ def instant(*units: str) -> Read:
 
     def read(value: Any) -> Instant:
         if not isinstance(value, dict):
-            raise Wrong(f"is {values.kind_of(value)}", f"write {wanted}")
+            raise Wrong(f"is {settings_tables.kind_of(value)}", f"write {wanted}")
         for unit, given in value.items():
             if unit not in units:
-                raise Wrong(f"has `{values.shown(unit)}`", f"write {wanted}")
+                raise Wrong(f"has `{settings_tables.shown(unit)}`", f"write {wanted}")
             try:
-                values.number(unit, least=0.0)(given)
+                settings_tables.number(unit, least=0.0)(given)
             except Wrong as wrong:
                 raise Wrong(f"has `{unit}`, which {wrong.what}", wrong.cure) from None
         if not any(value.values()):
@@ -103,7 +103,7 @@ SWITCHING: Final[Mapping[str, Read]] = {
 }
 
 KEYS: Final[Mapping[str, Read]] = {
-    "order": values.choice("travel", "drawing", "text"),
+    "order": settings_tables.choice("travel", "drawing", "text"),
     **{key: read for key, (_, read) in PACE.items()},
     **{key: read for key, (_, read) in ABOVE.items()},
     **SWITCHING,

@@ -34,9 +34,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.base.diagnostics import Rule, Severity, error
+from assistant.base.length_units import UNITS
 from assistant.program.motion import CONFIGURATION_COLUMNS
-from assistant.sources.lengths import UNITS
-from assistant.sources.process.table import nearest
+from assistant.program.settings_tables import nearest
 
 ERROR: Final = Severity.ERROR
 UNKNOWN_COLUMN = error("TB101", "there is no column called {name}", "{cure}")

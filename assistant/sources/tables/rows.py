@@ -15,10 +15,10 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
+from assistant.program.settings_tables import nearest
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.contours.thinning import THINNED, needed, shortest
 from assistant.sources.process import Process
-from assistant.sources.process.table import nearest
 from assistant.sources.rounding import SIZES, radii
 from assistant.sources.tables.headers import shown
 

@@ -41,9 +41,11 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
+from assistant.program import settings_tables as values
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import NO_EXTERNAL, Configuration, JointTarget, Pose, Target
 from assistant.program.motion import Kind
+from assistant.program.settings_tables import REPAIRED, Table, Wrong, kind_of
 from assistant.program.statements import (
     Comment,
     Motion,
@@ -55,10 +57,7 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.sources.process import Process
-from assistant.sources.process import values as values
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
-from assistant.sources.process.table import REPAIRED, Table
-from assistant.sources.process.values import Wrong, kind_of
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.actions import output

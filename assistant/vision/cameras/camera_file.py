@@ -29,11 +29,10 @@ from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.reading.bodies import pose_of
 from assistant.cell.reading.keys import PLACE
+from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.sources.process import values
+from assistant.program.settings_tables import Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Wrong, kind_of
 from assistant.vision.cameras import rules
 from assistant.vision.cameras.camera import WORLD, Camera, Lens
 
@@ -140,8 +139,8 @@ def _said(value: Any) -> str:
 # ----------------------------------------------------------------------------------- keys
 
 
-def _numbers(count: int, least: float, most: float) -> values.Read:
-    one = values.number("", least=least, most=most)
+def _numbers(count: int, least: float, most: float) -> settings_tables.Read:
+    one = settings_tables.number("", least=least, most=most)
 
     def read(value: Any) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != count:
@@ -155,7 +154,7 @@ def _numbers(count: int, least: float, most: float) -> values.Read:
 
 
 def _size(value: Any) -> tuple[int, int]:
-    one = values.whole(16, MOST_PIXELS)
+    one = settings_tables.whole(16, MOST_PIXELS)
     if not isinstance(value, list) or len(value) != 2:
         raise Wrong("is no size", "write width and height in pixels: [640, 480]")
     return one(value[0]), one(value[1])
@@ -170,24 +169,24 @@ def _date(value: Any) -> datetime.date:
 def _source(value: Any) -> str:
     """A device is a number."""
     if isinstance(value, int) and not isinstance(value, bool):
-        return str(values.whole(0, 99)(value))
-    return values.text(value)
+        return str(settings_tables.whole(0, 99)(value))
+    return settings_tables.text(value)
 
 
 LEFT: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
 """Of `Record`, in the order of its fields."""
-KEYS: Final[Mapping[str, values.Read]] = {
+KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "size": _size,
     "focal": _numbers(2, 1.0, 1e7),
     "centre": _numbers(2, -1e6, 1e6),
     "distortion": _numbers(5, -1e4, 1e4),
     **PLACE,
-    "parent": values.text,
+    "parent": settings_tables.text,
     "calibrated": _date,
-    "residual_px": values.number("pixels", least=0.0, most=1e4),
-    "pair_px": values.number("pixels", least=0.0, most=1e4),
-    "hand_eye_mm": values.number("mm", least=0.0, most=1e4),
-    "hand_eye_degrees": values.number("degrees", least=0.0, most=180.0),
+    "residual_px": settings_tables.number("pixels", least=0.0, most=1e4),
+    "pair_px": settings_tables.number("pixels", least=0.0, most=1e4),
+    "hand_eye_mm": settings_tables.number("mm", least=0.0, most=1e4),
+    "hand_eye_degrees": settings_tables.number("degrees", least=0.0, most=180.0),
     "source": _source,
 }
 NEEDED: Final = ("size", "focal", "centre")

@@ -21,10 +21,9 @@ from typing import Any, Final
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import decode, read_bytes
-from assistant.sources.process import values
+from assistant.program import settings_tables
+from assistant.program.settings_tables import Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Wrong, kind_of
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.devices import (
     COLOURS,
@@ -125,25 +124,25 @@ def _alike(one: Ball | Light, other: Ball | Light) -> bool:
 
 
 def _position(value: Any) -> tuple[float, ...]:
-    one = values.number("mm", least=-2000.0, most=2000.0)
+    one = settings_tables.number("mm", least=-2000.0, most=2000.0)
     if not isinstance(value, list) or len(value) != 3:
         raise Wrong(f"is {kind_of(value)} and no place", "write three numbers of mm in brackets")
     return tuple(map(one, value))
 
 
-KEYS: Final[Mapping[str, values.Read]] = {
-    "kind": values.choice("ball", "light", "wand"),
-    "orientation": values.quaternion,
+KEYS: Final[Mapping[str, settings_tables.Read]] = {
+    "kind": settings_tables.choice("ball", "light", "wand"),
+    "orientation": settings_tables.quaternion,
     "balls": lambda value: value,
     "light": lambda value: value,
 }
-LIGHT_KEYS: Final[Mapping[str, values.Read]] = {
-    "largest": values.number("mm", least=0.5, most=200.0),
+LIGHT_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+    "largest": settings_tables.number("mm", least=0.5, most=200.0),
 }
-BALL_KEYS: Final[Mapping[str, values.Read]] = {
-    "colour": values.choice(*COLOURS),
-    "hue": values.number("degrees", least=0.0, most=360.0),
-    "width": values.number("degrees", least=1.0, most=60.0),
-    "radius": values.number("mm", least=1.0, most=200.0),
+BALL_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+    "colour": settings_tables.choice(*COLOURS),
+    "hue": settings_tables.number("degrees", least=0.0, most=360.0),
+    "width": settings_tables.number("degrees", least=1.0, most=60.0),
+    "radius": settings_tables.number("mm", least=1.0, most=200.0),
     "position": _position,
 }

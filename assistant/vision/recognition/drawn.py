@@ -12,17 +12,17 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.length_units import known_unit
 from assistant.program.geometry import Pose
 from assistant.program.motion import Kind
 from assistant.program.program import TakenNames, identifier
+from assistant.program.settings_tables import listed, shown
 from assistant.sources.contours.chaining import Contour, chain
 from assistant.sources.contours.flat import polyline
 from assistant.sources.contours.moves import as_pieces, moves
 from assistant.sources.drawing import Contents, read_contents
 from assistant.sources.drawing.assembly import name_locations
-from assistant.sources.lengths import known_unit
 from assistant.sources.process import NO_PROCESS
-from assistant.sources.process.values import listed, shown
 from assistant.vision.recognition.objects import KnownObject, Line, Outline, Place
 from assistant.vision.recognition.photo import signed_area
 from assistant.vision.recognition.rules import (

@@ -32,12 +32,11 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, has_errors
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import decode, is_file, is_folder, read_bytes
+from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.program import IDENTIFIER
-from assistant.sources.process import values
+from assistant.program.settings_tables import Read, Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Read, Wrong, kind_of
 from assistant.sources.tables.arrays import read_npz
 from assistant.vision.recognition.objects import (
     APPROACH,
@@ -101,7 +100,7 @@ def names_in(folder: FilePath) -> list[str]:
 def check_name(name: str, path: str | None = None) -> None:
     """Raises Refused for what cannot name an object."""
     if IDENTIFIER.fullmatch(name) is None or name.lower() == FilePath(INDEX).stem:
-        raise Refused(BAD_NAME(path=path, name=values.shown(name)), exit_status=2)
+        raise Refused(BAD_NAME(path=path, name=settings_tables.shown(name)), exit_status=2)
 
 
 def add_objects(
@@ -189,7 +188,7 @@ def _read_object(folder: FilePath, name: str) -> tuple[KnownObject, list[Diagnos
     return one, top.page.findings
 
 
-HEIGHT: Final = values.number("mm", least=0.0, most=LARGEST)
+HEIGHT: Final = settings_tables.number("mm", least=0.0, most=LARGEST)
 
 
 def _as_it_is(value: Any) -> Any:
@@ -200,7 +199,7 @@ def _points(value: Any) -> Floats:
     cure = "write points of two or three numbers in brackets"
     if not isinstance(value, list) or len(value) < 2 or len(value) > MOST_POINTS:
         raise Wrong("is no list of two points and more", cure)
-    one = values.number("mm", least=-LARGEST, most=LARGEST)
+    one = settings_tables.number("mm", least=-LARGEST, most=LARGEST)
     read = []
     for point in value:
         if not isinstance(point, list) or len(point) not in (2, 3):
@@ -212,19 +211,19 @@ def _points(value: Any) -> Floats:
 def _whole(value: Any) -> frozenset[int]:
     if not isinstance(value, list):
         raise Wrong(f"is {kind_of(value)}", "write the numbers of points in brackets")
-    return frozenset(values.whole(0, MOST_POINTS)(v) for v in value)
+    return frozenset(settings_tables.whole(0, MOST_POINTS)(v) for v in value)
 
 
 TURN: Final[Mapping[str, Read]] = {
-    "quaternion": lambda value: values.quaternion(value)[0],
-    "euler_zyx": values.euler_zyx,
-    "approach": values.number("mm", least=0.0, most=LARGEST),
+    "quaternion": lambda value: settings_tables.quaternion(value)[0],
+    "euler_zyx": settings_tables.euler_zyx,
+    "approach": settings_tables.number("mm", least=0.0, most=LARGEST),
 }
-PLACE: Final[Mapping[str, Read]] = {"position": values.position, **TURN}
+PLACE: Final[Mapping[str, Read]] = {"position": settings_tables.position, **TURN}
 LINE: Final[Mapping[str, Read]] = {
     "points": _points,
     "vias": _whole,
-    "speed": values.number("mm/s", above=0.0),
+    "speed": settings_tables.number("mm/s", above=0.0),
     **TURN,
 }
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from assistant.base.diagnostics import Refused, Severity
-from assistant.sources.process.values import listed, shown
+from assistant.program.settings_tables import listed, shown
 from assistant.vision.cameras import rules as of_cameras
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.capture import look_at, read_picture

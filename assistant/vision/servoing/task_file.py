@@ -39,11 +39,10 @@ from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.reading.bodies import pose_of
 from assistant.cell.reading.keys import PLACE
+from assistant.program import settings_tables
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.sources.process import values
+from assistant.program.settings_tables import Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.table import Table
-from assistant.sources.process.values import Wrong, kind_of
 from assistant.vision.pointing.device_file import device_of
 from assistant.vision.servoing import rules
 from assistant.vision.servoing.bounds import Bounds
@@ -151,22 +150,22 @@ def _thing(table: Table, said: Mapping[str, Any], folder: FilePath) -> Thing | N
 def _box(value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if not isinstance(value, list) or len(value) != 2:
         raise Wrong(f"is {kind_of(value)} and no box", "write two corners: [[x, y, z], [x, y, z]]")
-    least, most = map(values.position, value)
+    least, most = map(settings_tables.position, value)
     return least, most
 
 
-def _positive(unit: str) -> values.Read:
-    return values.number(unit, above=0.0)
+def _positive(unit: str) -> settings_tables.Read:
+    return settings_tables.number(unit, above=0.0)
 
 
-SEEN: Final[Mapping[str, values.Read]] = {
-    "marker": values.whole(0, 999),
-    "size": values.number("mm", least=1.0, most=2000.0),
-    "dictionary": values.choice(*DICTIONARIES),
-    "device": values.text,
+SEEN: Final[Mapping[str, settings_tables.Read]] = {
+    "marker": settings_tables.whole(0, 999),
+    "size": settings_tables.number("mm", least=1.0, most=2000.0),
+    "dictionary": settings_tables.choice(*DICTIONARIES),
+    "device": settings_tables.text,
     **PLACE,
 }
-TABLES: Final[Mapping[str, Mapping[str, values.Read]]] = {
+TABLES: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
     "target": SEEN,
     "mark": SEEN,
     **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE),
@@ -175,7 +174,7 @@ TABLES: Final[Mapping[str, Mapping[str, values.Read]]] = {
         "turning": _positive("degrees/s"),
         "part": _positive(""),
         "to_speed": _positive("seconds"),
-        "margin": values.number("degrees", least=0.0),
+        "margin": settings_tables.number("degrees", least=0.0),
         "box": _box,
     },
     "servo": {
@@ -184,15 +183,15 @@ TABLES: Final[Mapping[str, Mapping[str, values.Read]]] = {
         "pixels": _positive("pixels"),
         "distance": _positive("mm"),
         "turn": _positive("degrees"),
-        "hold": values.whole(1, 100),
+        "hold": settings_tables.whole(1, 100),
         "stale": _positive("seconds"),
         "timeout": _positive("seconds"),
         "condition": _positive(""),
         "opening": _positive("seconds"),
     },
 }
-KEYS: Final[Mapping[str, values.Read]] = {
-    "law": values.choice("image", "pose"),
-    "cameras": values.texts,
+KEYS: Final[Mapping[str, settings_tables.Read]] = {
+    "law": settings_tables.choice("image", "pose"),
+    "cameras": settings_tables.texts,
     **dict.fromkeys(TABLES, lambda value: value),
 }

@@ -1,4 +1,4 @@
-"""Units of length by the short names that process files and `--unit` take."""
+"""Units of length by the short names that settings files and `--unit` take."""
 
 from __future__ import annotations
 
