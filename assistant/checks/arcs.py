@@ -54,35 +54,37 @@ NEARLY_ROUND = info(
 def arcs(program: Program) -> Iterator[Diagnostic]:
     for procedure in program.procedures:
         about = Declared(procedure.name, "procedures", in_full=True)
-        yield from _body(program, procedure.body, about)
+        yield from _arcs_in_body(program, procedure.body, about)
 
 
-def _body(program: Program, body: tuple[Statement, ...], about: Declared) -> Iterator[Diagnostic]:
+def _arcs_in_body(
+    program: Program, body: tuple[Statement, ...], about: Declared
+) -> Iterator[Diagnostic]:
     """Follows the position through straight code; where it is not known only the rest counts."""
     here: Floats | None = None
     for statement in body:
         match statement:
             case Follow(path=path):
-                yield from _path(statement, here)
+                yield from _arcs_of_path(statement, here)
                 here = path.positions[-1] if len(path) else here
             case Move(target=target):
-                here = _position(program, target)
+                here = _position_of(program, target)
             case MoveCircular(via=via, target=target):
-                points = [here, _position(program, via), _position(program, target)]
+                points = [here, _position_of(program, via), _position_of(program, target)]
                 row = np.array([p if p is not None else np.full(3, np.nan) for p in points])
-                yield from _found(row[None], _always(about, statement.span))
+                yield from _arc_findings(row[None], _fixed_place(about, statement.span))
                 here = points[2]
             case _:
                 here = None if bodies(statement) else here
         for inner in bodies(statement):
-            yield from _body(program, inner, about)
+            yield from _arcs_in_body(program, inner, about)
 
 
-def _always(about: Declared, span: Span | None) -> _Place:
+def _fixed_place(about: Declared, span: Span | None) -> _Place:
     return lambda _: (about, span)
 
 
-def _path(follow: Follow, before: Floats | None) -> Iterator[Diagnostic]:
+def _arcs_of_path(follow: Follow, before: Floats | None) -> Iterator[Diagnostic]:
     path = follow.path
     vias = np.flatnonzero(path.kinds == Kind.VIA)
     vias = vias[vias + 1 < len(path)]
@@ -98,10 +100,10 @@ def _path(follow: Follow, before: Floats | None) -> Iterator[Diagnostic]:
         span = None if path.places is None else follow.row_span(via)
         return PathRow(path.name, via + 1, in_full=True), span
 
-    yield from _found(points, place)
+    yield from _arc_findings(points, place)
 
 
-def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
+def _arc_findings(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     """points: (n, 3, 3) start, via and end; NaN for a point that is not known."""
     arcs = ArcMeasures.through(points)
     close = (arcs.sides < LEAST_APART).any(axis=1)  # NaN is no length, so it never is
@@ -115,10 +117,10 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
         (NEARLY_STRAIGHT, arcs.apart, sound & (arcs.apart < LEAST_ANGLE)),
         (NEARLY_ROUND, arcs.around, sound & (arcs.around > MOST_ANGLE)),
     ):
-        yield from _of_angle(rule, angle, np.flatnonzero(rows), place)
+        yield from _angle_findings(rule, angle, np.flatnonzero(rows), place)
 
 
-def _of_angle(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[Diagnostic]:
+def _angle_findings(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[Diagnostic]:
     """One finding for all rows of a path, with the angle of the worst; one for each that has a
     line of its own.
     """
@@ -136,7 +138,7 @@ def _of_angle(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[
     yield rule(about=about, angle=angle[worst])
 
 
-def _position(program: Program, expression: Expression) -> Floats | None:
+def _position_of(program: Program, expression: Expression) -> Floats | None:
     if isinstance(expression, TargetValue):
         return np.array(expression.target.pose.position)
     target = program.targets.get(expression.name) if isinstance(expression, Name) else None

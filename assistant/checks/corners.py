@@ -14,20 +14,20 @@ from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, figure
 from assistant.program.motion import Kind
 
-TURN: Final = 0.1
+TURN_ON_SPOT: Final = 0.1
 """mm of way below which a move is a turn on the spot, which no corner is measured by."""
-LEAST: Final = 0.1
+LEAST_CUT: Final = 0.1
 """mm by which the path must come nearer to a target than its corner says. A corner of r mm where
 the path turns by a passes the target at r / 2 · sin(a / 2), as a parabola does. One that is larger
 than the way counts as long as that: on a dense path it just says not to stop."""
 
-CUT: Final = info(
+CORNER_TOO_LARGE: Final = info(
     "CK321",
     "the corner of {radius:g} mm is more than half of the {way} mm to the next or the last "
     "target, so a controller rounds it by {half} mm at most{worst}",
     "state a smaller corner, or put the targets further apart",
 )
-CLOSER: Final = info(
+TARGETS_WITHIN_CORNER: Final = info(
     "CK322",
     "targets lie {way} mm apart, nearer than their corner of {radius:g} mm, which a controller "
     "rounds by {half} mm at most{worst}",
@@ -37,13 +37,13 @@ CLOSER: Final = info(
 
 def corners(view: ProgramView) -> Iterator[Diagnostic]:
     for run_view in view.run_views:
-        found = _corners(run_view.moves)
+        found = _rounded_rows(run_view.moves)
         with np.errstate(invalid="ignore"):
             meant = np.minimum(found.radius, found.way)
             lost = (meant - found.way / 2.0) * np.sin(found.angle / 2.0) / 2.0
             closer = found.radius > found.way
-        for rule, chosen in ((CUT, ~closer), (CLOSER, closer)):
-            at = np.flatnonzero(chosen & (lost > LEAST))
+        for rule, chosen in ((CORNER_TOO_LARGE, ~closer), (TARGETS_WITHIN_CORNER, closer)):
+            at = np.flatnonzero(chosen & (lost > LEAST_CUT))
             for group, worst in run_view.groups(found.rows[at], lost[at]):
                 here = at[worst]
                 way = float(found.way[here])
@@ -58,7 +58,7 @@ def corners(view: ProgramView) -> Iterator[Diagnostic]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Corners:
+class _RoundedRows:
     """k rows of a run that are passed in a corner.
 
     radius: (k,) mm. way: (k,) mm, the shorter of the ways to and from the row; NaN where one of
@@ -71,7 +71,7 @@ class _Corners:
     angle: Floats
 
 
-def _corners(moves: Moves) -> _Corners:
+def _rounded_rows(moves: Moves) -> _RoundedRows:
     run = moves.run
     radius = moves.radii[run.pace.blend]
     # Of a move the row that it ends at; the via point of an arc is none.
@@ -79,7 +79,7 @@ def _corners(moves: Moves) -> _Corners:
     rows = rows[rows + 1 < len(run)]
     if not len(rows):
         nothing = np.empty(0)
-        return _Corners(rows, nothing, nothing, nothing)
+        return _RoundedRows(rows, nothing, nothing, nothing)
     after = np.where(run.kinds[rows + 1] == Kind.VIA, rows + 2, rows + 1)
     rows, after = rows[after < len(run)], after[after < len(run)]
     before = np.where(run.kinds[rows] == Kind.END, rows - 2, rows - 1)
@@ -97,8 +97,10 @@ def _corners(moves: Moves) -> _Corners:
             ways[place] = moves.length[own]
             directions[place] = moves.tangents(own, at_end=at_end)
     same = run.mounting.unchanged()
-    apart = ~same[after] | ~(same[rows] | (rows == 0)) | (came < TURN) | (goes < TURN)
+    apart = (
+        ~same[after] | ~(same[rows] | (rows == 0)) | (came < TURN_ON_SPOT) | (goes < TURN_ON_SPOT)
+    )
     came[apart] = np.nan
     cross = norms(np.cross(arriving, leaving))
     angle = np.arctan2(cross, np.einsum("ij,ij->i", arriving, leaving))
-    return _Corners(rows, radius[rows], np.minimum(came, goes), angle)
+    return _RoundedRows(rows, radius[rows], np.minimum(came, goes), angle)

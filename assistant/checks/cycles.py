@@ -11,10 +11,10 @@ from assistant.base.diagnostics import Diagnostic, info
 from assistant.checks.views import ProgramView, figure
 from assistant.robots import Robot
 
-CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}
+SETPOINT_CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}
 """Controller → seconds between two places that it commands: the cycle of its real-time external
 control (Mitsubishi manuals A3379 and of the CR800)."""
-USUAL: Final = 0.004
+IRC5_CYCLE: Final = 0.004
 """The same of an IRC5: the cycle of its externally guided motion (option 689-1)."""
 LEAST_IN_A_ROW: Final = 10
 """So many such moves must follow each other: a few among longer ones are planned ahead."""
@@ -29,7 +29,7 @@ TOO_DENSE: Final = info(
 
 def cycle_of(robot: Robot) -> float:
     """Seconds between two places that the controller of a robot commands."""
-    return CYCLES.get(robot.controller, USUAL)
+    return SETPOINT_CYCLES.get(robot.controller, IRC5_CYCLE)
 
 
 def cycles(view: ProgramView) -> Iterator[Diagnostic]:

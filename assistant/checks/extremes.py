@@ -53,14 +53,14 @@ def extremes_of(moves: Moves) -> Extremes:
     extremes = Extremes(far, far.copy(), far.copy(), never, never.copy(), np.zeros(m), nothing)
     uneven = [np.empty(0, np.intp)]
     for at, joints in _pieces(moves, extremes):
-        uneven.append(at[_look(moves.robot, extremes, at, joints)])
+        uneven.append(at[_update_extremes(moves.robot, extremes, at, joints)])
     again = np.concatenate(uneven)
     parts = min(Peaks.MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
     if parts > Peaks.PARTS[-1][1]:
-        _forget(extremes, again)
+        _clear_ends(extremes, again)
         extremes.crossed[again] = extremes.by_ends[again]
         for at, joints in _sampled(moves, again, parts):
-            _look(moves.robot, extremes, at, joints)
+            _update_extremes(moves.robot, extremes, at, joints)
             if moves.robot.arm.named:
                 _peak(moves, extremes, at, joints)
     return extremes
@@ -126,7 +126,7 @@ def _pieces(moves: Moves, extremes: Extremes) -> Iterator[tuple[Rows, Floats]]:
     _crossed_at_targets(moves, extremes)
     extremes.by_ends[:] = extremes.crossed
     wanted = np.flatnonzero((wide > Peaks.STRAIGHT) & ~extremes.crossed)
-    _forget(extremes, wanted)  # ends so far apart tell nothing of the way
+    _clear_ends(extremes, wanted)  # ends so far apart tell nothing of the way
     if moves.robot.arm.named:
         wanted = wanted[_same_branch(moves, wanted)]
     counts = np.array([parts for _, parts in Peaks.PARTS])
@@ -160,7 +160,7 @@ def _crossed_at_targets(moves: Moves, extremes: Extremes) -> None:
     extremes.crossed[through] = extremes.crossed[through + 1] = True
 
 
-def _forget(extremes: Extremes, moves: Rows) -> None:
+def _clear_ends(extremes: Extremes, moves: Rows) -> None:
     """What the ends of moves have shown."""
     for least in (extremes.wrist, extremes.elbow, extremes.shoulder):
         least[moves] = np.inf
@@ -196,7 +196,7 @@ def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Float
             yield at[inside], joints[inside]
 
 
-def _look(robot: Robot, extremes: Extremes, at: Rows, joints: Floats) -> Truths:
+def _update_extremes(robot: Robot, extremes: Extremes, at: Rows, joints: Floats) -> Truths:
     """Takes down what some of the moves come to; which of them are uneven (k,).
 
     joints: (k, parts + 1, a) deg.

@@ -12,9 +12,9 @@ from assistant.base.diagnostics import Diagnostic, warning
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, RunView, figure
 
-TOLERANCE: Final = 1.02
+SPEED_TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
-SHORTEST: Final = 0.1
+SHORTEST_RUN_UP: Final = 0.1
 """seconds between two stops below which no joint gets to its full speed. The maker's own planning
 of the FR robots (melfa_ros2_driver) lets an axis take about 0.05 s to get there and as much to
 stop."""
@@ -38,8 +38,8 @@ def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
             stated = (
                 np.isfinite(moves.tcp) & np.isfinite(run_view.seconds) & (run_view.seconds > 0.0)
             )
-        stated &= ~extremes.crossed & (_between_stops(run_view) >= SHORTEST)
-        fast = np.flatnonzero(stated & (ratio > TOLERANCE))
+        stated &= ~extremes.crossed & (_between_stops(run_view) >= SHORTEST_RUN_UP)
+        fast = np.flatnonzero(stated & (ratio > SPEED_TOLERANCE))
         for group, worst in run_view.groups(moves.rows[fast], ratio[fast]):
             at = int(fast[worst])
             axis = int(extremes.axis[at])
@@ -51,12 +51,12 @@ def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
                 unit=robot.units[axis],
                 needed=robot.speeds[axis] * ratio[at],
                 limit=robot.speeds[axis],
-                programmed=_speed(moves, at, float(run_view.seconds[at])),
-                possible=_speed(moves, at, float(extremes.seconds[at])),
+                programmed=_speed_text(moves, at, float(run_view.seconds[at])),
+                possible=_speed_text(moves, at, float(extremes.seconds[at])),
             )
 
 
-def _speed(moves: Moves, at: int, seconds: float) -> str:
+def _speed_text(moves: Moves, at: int, seconds: float) -> str:
     """How fast a move is that takes so long, of the TCP, or of a turn on the spot."""
     length, turn = float(moves.length[at]), float(moves.turn[at])
     if length / moves.tcp[at] >= turn / moves.rotation[at]:
@@ -73,11 +73,16 @@ def _between_stops(run_view: RunView) -> Floats:
     chain = np.cumsum(~joined) - 1
     whole = np.bincount(chain, np.nan_to_num(needed, posinf=0.0), minlength=1)
     # A corner into or out of what is no such move is passed at an unknown, maybe full speed.
-    open_ = np.bincount(chain, (begins | ends) & ~_closed(joined, begins, ends), minlength=1) > 0
+    open_ = (
+        np.bincount(
+            chain, (begins | ends) & ~_between_known_moves(joined, begins, ends), minlength=1
+        )
+        > 0
+    )
     return np.asarray(np.where(open_, np.inf, whole)[chain], dtype=np.float64)
 
 
-def _closed(joined: Truths, begins: Truths, ends: Truths) -> Truths:
+def _between_known_moves(joined: Truths, begins: Truths, ends: Truths) -> Truths:
     """(m,) whether the corners at both ends of a move lead to other moves that are known."""
     after = np.append(joined[1:], False)
     return np.asarray((joined | ~begins) & (after | ~ends))

@@ -16,17 +16,17 @@ from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 from assistant.program.statements import Follow
 
-SLOWEST: Final = 0.01
-FASTEST: Final = 20_000.0
+SLOWEST_SPEED: Final = 0.01
+FASTEST_SPEED: Final = 20_000.0
 """mm/s. Below the one a controller's own printing leaves nothing; above the other no arm is."""
-SMALLEST: Final = 0.01
-LARGEST: Final = 5_000.0
+SMALLEST_RADIUS: Final = 0.01
+LARGEST_RADIUS: Final = 5_000.0
 """mm of corner radius that a program can print, and that fits into a cell."""
 
-SPEED = error(
+IMPLAUSIBLE_SPEED = error(
     "CK201", "a speed of {value:g} mm/s cannot be meant", "state speeds in mm/s, from 0.01 to 20000"
 )
-BLEND = error(
+IMPLAUSIBLE_BLEND = error(
     "CK202",
     "a corner radius of {value:g} mm cannot be meant",
     "state it in mm, from 0.01 to 5000, or stop at the target with `fine`",
@@ -41,7 +41,7 @@ def magnitudes(program: Program) -> Iterator[Diagnostic]:
     moved: set[str] = set()
     for statement in program.statements():
         if isinstance(statement, Follow):
-            yield from _of_path(statement)
+            yield from _magnitudes_of_path(statement)
             tables = (*statement.path.speeds, *statement.path.blends)
             moved.update(v.name.lower() for v in tables if isinstance(v, Name))
             continue
@@ -52,20 +52,22 @@ def magnitudes(program: Program) -> Iterator[Diagnostic]:
             elif isinstance(part, Name):
                 moved.add(part.name.lower())
         for value in stated:
-            yield from _wrong(value, span=statement.span)
+            yield from _implausible(value, span=statement.span)
     for name, speed in program.speeds.items():
         if name.lower() in moved or not _is_of_other_axes(speed):
-            yield from _wrong(speed, about=Declared(name, "speeds"))
+            yield from _implausible(speed, about=Declared(name, "speeds"))
     for name, blend in program.blends.items():
-        yield from _wrong(blend, about=Declared(name, "blends"))
+        yield from _implausible(blend, about=Declared(name, "blends"))
 
 
-def _of_path(statement: Follow) -> Iterator[Diagnostic]:
+def _magnitudes_of_path(statement: Follow) -> Iterator[Diagnostic]:
     """Findings on speeds and blends of a path, at each of its rows that has a line."""
     path = statement.path
     for table, column in ((path.speeds, path.speed), (path.blends, path.blend)):
         for number, value in enumerate(table):
-            found = () if isinstance(value, Name) else tuple(_wrong(value, span=statement.span))
+            found = (
+                () if isinstance(value, Name) else tuple(_implausible(value, span=statement.span))
+            )
             if not found or path.places is None:
                 yield from found
                 continue
@@ -74,13 +76,17 @@ def _of_path(statement: Follow) -> Iterator[Diagnostic]:
                 yield from (replace(one, span=span) for one in found)
 
 
-def _wrong(value: Speed | Blend, **place: Any) -> Iterator[Diagnostic]:
+def _implausible(value: Speed | Blend, **place: Any) -> Iterator[Diagnostic]:
     if isinstance(value, Speed):
-        if math.isfinite(value.tcp) and not SLOWEST <= value.tcp <= FASTEST:
-            yield SPEED(value=value.tcp, **place)
+        if math.isfinite(value.tcp) and not SLOWEST_SPEED <= value.tcp <= FASTEST_SPEED:
+            yield IMPLAUSIBLE_SPEED(value=value.tcp, **place)
         return
     radii = [r for r in (value.radius, value.exit) if r is not None and math.isfinite(r)]
-    yield from (BLEND(value=r, **place) for r in radii if not SMALLEST <= r <= LARGEST)
+    yield from (
+        IMPLAUSIBLE_BLEND(value=r, **place)
+        for r in radii
+        if not SMALLEST_RADIUS <= r <= LARGEST_RADIUS
+    )
 
 
 def _is_of_other_axes(speed: Speed) -> bool:

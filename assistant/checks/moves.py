@@ -186,7 +186,7 @@ def moves_of(
             speeds.get(s.name.lower(), nothing) if isinstance(s, Name) else s
             for s in run.pace.speeds
         ),
-        radii=np.array([_radius(blend, blends) for blend in run.pace.blends]),
+        radii=np.array([_blend_radius(blend, blends) for blend in run.pace.blends]),
     )
 
 
@@ -201,7 +201,7 @@ def _with_start(run: Run, robot: Robot) -> tuple[Floats, Floats]:
     return np.concatenate([here[None, :3], p]), np.concatenate([here[None, 3:], q])
 
 
-def _radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
+def _blend_radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
     """Mm before the target at which the path may leave it, 0 for a stop, NaN if not known."""
     known = named.get(blend.name.lower()) if isinstance(blend, Name) else blend
     if known is None:

@@ -12,12 +12,12 @@ from assistant.program.passes.trigger_positions import constant_numbers, constan
 from assistant.program.program import Program, walk
 from assistant.program.statements import Measure, MoveStatement
 
-BEYOND = warning(
+BEYOND_PATH = warning(
     "CK111",
     "`{name}` is set {amount:g} mm {where} of a way of {length:.2f} mm",
     "give a distance within the way, or set it before the move",
 )
-OUTSIDE = error(
+OUTSIDE_PATH = error(
     "CK112",
     "`{name}` is set at {amount:g} {unit} of the way of a move, which no way has",
     "write {most}",
@@ -41,11 +41,11 @@ def outputs(program: Program) -> Iterator[Diagnostic]:
                 if amount < 0 or (one.measure == "share" and amount > 100):
                     unit = UNITS[one.measure]
                     most = "0 to 100 %" if one.measure == "share" else f"0 {unit} or more"
-                    yield OUTSIDE(
+                    yield OUTSIDE_PATH(
                         name=one.signal, amount=amount, unit=unit, most=most, span=move.span
                     )
                 elif length is not None and one.measure in ENDS and amount > length:
                     where = ENDS[one.measure]
-                    yield BEYOND(
+                    yield BEYOND_PATH(
                         name=one.signal, amount=amount, where=where, length=length, span=move.span
                     )

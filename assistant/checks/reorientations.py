@@ -13,9 +13,9 @@ from assistant.robots.programming import has
 
 LEAST_LENGTH: Final = 1.0
 """mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
-SLOWER: Final = 1.1
+LEAST_SLOWDOWN: Final = 1.1
 """Times that a move must take longer to be told of,"""
-LATER: Final = 0.1
+LEAST_DELAY: Final = 0.1
 """and seconds: less is lost in accelerating."""
 
 TURN_BINDS: Final = info(
@@ -35,7 +35,7 @@ def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
         with np.errstate(invalid="ignore", divide="ignore"):
             alone = moves.length / moves.tcp
             turning = moves.turn / moves.rotation
-        binds = (turning > SLOWER * alone) & (turning > alone + LATER)
+        binds = (turning > LEAST_SLOWDOWN * alone) & (turning > alone + LEAST_DELAY)
         binds &= (moves.tcp > 0.0) & (moves.rotation > 0.0)  # others cannot be meant: CK201
         rows = np.flatnonzero(binds & (moves.length >= LEAST_LENGTH) & np.isfinite(moves.tcp))
         for group, worst in run_view.groups(moves.rows[rows], turning[rows] - alone[rows]):

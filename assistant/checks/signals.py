@@ -12,17 +12,17 @@ from assistant.program.analysis.io_use import used_signal_names
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import head, records
 
-SHARED: Final = warning(
+SHARED_NUMBER: Final = warning(
     "CK121",
     "`{name}` and `{other}` are both the {kind} {direction} {number}",
     "give each signal its own number, or use one name for it",
 )
-BEYOND: Final = warning(
+BEYOND_BITS: Final = warning(
     "CK122",
     "`{name}` has {bits} bits, 0 to {most}, and is compared with {value:g}",
     "give the group as many bits as the number needs, or correct the number",
 )
-SIGNED: Final = 16
+LEAST_SIGNED_BITS: Final = 16
 """Bits from which on controllers may take a group for a number with a sign."""
 COMPARISONS: Final = frozenset(("=", "<>", "<", ">", "<=", ">="))
 
@@ -45,7 +45,7 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
             both = {name.lower(), other.lower()} <= used
             if signal.direction == "input" and signal.bits != program.signals[other].bits:
                 both = False
-            yield SHARED(
+            yield SHARED_NUMBER(
                 severity=Severity.ERROR if both else Severity.WARNING,
                 name=name,
                 other=other,
@@ -69,15 +69,17 @@ def group_values(program: Program) -> Iterator[Diagnostic]:
         for statement in walk(procedure.body):
             names = groups
             if isinstance(statement, p.While):  # an answer is asked for until it is in its range
-                names = {**groups, **_read(statement.body, groups)}
-            for name, bits, value in _compared(statement, names):
+                names = {**groups, **_group_data(statement.body, groups)}
+            for name, bits, value in _group_comparisons(statement, names):
                 most = 2**bits - 1
-                least = -(2 ** (bits - 1)) if bits >= SIGNED else 0
+                least = -(2 ** (bits - 1)) if bits >= LEAST_SIGNED_BITS else 0
                 if not least <= value <= most:
-                    yield BEYOND(name=name, bits=bits, most=most, value=value, span=statement.span)
+                    yield BEYOND_BITS(
+                        name=name, bits=bits, most=most, value=value, span=statement.span
+                    )
 
 
-def _read(
+def _group_data(
     body: tuple[p.Statement, ...], groups: dict[str, tuple[str, int]]
 ) -> dict[str, tuple[str, int]]:
     """By lower-case name the data that a loop reads from groups, with the group."""
@@ -89,7 +91,7 @@ def _read(
     }
 
 
-def _compared(
+def _group_comparisons(
     statement: p.Statement, names: dict[str, tuple[str, int]]
 ) -> Iterator[tuple[str, int, float]]:
     """Groups of a statement, their bits, and the numbers that they are compared with."""

@@ -25,25 +25,25 @@ SHOULDER_DISTANCE: Final = 20.0
 """mm from axis 1: past it at 100 mm/s, axis 1 needs 100 / 20 = 5 rad/s = 290 deg/s, about what the
 axes of the catalogue can do."""
 
-WRIST: Final = info(
+NEAR_WRIST: Final = info(
     "CK301",
     "a linear or circular move takes axis 5 to {angle:.1f} degrees from the singularity of the "
     "wrist{worst}",
     "tilt the tool or the work piece so that axis 5 stays away from 0, or use a joint move",
 )
-THROUGH: Final = warning(
+THROUGH_WRIST: Final = warning(
     "CK304",
     "between its ends, a linear or circular move goes straight through the singularity of the "
     "wrist, where axes 4 and 6 would have to turn by half a turn at once{worst}",
     "move the work piece, tilt the tool a little, or use a joint move",
 )
-ELBOW: Final = info(
+NEAR_ELBOW: Final = info(
     "CK302",
     "a linear or circular move takes the elbow to {angle:.1f} degrees from the stretched "
     "arm{worst}",
     "move the work piece nearer to the robot, or use a joint move",
 )
-SHOULDER: Final = info(
+NEAR_SHOULDER: Final = info(
     "CK303",
     "a linear or circular move takes the wrist centre to {distance:.0f} mm from axis 1{worst}",
     "move the work piece away from the axis, tilt the tool, or use a joint move",
@@ -56,11 +56,11 @@ def singularities(view: ProgramView) -> Iterator[Diagnostic]:
         wrist = np.where(extremes.crossed, np.inf, extremes.wrist)
         within = np.flatnonzero(extremes.crossed & ~extremes.by_ends)
         for group, worst in run_view.groups(rows[within], -extremes.wrist[within]):
-            yield run_view.told(THROUGH, group, int(rows[within[worst]]))
+            yield run_view.told(THROUGH_WRIST, group, int(rows[within[worst]]))
         for rule, value, least, field in (
-            (WRIST, wrist, WRIST_ANGLE, "angle"),
-            (ELBOW, extremes.elbow, ELBOW_ANGLE, "angle"),
-            (SHOULDER, extremes.shoulder, SHOULDER_DISTANCE, "distance"),
+            (NEAR_WRIST, wrist, WRIST_ANGLE, "angle"),
+            (NEAR_ELBOW, extremes.elbow, ELBOW_ANGLE, "angle"),
+            (NEAR_SHOULDER, extremes.shoulder, SHOULDER_DISTANCE, "distance"),
         ):
             near = np.flatnonzero(value < least)
             for group, worst in run_view.groups(rows[near], -value[near]):

@@ -138,7 +138,7 @@ def _overrides(solution: SolvedProgram) -> dict[int, float]:
     that only running the program tells counts as 1.
     """
     program = solution.program
-    stated = [_share(s) for s in program.statements() if isinstance(s, SetOverride)]
+    stated = [_override_share(s) for s in program.statements() if isinstance(s, SetOverride)]
     shares: dict[int, float] = {}
     for procedure in program.procedures if stated else ():
         first = program.entry is not None and procedure.name.lower() == program.entry.lower()
@@ -146,14 +146,14 @@ def _overrides(solution: SolvedProgram) -> dict[int, float]:
         legs = iter(solution.legs.get(procedure.name, ()))
         for statement in walk(procedure.body):
             if isinstance(statement, SetOverride):
-                share = _share(statement)
+                share = _override_share(statement)
             elif isinstance(statement, Moving):
                 leg = next(legs, None)
                 shares[id(leg)] = share
     return shares
 
 
-def _share(statement: SetOverride) -> float:
+def _override_share(statement: SetOverride) -> float:
     value = statement.percent
     if isinstance(value, Number) and 0.0 < float(value.value) <= 100.0:
         return float(value.value) / 100.0

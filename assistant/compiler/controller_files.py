@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.diagnostics import Diagnostic, Refused, info, warning
 from assistant.base.source_text import decode, read_bytes
 from assistant.compiler.cell_file import with_lines, with_signals
-from assistant.languages.tasks import Configured
+from assistant.languages.tasks import ControllerConfiguration
 from assistant.program.undeclared_names import ChannelLine
 
 if TYPE_CHECKING:
@@ -52,10 +52,10 @@ ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
 
 def configured(
     language: Language[Any], file: str | FilePath
-) -> tuple[Configured, tuple[Diagnostic, ...]]:
+) -> tuple[ControllerConfiguration, tuple[Diagnostic, ...]]:
     """What the files beside one of a program state; a file that cannot be read is a finding."""
     if language.surroundings is None:
-        return Configured(), ()
+        return ControllerConfiguration(), ()
     unread = list[Diagnostic]()
 
     def read(path: FilePath) -> str | None:
@@ -87,7 +87,9 @@ class Placed:
     findings: tuple[Diagnostic, ...] = ()
 
 
-def as_configured(program: Program, language: Language[Any], given: Configured) -> Placed:
+def as_configured(
+    program: Program, language: Language[Any], given: ControllerConfiguration
+) -> Placed:
     """A program as the files of its controller have it."""
     before, names = program, _held(program, language, given)
     if names:
@@ -122,7 +124,7 @@ def as_configured(program: Program, language: Language[Any], given: Configured) 
     return Placed(program, arm, tuple(found))
 
 
-def _held(program: Program, language: Language[Any], given: Configured) -> Supplied:
+def _held(program: Program, language: Language[Any], given: ControllerConfiguration) -> Supplied:
     """What nobody declares and the controller holds a value of."""
     if program.origin is None or not given.values:
         return ()

@@ -22,11 +22,11 @@ from assistant.compiler.loading import (
     with_called,
     with_process,
 )
-from assistant.languages.tasks import Shared
+from assistant.languages.tasks import SharedData
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.tasks import Loading
+    from assistant.languages.tasks import TaskLoading
     from assistant.robots import Robot
 
 CHOSEN: Final = warning(
@@ -139,7 +139,7 @@ def _spoken(file: str) -> Language[Any] | None:
     return languages.of_file(file, read_bytes(file))
 
 
-def _unit(language: Language[Any], loading: Loading, file: str) -> _Unit:
+def _unit(language: Language[Any], loading: TaskLoading, file: str) -> _Unit:
     tree = language.parse(language.read(file))
     shared = [(name.lower(), kind) for name, kind in language.shared_names(tree)]
     is_list = FilePath(file).suffix.lower() in loading.lists
@@ -182,7 +182,7 @@ class _Group:
 class _Grouping:
     """The tasks of all files of one language."""
 
-    def __init__(self, language: str, loading: Loading, units: Sequence[_Unit]) -> None:
+    def __init__(self, language: str, loading: TaskLoading, units: Sequence[_Unit]) -> None:
         self.language, self.loading = language, loading
         self.units = units
         self.rooms: dict[FilePath, list[_Unit]] = {}
@@ -207,20 +207,20 @@ class _Grouping:
         groups += self._libraries(rest)
         shared = self._shared(groups)
         for group in groups:
-            known = shared.get(id(group)) or Shared(tuple(unit.tree for unit in group.units))
+            known = shared.get(id(group)) or SharedData(tuple(unit.tree for unit in group.units))
             begins = any(unit.begins for unit in group.units)
             files = tuple(unit.path for unit in group.units)
             said = (*group.findings, *known.findings)
             yield Task(group.name, files, self.language, begins, said, known.trees)
 
-    def _shared(self, groups: Sequence[_Group]) -> dict[int, Shared]:
+    def _shared(self, groups: Sequence[_Group]) -> dict[int, SharedData]:
         """What tasks of one controller have in common, by the identity of the task."""
         beside: dict[FilePath, list[_Group]] = {}
         for group in groups:
             rooms = {one.room for one in group.units if not self.loading.shared(one.room)}
             if len(rooms) == 1 and all(map(self.loading.closed, rooms)):
                 beside.setdefault(rooms.pop().parent, []).append(group)
-        found: dict[int, Shared] = {}
+        found: dict[int, SharedData] = {}
         for several in beside.values():
             if len(several) > 1:
                 told = [(FilePath(g.name).name, [u.tree for u in g.units]) for g in several]

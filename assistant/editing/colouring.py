@@ -13,18 +13,18 @@ from assistant.editing.workspace import Document
 from assistant.program.editor_support import Declaration, Editable, KnownWord, LineFacts
 
 _SORT: Final = {name: number for number, name in enumerate(SORTS)}
-_PLAIN: Final = {
+_PLAIN_SORTS: Final = {
     kind: _SORT[kind]
     for kind in ("comment", "keyword", "number", "string", "operator", "label", "property")
 }
-_DECLARED: Final[Mapping[str, str]] = {
+_DECLARED_SORTS: Final[Mapping[str, str]] = {
     "procedure": "procedure", "function": "function", "interrupt": "procedure", "record": "type",
     "type": "type", "constant": "variable", "variable": "variable", "target": "target",
     "parameter": "parameter", "label": "label", "step": "label", "module": "type",
     "program": "type",
 }  # fmt: skip
 DECLARATION, READONLY, PREDEFINED = 1, 2, 4
-Columns = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], tuple[int, ...]]
+LineTokens = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], tuple[int, ...]]
 
 
 def tokens(document: Document, first: int, last: int | None) -> Tokens:
@@ -38,7 +38,7 @@ def tokens(document: Document, first: int, last: int | None) -> Tokens:
         for facts in other.facts:
             for one in facts.declares:
                 if not one.implied or one.kind == "label":
-                    declared.setdefault(editable.folded(one.name), _packed(one))
+                    declared.setdefault(editable.folded(one.name), _packed_sort(one))
     lines = document.lines
     rows: list[tuple[int, int, int, int, int]] = []
     known, narrow = editable.known(), document.text.isascii()
@@ -47,25 +47,25 @@ def tokens(document: Document, first: int, last: int | None) -> Tokens:
     ):
         text = "" if narrow else lines.line(number)
         ascii_line = narrow or text.isascii()
-        for start, end, sort, marks in _line(editable, facts, declared, known):
+        for start, end, sort, marks in _line_tokens(editable, facts, declared, known):
             if not ascii_line:
-                start, end = _units(text, start), _units(text, end)
+                start, end = _utf16_column(text, start), _utf16_column(text, end)
             rows.append((number, start, end - start, sort, marks))
     table = np.array(rows, dtype=np.int32).reshape(-1, 5)
     return Tokens(*(np.ascontiguousarray(column) for column in table.T))
 
 
 @lru_cache(maxsize=1 << 12)
-def _units(text: str, column: int) -> int:
+def _utf16_column(text: str, column: int) -> int:
     return len(text[:column].encode("utf-16-le")) // 2
 
 
-def _packed(one: Declaration) -> int:
+def _packed_sort(one: Declaration) -> int:
     readonly = READONLY if one.fixed or one.kind == "constant" else 0
-    return _SORT[_DECLARED[one.kind]] << 3 | readonly
+    return _SORT[_DECLARED_SORTS[one.kind]] << 3 | readonly
 
 
-def _line(
+def _line_tokens(
     editable: Editable,
     facts: LineFacts,
     declared: Mapping[str, int],
@@ -76,9 +76,9 @@ def _line(
     for kind, start, end, text in facts.words:
         own = here.get(start)
         if own is not None:
-            packed = _packed(own) | DECLARATION
+            packed = _packed_sort(own) | DECLARATION
         elif kind != "name":
-            packed = _PLAIN[kind] << 3
+            packed = _PLAIN_SORTS[kind] << 3
         else:
             key = editable.folded(text)
             packed = declared.get(key, -1)

@@ -11,14 +11,14 @@ from assistant.editing.places import Place, Range
 from assistant.editing.workspace import Document
 from assistant.program.editor_support import Declaration, Editable, Word
 
-MOST: Final = 500
+MOST_COMPLETIONS: Final = 500
 """Words that are told at once."""
-_DECLARED: Final = {
+_COMPLETION_KINDS: Final = {
     "procedure": "procedure", "function": "function", "interrupt": "procedure", "record": "type",
     "type": "type", "constant": "variable", "variable": "variable", "target": "target",
     "parameter": "parameter", "label": "label", "step": "label",
 }  # fmt: skip
-_LATER: Final = 1000
+_LATER_RANK: Final = 1000
 """Added to the rank of words that do not begin with what is written."""
 _STARTING: Final = ("instruction", "procedure", "keyword", "variable")
 _VALUES: Final = ("target", "variable", "parameter", "function", "label")
@@ -67,7 +67,7 @@ def _offered(
     begins = not any(word.kind != "number" for word in before)
     first = _STARTING if begins else _VALUES
     for one in _declared(document, line):
-        kind = cast(CompletionKind, _DECLARED.get(one.kind, "variable"))
+        kind = cast(CompletionKind, _COMPLETION_KINDS.get(one.kind, "variable"))
         own = one.scope == "routine"
         yield one.name, kind, one.detail, "", (0 if kind in first else 2) - own
     for known in speaks.known().values():
@@ -114,11 +114,11 @@ def _fitting(
         key = speaks.folded(offer[0])
         if not _fits(key, wanted):
             continue
-        rank = offer[4] + (0 if key.startswith(wanted) else _LATER)
+        rank = offer[4] + (0 if key.startswith(wanted) else _LATER_RANK)
         if key not in found or rank < found[key][0]:
             found[key] = rank, offer
     ranked = sorted(found.values(), key=lambda one: (one[0], one[1][0].lower()))
-    for rank, (name, kind, detail, about, _) in ranked[:MOST]:
+    for rank, (name, kind, detail, about, _) in ranked[:MOST_COMPLETIONS]:
         yield Completion(name, kind, name, range, detail, about, rank)
 
 

@@ -26,9 +26,11 @@ class Hunk:
 def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
     """In the order of the lines; `last` and `new_last` are one behind."""
     most = min(len(before), len(after))
-    start = _equal(most, lambda a, b: before[a:b] == after[a:b])
+    start = _common_lines(most, lambda a, b: before[a:b] == after[a:b])
     old, new = len(before), len(after)
-    end = _equal(most - start, lambda a, b: before[old - b : old - a] == after[new - b : new - a])
+    end = _common_lines(
+        most - start, lambda a, b: before[old - b : old - a] == after[new - b : new - a]
+    )
     old, new = old - end, new - end
     if start == old and start == new:
         return ()
@@ -42,7 +44,7 @@ def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
     )
 
 
-def _equal(most: int, are: Callable[[int, int], bool]) -> int:
+def _common_lines(most: int, are: Callable[[int, int], bool]) -> int:
     """How many are equal, from 0 on; many are compared at once."""
     low, high = 0, most
     while low < high:
@@ -51,7 +53,7 @@ def _equal(most: int, are: Callable[[int, int], bool]) -> int:
     return low
 
 
-class Moves:
+class LineMoves:
     """Where lines of one text stand in the next one."""
 
     def __init__(self, differing: Sequence[Hunk]) -> None:
@@ -80,7 +82,7 @@ class Moves:
         return number + shift
 
 
-def reverted(
+def reverted_lines(
     before: Sequence[str], after: Sequence[str], differing: Iterable[Hunk]
 ) -> tuple[str, ...]:
     """The lines after a change with some of the hunks as they were before."""
@@ -90,7 +92,7 @@ def reverted(
     return tuple(lines)
 
 
-def moved(findings: Iterable[Diagnostic], moves: Moves) -> Iterator[Diagnostic]:
+def moved_findings(findings: Iterable[Diagnostic], moves: LineMoves) -> Iterator[Diagnostic]:
     """Findings at the lines where they stand now; those of changed lines are left out."""
     for finding in findings:
         if finding.line is None:

@@ -15,7 +15,7 @@ from assistant.base.source_text import SomeLines, SourceText
 from assistant.editing.structure import Piece, Structure
 from assistant.program.editor_support import LineFacts
 
-MOST_LINES: Final = 200
+MOST_EXCERPT_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""
 
 
@@ -110,7 +110,7 @@ def _using(
 ) -> set[int]:
     """Pieces that name something, as long as there are not too many lines of them."""
     found: set[int] = set()
-    room = MOST_LINES
+    room = MOST_EXCERPT_LINES
     for index, piece in enumerate(made_of.pieces):
         if index in kept:
             continue

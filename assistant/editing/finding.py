@@ -12,25 +12,25 @@ def findings(document: Document, *, whole: bool) -> tuple[Found, ...]:
     """In the order of the lines."""
     found, settled = document.workspace.found(document, whole=whole)
     placed = [found_at(document, one, settled=settled) for one in found]
-    return tuple(sorted(placed, key=_order))
+    return tuple(sorted(placed, key=_text_order))
 
 
-def _order(one: Found) -> tuple[int, int, str]:
+def _text_order(one: Found) -> tuple[int, int, str]:
     return one.range.start.line, one.range.start.column, one.diagnostic.code
 
 
 def found_at(document: Document, finding: Diagnostic, *, settled: bool) -> Found:
-    return Found(finding, _range(document, finding), settled)
+    return Found(finding, _finding_range(document, finding), settled)
 
 
-def _range(document: Document, finding: Diagnostic) -> Range:
+def _finding_range(document: Document, finding: Diagnostic) -> Range:
     """Line and column where they are known: offsets of a program of several texts count on."""
     lines = document.lines
     if finding.line is None:
-        return _line(document, 0)
+        return _line_range(document, 0)
     line = min(max(finding.line - 1, 0), len(lines) - 1)
     if finding.column is None:
-        return _line(document, line)
+        return _line_range(document, line)
     if lines.narrow and finding.end_column is not None and finding.end_line == finding.line:
         most = lines.length(line)
         start_column = min(finding.column - 1, most)
@@ -44,7 +44,7 @@ def _range(document: Document, finding: Diagnostic) -> Range:
     return lines.range(Span(start, max(end, start)))
 
 
-def _line(document: Document, line: int) -> Range:
+def _line_range(document: Document, line: int) -> Range:
     lines = document.lines
     text = lines.line(line)
     start = lines.starts[line]

@@ -20,7 +20,7 @@ from assistant.findings.rulebook import is_adjustable
 
 MOST_TRIED: Final = 24
 """Edits of one finding that are tried."""
-MOST: Final = 5
+MOST_OFFERED: Final = 5
 _QUOTED: Final = re.compile(r"`([^`]+)`")
 _MEANT: Final = re.compile(r"did you mean ([^?]+)\?")
 _DELETE: Final = re.compile(r"\b(?:delete|remove|take)\b", re.IGNORECASE)
@@ -42,8 +42,8 @@ def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
     code = finding.code
     made: list[Fix] = []
     tried: set[tuple[Span, str]] = set()
-    for edit in _edits(document, found):
-        if (edit.span, edit.text) in tried or len(made) >= MOST:
+    for edit in _candidate_edits(document, found):
+        if (edit.span, edit.text) in tried or len(made) >= MOST_OFFERED:
             continue
         tried.add((edit.span, edit.text))
         if len(tried) > MOST_TRIED:
@@ -61,7 +61,7 @@ def _fix(document: Document, edit: _Edit, code: str, *, preferred: bool) -> Fix:
     return Fix(edit.title, code, {document.path: (change,)}, preferred)
 
 
-def _edits(document: Document, found: Found) -> Iterator[_Edit]:
+def _candidate_edits(document: Document, found: Found) -> Iterator[_Edit]:
     """What may be meant, the likeliest first."""
     finding, lines = found.diagnostic, document.lines
     span = lines.span(found.range)
@@ -74,7 +74,7 @@ def _edits(document: Document, found: Found) -> Iterator[_Edit]:
             yield from _word_for(document, finding, plain)
     missing = finding.missing or _undeclared(document, found)
     if missing:
-        yield from _near(document, found, missing)
+        yield from _similar_names(document, found, missing)
         yield from _declaring(document, missing)
     words = _quoted(finding)
     near = near_names(there, [word for word in words if word != there])
@@ -96,7 +96,7 @@ def _undeclared(document: Document, found: Found) -> str | None:
     return None if speaks.folded(here.word.text) in speaks.known() else here.word.text
 
 
-def _near(document: Document, found: Found, missing: str) -> Iterator[_Edit]:
+def _similar_names(document: Document, found: Found, missing: str) -> Iterator[_Edit]:
     """Declared names that are spelled like one that is not."""
     speaks = editable(document)
     assert speaks is not None

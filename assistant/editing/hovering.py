@@ -60,9 +60,9 @@ def _of_declared(document: Document, found: Named) -> Iterator[str]:
     yield _code(said)
     comment = list(_comment_above(home, found.at))
     if comment:
-        yield _plain("\n".join(comment))
+        yield _escaped_markdown("\n".join(comment))
     if home is not document:
-        yield _plain(f"in {home.path}")
+        yield _escaped_markdown(f"in {home.path}")
     if found.declared.kind == "target":
         yield from _of_target(home, found.declared.name)
 
@@ -87,7 +87,7 @@ def _of_target(document: Document, name: str) -> Iterator[str]:
     key = speaks.editable.folded(name)
     try:
         source = document.declared(frozenset({key})).source(document.path)
-        program = speaks.program(source, (), _robot(document))
+        program = speaks.program(source, (), _project_robot(document))
     except Refused:
         return
     for known, target in program.targets.items():
@@ -107,7 +107,7 @@ def _of_pose(document: Document, target: Target) -> Iterator[str]:
         f"position: {_numbers((x, y, z), ' mm')}  \n"
         f"turned: {_numbers(euler[::-1], '°')} about x, y, z in turn (Euler ZYX)"
     )
-    robot = _robot(document)
+    robot = _project_robot(document)
     if robot is None:
         return
     columns = np.array([_columns(target)])
@@ -124,7 +124,7 @@ def _columns(target: Target) -> list[int]:
     return list(configuration_row(target.configuration))
 
 
-def _robot(document: Document) -> Robot | None:
+def _project_robot(document: Document) -> Robot | None:
     return document.workspace.robot(document)
 
 
@@ -139,6 +139,6 @@ def _code(text: str) -> str:
     return f"{fence}\n{text}\n{fence}"
 
 
-def _plain(text: str) -> str:
+def _escaped_markdown(text: str) -> str:
     """A text that is no Markdown."""
     return "".join(f"\\{c}" if c in "\\`*_{}[]()#+-.!|<>&" else c for c in text)

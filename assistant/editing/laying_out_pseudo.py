@@ -12,11 +12,11 @@ from assistant.compiler.loading import parse_pseudo
 from assistant.editing.places import LINE_END
 from assistant.program.pseudo.editor_support import EditablePseudo
 
-INDENT: Final = "  "
+PSEUDO_INDENT: Final = "  "
 _DIVIDING: Final = ("else", "elseif", "case")
 
 
-def laid_out(source: SourceText, folder: FilePath | None) -> str:
+def laid_out_pseudo(source: SourceText, folder: FilePath | None) -> str:
     """The text in its layout, proven to say the same; raises Refused where it cannot be read.
 
     folder: of tables that are files of their own.
@@ -38,13 +38,13 @@ def _indented(text: str) -> str:
         at = behind
         bare = line.strip(" \t\f")
         if bare.startswith("|"):  # what stands behind it is as it is
-            made += INDENT * depth + line.lstrip(" \t\f") + end
+            made += PSEUDO_INDENT * depth + line.lstrip(" \t\f") + end
             continue
         facts = language.facts(line)
         first = facts.words[0].text if facts.words else ""
         less = facts.opens < 0 or first in _DIVIDING
         depth = max(depth + min(facts.opens, 0), 0)
         inner = depth - (less and facts.opens >= 0)
-        made += (INDENT * max(inner, 0) + bare if bare else "") + end
+        made += (PSEUDO_INDENT * max(inner, 0) + bare if bare else "") + end
         depth += max(facts.opens, 0) + facts.begins
     return made

@@ -29,7 +29,9 @@ def outline(document: Document) -> tuple[OutlineItem, ...]:
                 continue
             if one.kind == "variable" and one.detail in ("FOR", "for"):
                 continue
-            item = _item(document, line, one, routines[line].last if line in routines else line)
+            item = _outline_item(
+                document, line, one, routines[line].last if line in routines else line
+            )
             if line in routines and head is None:
                 head, inner = (item, routines[line].last), []
             else:
@@ -39,7 +41,7 @@ def outline(document: Document) -> tuple[OutlineItem, ...]:
     return _in_modules(document, made)
 
 
-def _item(document: Document, line: int, one: Declaration, last: int) -> OutlineItem:
+def _outline_item(document: Document, line: int, one: Declaration, last: int) -> OutlineItem:
     lines = document.lines
     whole = Range(
         range_of(lines, line, 0, 0).start, range_of(lines, last, 0, len(lines.line(last))).end

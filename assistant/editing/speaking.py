@@ -20,7 +20,7 @@ from assistant.compiler.project import configured
 from assistant.compiler.scenes import InCell
 from assistant.compiler.source_map import Places, Trace, at_its_line
 from assistant.compiler.translating import translate
-from assistant.editing.laying_out_pseudo import laid_out
+from assistant.editing.laying_out_pseudo import laid_out_pseudo
 from assistant.editing.places import LINE_END
 from assistant.languages import Language
 from assistant.program import pseudo
@@ -35,7 +35,7 @@ from assistant.robots import Robot
 PSEUDO: Final = "pseudo"
 
 
-class Spoken(abc.ABC):
+class LanguageAdapter(abc.ABC):
     """name: of the language, `pseudo` for the pseudo-program. editable: None where it tells
     nothing but findings.
     """
@@ -111,14 +111,14 @@ class Translated:
 
 
 @cache
-def spoken(name: str) -> Spoken | None:
+def adapter_of(name: str) -> LanguageAdapter | None:
     """The language of that name, None for what is none."""
     if name == PSEUDO:
-        return _Pseudo()
-    return _Vendor(languages.get(name)) if name in languages.names() else None
+        return _PseudoAdapter()
+    return _VendorAdapter(languages.get(name)) if name in languages.names() else None
 
 
-def name_of(path: str, text: str) -> str:
+def language_name(path: str, text: str) -> str:
     """The name of the language that a text is in, empty for none."""
     if FilePath(path).suffix.lower() == pseudo.SUFFIX:
         return PSEUDO
@@ -126,7 +126,7 @@ def name_of(path: str, text: str) -> str:
     return "" if found is None else found.name
 
 
-class _Pseudo(Spoken):
+class _PseudoAdapter(LanguageAdapter):
     name, title, mark, suffixes = PSEUDO, "pseudo-program", "#", (pseudo.SUFFIX,)
     editable: EditablePseudo
 
@@ -136,7 +136,7 @@ class _Pseudo(Spoken):
 
     def syntax(self, text: SourceText) -> tuple[Diagnostic, ...]:
         try:
-            parse_pseudo(text, beside(text))
+            parse_pseudo(text, folder_of(text))
         except Refused as refused:
             return refused.findings
         return ()
@@ -147,7 +147,7 @@ class _Pseudo(Spoken):
         others: Sequence[SourceText],  # noqa: ARG002
     ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
         try:
-            program = parse_pseudo(text, beside(text))
+            program = parse_pseudo(text, folder_of(text))
         except Refused as refused:
             return refused.findings, refused.findings
         places = Places(program, text)
@@ -163,7 +163,7 @@ class _Pseudo(Spoken):
         return check_text(text, **given)
 
     def laid_out(self, text: SourceText) -> str:
-        return laid_out(text, beside(text))
+        return laid_out_pseudo(text, folder_of(text))
 
     def program(
         self,
@@ -171,7 +171,7 @@ class _Pseudo(Spoken):
         others: Sequence[SourceText],  # noqa: ARG002
         robot: Robot | None = None,  # noqa: ARG002
     ) -> Program:
-        return parse_pseudo(text, beside(text))
+        return parse_pseudo(text, folder_of(text))
 
     def declarations(
         self,
@@ -188,7 +188,7 @@ class _Pseudo(Spoken):
         to: str,
         stands: InCell,
     ) -> Translated:
-        program = parse_pseudo(text, beside(text))
+        program = parse_pseudo(text, folder_of(text))
         compiled = compile(Loaded(program, text=text), language=to, cell=stands)
         trace = Trace(compiled.program, compiled.proof.lifted)
         rows = []
@@ -203,7 +203,7 @@ class _Pseudo(Spoken):
         return Translated(compiled.files, rows, compiled.findings)
 
 
-class _Vendor(Spoken):
+class _VendorAdapter(LanguageAdapter):
     def __init__(self, language: Language[Any]) -> None:
         self._language = language
         self.name, self.title = language.name, language.title
@@ -218,7 +218,7 @@ class _Vendor(Spoken):
     def quick(
         self, text: SourceText, others: Sequence[SourceText]
     ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
-        folder = beside(text)
+        folder = folder_of(text)
         language = self._language if folder is None else configured(self._language, folder)
         tree = language.parse(text)
         trees = [tree, *map(language.parse, others)]
@@ -227,7 +227,7 @@ class _Vendor(Spoken):
         return syntax, tuple(dict.fromkeys((*tree.findings, *found)))
 
     def whole(self, text: SourceText, others: Sequence[SourceText], **given: Any) -> Checked:
-        folder = beside(text)
+        folder = folder_of(text)
         return check_text(text, language=self.name, others=others, beside=folder, **given)
 
     def laid_out(self, text: SourceText) -> str:
@@ -269,7 +269,7 @@ class _Vendor(Spoken):
     def translated(
         self, text: SourceText, others: Sequence[SourceText], to: str, stands: InCell
     ) -> Translated:
-        trees = read_trees(self._language, (text, *others), beside=beside(text))
+        trees = read_trees(self._language, (text, *others), beside=folder_of(text))
         robot = None if stands.robot is None else stands.robot.name
         loaded = lifted(self._language, trees, stands.robot)
         if to == PSEUDO:
@@ -327,7 +327,7 @@ _LEAST: Final[Mapping[str, SuppliedValue]] = {
 }
 
 
-def beside(text: SourceText) -> FilePath | None:
+def folder_of(text: SourceText) -> FilePath | None:
     """The folder of a file that there is."""
     folder = FilePath(text.path or "").absolute().parent
     return folder if text.path and folder.is_dir() else None

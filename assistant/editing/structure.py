@@ -14,7 +14,7 @@ from typing import Final
 from assistant.program.editor_support import Declaration, LineFacts
 
 Fold = Callable[[str], str]
-MOST_LINES: Final = 40
+MOST_PIECE_LINES: Final = 40
 """Of a piece, unless a block goes on."""
 
 
@@ -105,7 +105,7 @@ class _Building:
             return
         self._depth = 0
         declares = any(not one.implied for one in facts.declares)
-        if declares or line - self._first + 1 >= MOST_LINES:
+        if declares or line - self._first + 1 >= MOST_PIECE_LINES:
             self._close(line + 1)
 
     def _close(self, behind: int) -> None:

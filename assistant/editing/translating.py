@@ -25,7 +25,7 @@ def translation(document: Document, language: str) -> Translation:
             document.source, [one.source for one in others], language, workspace.stands(document)
         )
     except Refused as refused:
-        return Translation(language, findings=_found(document, refused.findings))
+        return Translation(language, findings=_translation_findings(document, refused.findings))
     files = {name: _decoded(language, data, name) for name, data in done.files.items()}
     path = next(iter(files), "")
     pairs = tuple(
@@ -37,10 +37,12 @@ def translation(document: Document, language: str) -> Translation:
         )
         for first, last, level, went in done.rows
     )
-    return Translation(language, files, pairs, _found(document, done.findings), done.draft)
+    return Translation(
+        language, files, pairs, _translation_findings(document, done.findings), done.draft
+    )
 
 
-def _found(document: Document, findings: object) -> tuple[Found, ...]:
+def _translation_findings(document: Document, findings: object) -> tuple[Found, ...]:
     assert isinstance(findings, tuple | list)
     here = [one for one in findings if one.path in (document.path, None)]
     return tuple(dict.fromkeys(found_at(document, one, settled=True) for one in here))

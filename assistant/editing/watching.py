@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.editing.differing import Hunk, Moves, hunks, moved, reverted
+from assistant.editing.differing import Hunk, LineMoves, hunks, moved_findings, reverted_lines
 from assistant.editing.excerpts import Excerpt, excerpt
 from assistant.editing.places import Lines
 from assistant.editing.structure import Structure, declarations, structure
@@ -53,7 +53,7 @@ class State:
     def made_of(self) -> Structure:
         before, facts, borders = self._before, self.facts, frozenset[int]()
         if before is not None:
-            moves = Moves(hunks(before.said, self.said))
+            moves = LineMoves(hunks(before.said, self.said))
             ends = (moves.line(piece.last) for piece in before.made_of.pieces)
             borders = frozenset(line for line in ends if line is not None)
             self._before = None  # what stood before that one is of no use any more
@@ -215,8 +215,8 @@ class Watch:
     ) -> Iterator[Diagnostic]:
         """Sound lines have what they had; others what is found, the damage on them first."""
         differing = hunks(last.state.said, state.said)
-        moves = Moves(differing)
-        yield from moved(last.findings, moves)
+        moves = LineMoves(differing)
+        yield from moved_findings(last.findings, moves)
         marked = set(map(_key, damage))
         for finding in found:
             line = None if finding.line is None else finding.line - 1
@@ -233,7 +233,7 @@ class Watch:
         differing = hunks(base.state.said, state.said)
         if not differing:
             return base.findings, []
-        moves = Moves(differing)
+        moves = LineMoves(differing)
         part = state.excerpt(_changed(differing, state), _redeclared(differing, base.state, state))
         syntax, every = self._quick(part)
         difference = self._difference(base, moves, differing, part.looked_at)
@@ -244,7 +244,7 @@ class Watch:
             and one.line - 1 in part.looked_at
             and _what(one) not in difference.more
         ]
-        for one in moved(base.findings, moves):
+        for one in moved_findings(base.findings, moves):
             line = None if one.line is None else one.line - 1
             if line not in part.looked_at or (_what(one), moves.back(line)) in difference.less:
                 found.append(one)
@@ -253,7 +253,7 @@ class Watch:
         return _in_order(found), damage
 
     def _difference(
-        self, base: Shown, moves: Moves, differing: Sequence[Hunk], looked_at: frozenset[int]
+        self, base: Shown, moves: LineMoves, differing: Sequence[Hunk], looked_at: frozenset[int]
     ) -> _Difference:
         """What the excerpt of `base` with the same lines shows more and less than the whole."""
         old = {line for new in looked_at if (line := moves.back(new)) is not None}
@@ -282,7 +282,7 @@ class Watch:
         if not hurt or len(hurt) == len(differing):
             return last.state
         end = "\r\n" if "\r\n" in state.text else "\n"
-        return self._state(end.join(reverted(before, now, hurt)))
+        return self._state(end.join(reverted_lines(before, now, hurt)))
 
     def _state(self, text: str) -> State:
         return State(text, self._remembered, None if self._base is None else self._base.state)

@@ -19,7 +19,7 @@ from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
 from assistant.editing.excerpts import Excerpt, excerpt, newline_of
 from assistant.editing.places import Lines
-from assistant.editing.speaking import Spoken, name_of, spoken
+from assistant.editing.speaking import LanguageAdapter, adapter_of, language_name
 from assistant.editing.structure import Structure, structure
 from assistant.editing.watching import Seen, Unseen, Watch
 from assistant.findings.severities import apply_severities
@@ -58,8 +58,8 @@ class Document:
         return Lines(self.text)
 
     @property
-    def spoken(self) -> Spoken | None:
-        return spoken(self.language)
+    def spoken(self) -> LanguageAdapter | None:
+        return adapter_of(self.language)
 
     @cached_property
     def facts(self) -> list[LineFacts]:
@@ -114,7 +114,7 @@ class Workspace:
         language: a name of `assistant.languages` or `pseudo`; told by suffix and text if empty.
         """
         with self.lock:
-            name = language if spoken(language) is not None else name_of(path, text)
+            name = language if adapter_of(language) is not None else language_name(path, text)
             self._forget_others(path)
             self._watches.pop(path, None)
             made = Document(path, text, version, name, self)
@@ -131,7 +131,7 @@ class Workspace:
                 lines = lines if lines.text is text else Lines(text)
                 span = lines.span(change.range)
                 text = text[: span.start] + change.text + text[span.end :]
-            name = document.language or name_of(path, text)
+            name = document.language or language_name(path, text)
             made = Document(path, text, version, name, self)
             self.documents[path] = made
             return made
@@ -175,7 +175,7 @@ class Workspace:
             text = _decoded(data, path)
         except (OSError, ValueError):
             return None
-        made = Document(path, text, 0, name_of(path, text), self)
+        made = Document(path, text, 0, language_name(path, text), self)
         self._files[path] = stamp, made
         return made
 
@@ -235,7 +235,7 @@ class Workspace:
             found = error.findings if isinstance(error, Refused) else (internal_error(error),)
             return Seen(unseen.text, found)
 
-    def _settle(self, document: Document, speaks: Spoken) -> None:
+    def _settle(self, document: Document, speaks: LanguageAdapter) -> None:
         """Looks at the whole; keys are answered meanwhile."""
         with self.lock:
             watch = self._watch(document, speaks)
@@ -266,7 +266,7 @@ class Workspace:
             watch.findings(document.text)
             return self._guarded(lambda: watch.tried(text))
 
-    def _watch(self, document: Document, speaks: Spoken) -> Watch:
+    def _watch(self, document: Document, speaks: LanguageAdapter) -> Watch:
         watch = self._watches.get(document.path)
         if watch is None:
             assert speaks.remembered is not None
@@ -280,7 +280,7 @@ class Workspace:
             watch = self._watches[document.path] = Watch(speaks.remembered, quick, whole)
         return watch
 
-    def _quick(self, document: Document, speaks: Spoken, part: Excerpt) -> Any:
+    def _quick(self, document: Document, speaks: LanguageAdapter, part: Excerpt) -> Any:
         _, *others = self.task(document)
         texts = [one.declared(part.names).source(one.path) for one in others]
         syntax, found = speaks.quick(part.source(document.path), texts)
@@ -288,7 +288,11 @@ class Workspace:
         return syntax, self._settled(document, speaks, whole, found)
 
     def _settled(
-        self, document: Document, speaks: Spoken, source: SourceText, found: Sequence[Diagnostic]
+        self,
+        document: Document,
+        speaks: LanguageAdapter,
+        source: SourceText,
+        found: Sequence[Diagnostic],
     ) -> tuple[Diagnostic, ...]:
         from assistant.compiler.checking import Text
 
@@ -355,7 +359,7 @@ class Workspace:
                 watch.forget()
 
 
-def _of_room(room: FilePath, speaks: Spoken) -> Iterator[FilePath]:
+def _of_room(room: FilePath, speaks: LanguageAdapter) -> Iterator[FilePath]:
     """The files of one program: of a folder, and of folders in it that are parts of one."""
     for one in islice(room.iterdir(), MOST_ENTRIES):
         if one.suffix.lower() in speaks.suffixes and speaks.program_of(one) == room:

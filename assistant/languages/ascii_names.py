@@ -10,7 +10,7 @@ from typing import Final
 
 _ESCAPE: Final = r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8})"
 
-NAME: Final = rf"(?:[A-Za-z_]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
+ASCII_NAME: Final = rf"(?:[A-Za-z_]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
 """The regular expression of a name as `in_ascii` writes it."""
 
 

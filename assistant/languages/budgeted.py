@@ -21,35 +21,35 @@ from assistant.base.source_text import SourceText
 if TYPE_CHECKING:
     from assistant.program.program import Program
 
-Measure = Callable[[Any], tuple[str | None, int]]
+SizeMeasure = Callable[[Any], tuple[str | None, int]]
 """The place and the size of an input: of a text, a tree, some trees, or a program."""
 
 
-def of_text(text: SourceText | str) -> tuple[str | None, int]:
+def text_size(text: SourceText | str) -> tuple[str | None, int]:
     return (None, len(text)) if isinstance(text, str) else (text.path, len(text.text))
 
 
-def of_trees(trees: Any) -> tuple[str | None, int]:
+def trees_size(trees: Any) -> tuple[str | None, int]:
     """Of the texts that they were read from; a tree that was built has none."""
     listed = trees if isinstance(trees, Sequence) else (trees,)
     texts = [tree.source for tree in listed if tree.source is not None]
     return texts[0].path if texts else None, sum(len(text.text) for text in texts)
 
 
-def of_program(program: Program) -> tuple[str | None, int]:
+def program_size(program: Program) -> tuple[str | None, int]:
     return None, program.size()
 
 
-BUDGETED: Final[dict[str, tuple[Stage, Measure]]] = {
-    "parse": (READING, of_text),
-    "check": (CHECKING, of_trees),
-    "lift_trees": (LIFTING, of_trees),
-    "format": (LAYING_OUT, of_trees),
-    "renumber": (LAYING_OUT, of_trees),
-    "convert": (ADAPTING, of_program),
-    "exported": (ADAPTING, of_program),
-    "adapt": (ADAPTING, of_program),
-    "build": (BUILDING, of_program),
+BUDGETED: Final[dict[str, tuple[Stage, SizeMeasure]]] = {
+    "parse": (READING, text_size),
+    "check": (CHECKING, trees_size),
+    "lift_trees": (LIFTING, trees_size),
+    "format": (LAYING_OUT, trees_size),
+    "renumber": (LAYING_OUT, trees_size),
+    "convert": (ADAPTING, program_size),
+    "exported": (ADAPTING, program_size),
+    "adapt": (ADAPTING, program_size),
+    "build": (BUILDING, program_size),
 }
 """Methods of a language → the stage that they are, and how their first argument is measured."""
 
@@ -57,13 +57,15 @@ BUDGETED: Final[dict[str, tuple[Stage, Measure]]] = {
 def budgeted(methods: dict[str, Any]) -> dict[str, Callable[..., Any]]:
     """Those of the methods that are stages, within their budgets."""
     return {
-        name: _within(methods[name], stage, measure)
+        name: _with_budget(methods[name], stage, measure)
         for name, (stage, measure) in BUDGETED.items()
         if name in methods and not getattr(methods[name], "__isabstractmethod__", False)
     }
 
 
-def _within(method: Callable[..., Any], stage: Stage, measure: Measure) -> Callable[..., Any]:
+def _with_budget(
+    method: Callable[..., Any], stage: Stage, measure: SizeMeasure
+) -> Callable[..., Any]:
     @wraps(method)
     def run(self: Any, first: Any, *rest: Any, **named: Any) -> Any:
         place, size = measure(first)

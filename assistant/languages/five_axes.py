@@ -15,9 +15,9 @@ from assistant.program.motion import Path, configuration_row
 from assistant.program.passes.legalisation import FiveAxes
 from assistant.robots.configurations import BACK
 
-MISS: Final = 0.05
+ORIENTATION_TOLERANCE: Final = 0.05
 """degrees by which an orientation may leave what five axes reach."""
-SAME: Final = 1e-6
+EQUAL_ORIENTATION: Final = 1e-6
 """degrees below which it is reached as it is."""
 VERTICAL: Final = 1e-4
 """Sine of the tool's tilt below which it counts as straight up or down."""
@@ -48,12 +48,12 @@ def target_in_reach(
     row = np.array([configuration_row(target.configuration)], dtype=np.int8)
     if over_the_back(positions, quaternions, row)[0]:
         findings.append(can.over_the_back(name=name, about=about))
-    (angle,) = miss = _miss(positions, quaternions)
-    if angle > MISS:
+    (angle,) = miss = _orientation_error(positions, quaternions)
+    if angle > ORIENTATION_TOLERANCE:
         findings.append(can.unreachable(name=name, angle=float(angle), about=about))
-    if angle <= SAME:
+    if angle <= EQUAL_ORIENTATION:
         return target
-    w, x, y, z = (float(v) for v in _reached(positions, quaternions, miss)[0])
+    w, x, y, z = (float(v) for v in _reached_orientations(positions, quaternions, miss)[0])
     return replace(target, pose=replace(target.pose, quaternion=(w, x, y, z)))
 
 
@@ -64,27 +64,27 @@ def path_in_reach(path: Path, can: FiveAxes, findings: Findings) -> Path:
         place = f"{int(behind.sum())} targets of {path.name}"
         name = f"{path.name}_{int(behind.argmax()) + 1}"
         findings.append(can.over_the_back(name=name, place=place))
-    miss = _miss(path.positions, path.quaternions)
-    if far := int(np.count_nonzero(miss > MISS)):
+    miss = _orientation_error(path.positions, path.quaternions)
+    if far := int(np.count_nonzero(miss > ORIENTATION_TOLERANCE)):
         worst = int(np.argmax(miss))
         name, place = f"{path.name}_{worst + 1}", f"{far} targets of {path.name}"
         findings.append(can.unreachable(name=name, angle=float(miss[worst]), place=place))
-    if not (miss > SAME).any():
+    if not (miss > EQUAL_ORIENTATION).any():
         return path
-    return replace(path, quaternions=_reached(path.positions, path.quaternions, miss))
+    return replace(path, quaternions=_reached_orientations(path.positions, path.quaternions, miss))
 
 
-def _miss(positions: Floats, quaternions: Floats) -> Floats:
+def _orientation_error(positions: Floats, quaternions: Floats) -> Floats:
     from assistant.robots.arms import five_axis
 
     return five_axis.miss(positions, quaternions)
 
 
-def _reached(positions: Floats, quaternions: Floats, miss: Floats) -> Floats:
+def _reached_orientations(positions: Floats, quaternions: Floats, miss: Floats) -> Floats:
     """The orientations, those that are missed exchanged for what is reached there."""
     from assistant.robots.arms import five_axis
 
-    off, made = miss > SAME, quaternions.copy()
+    off, made = miss > EQUAL_ORIENTATION, quaternions.copy()
     ab = five_axis.to_ab(positions[off], quaternions[off])
     made[off] = five_axis.from_ab(positions[off], ab)
     return made

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from lark import Lark
 
-FORM: Final = 1
+CACHE_FORMAT: Final = 1
 """Of what is kept; another one is made anew."""
 
 
@@ -86,11 +86,11 @@ def load(name: str, starts: tuple[str, ...]) -> Grammar:
     if place is not None:
         with suppress(OSError, ValueError, TypeError, LookupError):
             kept = json.loads(place.read_bytes())
-            if kept["of"] == [FORM, text, *starts]:
+            if kept["of"] == [CACHE_FORMAT, text, *starts]:
                 return _unpacked(kept)
     packed = _packed(_treeless(text, starts), starts)
     if place is not None:
-        _keep(place, json.dumps({"of": [FORM, text, *starts], **packed}).encode())
+        _keep(place, json.dumps({"of": [CACHE_FORMAT, text, *starts], **packed}).encode())
     return _unpacked(packed)
 
 
@@ -119,7 +119,7 @@ def acceptor(name: str, starts: tuple[str, ...]) -> Lark:
     from lark.lexer import TerminalDef
 
     text = read_grammar(name)
-    of = [FORM, package.__version__, text, *starts]
+    of = [CACHE_FORMAT, package.__version__, text, *starts]
     place = kept_place(name, ".lark")
     if place is not None:
         with suppress(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError):

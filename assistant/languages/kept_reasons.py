@@ -6,11 +6,13 @@ from typing import Final
 
 from assistant.program.statements import Reason
 
-WAYS: Final = Reason(
+SETTINGS_DIFFER: Final = Reason(
     "its settings differ with the way that leads here", "set them where the ways meet"
 )
-PLAIN: Final = Reason("no statement of other languages says it", "say it in plain statements")
-STATUS: Final = Reason(
+NO_EQUIVALENT: Final = Reason(
+    "no statement of other languages says it", "say it in plain statements"
+)
+CONTROLLER_STATE: Final = Reason(
     "it reads or writes a state of the controller itself", "keep the state in a variable of its own"
 )
 DEPENDED_ON: Final = Reason(
@@ -40,7 +42,7 @@ CAMERAS: Final = Reason(
 COMMUNICATION: Final = Reason(
     "it talks over a line or to a file", "write the communication in the other language"
 )
-SOFT: Final = Reason(
+COMPLIANCE: Final = Reason(
     "it makes the arm soft or asks for force, which each maker does in an own way",
     "use the other robot's soft or force control",
 )

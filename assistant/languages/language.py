@@ -27,7 +27,7 @@ from assistant.languages.answers import (
     T,
 )
 from assistant.languages.budgeted import budgeted
-from assistant.languages.tasks import Loading, Surroundings
+from assistant.languages.tasks import Surroundings, TaskLoading
 from assistant.program.expressions import Effect, VendorTextKind, unknown_effect
 from assistant.program.program import Origin, Program
 
@@ -82,7 +82,7 @@ class Language(abc.ABC, Generic[T]):
     older: tuple[str, ...] = ()
     """Names of the languages whose programs a controller of this one takes as well."""
 
-    loading: Loading | None = None
+    loading: TaskLoading | None = None
     surroundings: Surroundings | None = None
     """How files of one task are told, None where each file is a program of its own."""
 

@@ -13,7 +13,7 @@ Form = Literal["branches", "choice", "loop"]
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class BlockWord:
     """What a statement is to blocks.
 
     opens: kind of the block that it begins, of a form. parts: kind of the block that it begins a
@@ -35,7 +35,7 @@ class Word:
 
 
 ANY: Final = "any"
-NO_WORD: Final = Word()
+NO_WORD: Final = BlockWord()
 """What most statements are."""
 
 
@@ -111,7 +111,7 @@ class Blocks:
         return [] if inner is None else list(inner.chain)
 
 
-def blocks_of(lines: Iterable[tuple[int, Word]]) -> Blocks:
+def blocks_of(lines: Iterable[tuple[int, BlockWord]]) -> Blocks:
     """The blocks of some lines, each a place and what stands there."""
     found = Blocks()
     inner: Block | None = None

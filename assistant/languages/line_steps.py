@@ -54,7 +54,7 @@ def with_steps(item: T, steps: Ints) -> T:
     return replace(item, number=int(steps[0]))
 
 
-def numbered(items: Sequence[T], step: int, last: int) -> Iterator[T]:
+def with_ascending_steps(items: Sequence[T], step: int, last: int) -> Iterator[T]:
     """The lines with ascending step numbers.
 
     step: between two of them, smaller where they would not fit otherwise. last: highest number.

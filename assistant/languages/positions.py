@@ -35,15 +35,15 @@ from assistant.program.passes.paths import has_half_arcs, with_whole_arcs
 
 ORDINALS: Final = ("first", "second", "third", "fourth", "fifth", "sixth")
 COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")
-FOURTH: Final = 3
+AXIS_4: Final = 3
 """Index of axis 4 among six joints: an arm of five axes has none."""
-SLIGHT: Final = 0.01
+NEGLIGIBLE: Final = 0.01
 """mm or degrees: no more than that of the axis, or of a tool beside the flange's axis, is none."""
 LEAST_NORM: Final = 0.5
 """A quaternion that is shorter is no orientation."""
 
 
-class Written:
+class PartLegaliser:
     """Parts of a program as a language writes them. unstated: targets without an arm branch."""
 
     def __init__(self, job: Legalisation, can: Positions) -> None:
@@ -98,10 +98,10 @@ class Written:
         """With the joints that the arm has; name: see `target`."""
         joints, can = target.joints, self.can
         if self.five_axes is not None and len(joints) == can.joints + 1:
-            if abs(joints[FOURTH]) > SLIGHT:
+            if abs(joints[AXIS_4]) > NEGLIGIBLE:
                 what = f"axis 4 of `{name}` for an arm of five axes"
                 self.job.cannot(what, "teach it on this arm")
-            joints = joints[:FOURTH] + joints[FOURTH + 1 :]
+            joints = joints[:AXIS_4] + joints[AXIS_4 + 1 :]
         joints = can.own(joints)
         missing = max(0, can.joints - len(joints)) if can.padded else 0
         if missing or any(v != v for v in joints):
@@ -193,7 +193,7 @@ class Written:
                 continue
             about = Declared(name, "tools")
             if can.loads is not None:
-                tool = replace(tool, load=_least(self.job, can.loads, name, tool.load))
+                tool = replace(tool, load=_accepted_load(self.job, can.loads, name, tool.load))
             if can.mounts is not None:
                 tool = self._mounted(can.mounts, name, tool)
             tip = self.pose(tool.tip, f"the tool `{name}`", about)
@@ -209,7 +209,7 @@ class Written:
             findings.append(can.load(name=name, about=about))
         if self.five_axes is not None:
             turned = rotations.angle_between(tool.tip.quaternion, IDENTITY.quaternion)
-            if math.hypot(*tool.tip.position[:2]) > SLIGHT or turned > SLIGHT:
+            if math.hypot(*tool.tip.position[:2]) > NEGLIGIBLE or turned > NEGLIGIBLE:
                 findings.append(can.bent(name=name, about=about))
         return replace(tool, load=None)
 
@@ -233,7 +233,7 @@ class Written:
         return made
 
 
-def _least(job: Legalisation, can: Loads, name: str, load: Load | None) -> Load:
+def _accepted_load(job: Legalisation, can: Loads, name: str, load: Load | None) -> Load:
     """A load that the controller takes, with the decimals that are written."""
     about, least = Declared(name, "tools"), can.least
     if load is None:

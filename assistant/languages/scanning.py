@@ -10,7 +10,7 @@ from assistant.languages.grammar import Grammar
 from assistant.languages.lalr import END, Rows, Word
 
 
-def pattern(
+def terminals_pattern(
     grammar: Grammar,
     frequent: Iterable[str] = (),
     before: Mapping[str, str] | None = None,
@@ -29,7 +29,7 @@ def pattern(
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class WordScanner:
     """Reads words for the tables of a grammar.
 
     scanner: has a group for each terminal and finds something at every place. ignored: terminals
@@ -73,5 +73,7 @@ class Words:
         wanted = frozenset(terminals)
         if wanted not in self.made:
             others = frozenset(self.grammar.order) - wanted
-            self.made[wanted] = pattern(self.grammar, without=others, behind={"NOTHING": r"(?!)"})
+            self.made[wanted] = terminals_pattern(
+                self.grammar, without=others, behind={"NOTHING": r"(?!)"}
+            )
         return self.made[wanted]

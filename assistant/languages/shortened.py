@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import Protocol, TypeVar
 
 
-class Run(Protocol):
+class TextSpan(Protocol):
     """Lines of a text. start, end: offsets."""
 
     @property
@@ -18,7 +18,7 @@ class Run(Protocol):
     def end(self) -> int: ...
 
 
-R = TypeVar("R", bound=Run)
+R = TypeVar("R", bound=TextSpan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Shortened:
     """
 
     text: str
-    runs: Sequence[Run]
+    runs: Sequence[TextSpan]
     begins: list[int]
     shifts: list[int]
 

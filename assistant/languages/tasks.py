@@ -18,7 +18,7 @@ from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 
 @dataclass(frozen=True, slots=True)
-class Loading:
+class TaskLoading:
     """How the files of a task are told.
 
     entry: the procedure that a task begins with, in lower case. lists: suffixes of files that
@@ -34,11 +34,11 @@ class Loading:
     shared: Callable[[FilePath], bool]
     closed: Callable[[FilePath], bool]
     loaded: Callable[[FilePath], bool]
-    sharing: Callable[[Sequence[tuple[str, Sequence[Any]]]], Sequence[Shared]]
+    sharing: Callable[[Sequence[tuple[str, Sequence[Any]]]], Sequence[SharedData]]
 
 
 @dataclass(frozen=True, slots=True)
-class Shared:
+class SharedData:
     """The trees of a task that shares data with others of its controller. findings: on that."""
 
     trees: tuple[Any, ...]
@@ -46,7 +46,7 @@ class Shared:
 
 
 @dataclass(frozen=True, slots=True)
-class Configured:
+class ControllerConfiguration:
     """What the files of a controller state of its programs.
 
     signals: by their names. source: the file that states them. crossed: names in lower case of
@@ -75,7 +75,7 @@ class Configured:
 CommunicationLine: TypeAlias = tuple[Literal["server", "client", "serial"], int, str]
 Texts: TypeAlias = Callable[[FilePath], str | None]
 """Reads a file of a controller, None where that cannot be done."""
-Surroundings: TypeAlias = Callable[[FilePath, Texts], Configured]
+Surroundings: TypeAlias = Callable[[FilePath, Texts], ControllerConfiguration]
 """What the files beside one of a program state of its controller."""
 
 

@@ -23,7 +23,7 @@ from assistant.editing.service import (
     Tokens,
     Workspace,
 )
-from assistant.editing.speaking import PSEUDO, spoken
+from assistant.editing.speaking import PSEUDO, adapter_of
 from assistant.studio.answering import Asked, Does, findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
@@ -236,7 +236,7 @@ def _spoken() -> list[str]:
 
 
 def _title(name: str) -> str:
-    one = spoken(name)
+    one = adapter_of(name)
     return name if one is None else one.title
 
 

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, Word, blocks_of
+from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, BlockWord, blocks_of
 from assistant.languages.line_graph import EXIT, ON, Exits, Graph, graph_of
 
 WORDS = {
-    "routine": Word(bounds="begins"),
-    "if": Word("if"),
-    "else": Word(parts="if", certain=True),
-    "elseif": Word(parts="if"),
-    "endif": Word(closes=("if",)),
-    "loop": Word("loop", "loop"),
-    "forever": Word("loop", "loop", certain=True),
-    "again": Word(closes=("loop",)),
-    "all again": Word(closes=("loop", "loop")),
-    "choose": Word("choice", "choice"),
-    "case": Word(parts="choice"),
-    "otherwise": Word(parts="choice", certain=True),
-    "chosen": Word(closes=("choice",)),
-    "end": Word(closes=(ANY,)),
+    "routine": BlockWord(bounds="begins"),
+    "if": BlockWord("if"),
+    "else": BlockWord(parts="if", certain=True),
+    "elseif": BlockWord(parts="if"),
+    "endif": BlockWord(closes=("if",)),
+    "loop": BlockWord("loop", "loop"),
+    "forever": BlockWord("loop", "loop", certain=True),
+    "again": BlockWord(closes=("loop",)),
+    "all again": BlockWord(closes=("loop", "loop")),
+    "choose": BlockWord("choice", "choice"),
+    "case": BlockWord(parts="choice"),
+    "otherwise": BlockWord(parts="choice", certain=True),
+    "chosen": BlockWord(closes=("choice",)),
+    "end": BlockWord(closes=(ANY,)),
 }
 LEAVING = {"leave": Exits(on=False, breaks=True), "back": Exits(on=False, returns=True)}
 

@@ -11,10 +11,10 @@ from assistant.base.arrays import Ints
 from assistant.languages.line_steps import (
     cut_at,
     first_step,
-    numbered,
     places_of_steps,
     steps_in,
     steps_of,
+    with_ascending_steps,
     with_steps,
 )
 from assistant.languages.runs.columns import Run
@@ -54,7 +54,7 @@ def test_what_steps_there_are() -> None:
     [(10, 100, [[10], [], [20, 30, 40], [50]]), (10, 15, [[3], [], [6, 9, 12], [15]])],
 )
 def test_steps_ascend_and_fit(step: int, last: int, wanted: list[list[int]]) -> None:
-    made = list(numbered(ITEMS, step, last))
+    made = list(with_ascending_steps(ITEMS, step, last))
     assert [steps_of(item).tolist() for item in made] == wanted
     assert made[1] is ITEMS[1]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from assistant.languages.checks.wording import SHOWN, Listing
+from assistant.languages.checks.wording import SHOWN_NAMES, Listing
 
 
 def test_nothing_stands_nowhere():
@@ -20,10 +20,10 @@ def test_rows_are_counted_and_the_first_of_all_are_named():
     found = Listing()
     found.add("line 3", "a")
     found.add_rows("table", np.arange(10, 1010), lambda row: f"p{row}")
-    names = ["`a`", *(f"`p{row}`" for row in range(10, 9 + SHOWN))]
+    names = ["`a`", *(f"`p{row}`" for row in range(10, 9 + SHOWN_NAMES))]
     assert found.first == ("line 3", 0)
     assert found.words == {
-        "names": ", ".join(names) + f" and {1001 - SHOWN} more",
+        "names": ", ".join(names) + f" and {1001 - SHOWN_NAMES} more",
         "them": "them",
     }
 

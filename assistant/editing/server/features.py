@@ -18,15 +18,23 @@ _TRIGGERS: Final = [".", "\\"]
 """Characters behind which names of parts and options stand."""
 
 
-def made(version: str) -> Server:
+def server_with_features(version: str) -> Server:
     """A server with all features."""
     server = Server(version)
-    for offer in (_documents, _findings, _words, _names, _layout, _tokens, _commands):
+    for offer in (
+        _add_documents,
+        _add_findings,
+        _add_words,
+        _add_names,
+        _add_layout,
+        _add_tokens,
+        _add_commands,
+    ):
         offer(server)
     return server
 
 
-def _documents(server: Server) -> None:
+def _add_documents(server: Server) -> None:
     @server.feature(lsp.INITIALIZED)
     def initialized(ls: Server, _: lsp.InitializedParams) -> None:
         root = ls.workspace.root_uri
@@ -57,7 +65,7 @@ def _documents(server: Server) -> None:
             ls.saved(one.uri)
 
 
-def _findings(server: Server) -> None:
+def _add_findings(server: Server) -> None:
     options = lsp.DiagnosticOptions(inter_file_dependencies=True, workspace_diagnostics=False)
 
     @server.feature(lsp.TEXT_DOCUMENT_DIAGNOSTIC, options)
@@ -73,7 +81,7 @@ def _findings(server: Server) -> None:
         return await ls.actions(params.text_document.uri, params.range)
 
 
-def _words(server: Server) -> None:
+def _add_words(server: Server) -> None:
     options = lsp.CompletionOptions(trigger_characters=_TRIGGERS)
 
     @server.feature(lsp.TEXT_DOCUMENT_COMPLETION, options)
@@ -93,7 +101,7 @@ def _words(server: Server) -> None:
         return lsp.Hover(text, words.range_of(found.range))
 
 
-def _names(server: Server) -> None:
+def _add_names(server: Server) -> None:
     def location(ls: Server, found: Location) -> lsp.Location:
         return lsp.Location(ls.uri(found.path), words.range_of(found.range))
 
@@ -124,7 +132,7 @@ def _names(server: Server) -> None:
         return lsp.WorkspaceEdit(changes=ls.edits(changes))
 
 
-def _layout(server: Server) -> None:
+def _add_layout(server: Server) -> None:
     @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
     def outline(ls: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
         document = ls.document(params.text_document.uri)
@@ -137,7 +145,7 @@ def _layout(server: Server) -> None:
         return words.edits(await work)
 
 
-def _tokens(server: Server) -> None:
+def _add_tokens(server: Server) -> None:
     options = lsp.SemanticTokensRegistrationOptions(
         words.LEGEND, full=lsp.SemanticTokensFullDelta(delta=True), range=True
     )
@@ -159,7 +167,7 @@ def _tokens(server: Server) -> None:
         return lsp.SemanticTokens(words.encoded(tokens))
 
 
-def _commands(server: Server) -> None:
+def _add_commands(server: Server) -> None:
     @server.command(TRANSLATION)
     async def translation(ls: Server, uri: str, language: str) -> dict[str, Any]:
         document = ls.document(uri)

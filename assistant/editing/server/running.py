@@ -12,7 +12,7 @@ from pygls.io_ import run_async
 
 from assistant.base.diagnostics import Refused
 from assistant.editing import rules
-from assistant.editing.server.features import made
+from assistant.editing.server.features import server_with_features
 
 LOOPBACK: Final = "127.0.0.1"
 _BEGIN: Final = b"Content-"
@@ -21,7 +21,7 @@ _BEGIN: Final = b"Content-"
 
 def serve_pipes(version: str) -> None:
     """Until the editor says exit or closes the pipes."""
-    made(version).start_io()
+    server_with_features(version).start_io()
 
 
 def serve_line(version: str, port: int, listening: Callable[[int], None]) -> None:
@@ -33,7 +33,7 @@ def serve_line(version: str, port: int, listening: Callable[[int], None]) -> Non
 
 
 async def _serve_line(version: str, port: int, listening: Callable[[int], None]) -> None:
-    server, left = made(version), asyncio.Event()
+    server, left = server_with_features(version), asyncio.Event()
     stop = threading.Event()
     taken = False
 

@@ -11,8 +11,8 @@ from typing import Any, Final
 from xml.sax.saxutils import escape
 
 from assistant import languages
-from assistant.editing.speaking import PSEUDO, Spoken, spoken
-from assistant.editing.vscode.grammars import grammar, scope
+from assistant.editing.speaking import PSEUDO, LanguageAdapter, adapter_of
+from assistant.editing.vscode.grammars import textmate_grammar, textmate_scope
 
 NAME: Final = "robot-assistant"
 ABOUT: Final = (
@@ -63,7 +63,7 @@ def extension(version: str) -> dict[str, str]:
         "README.md": f"# Robot Assistant\n\n{ABOUT}\n\n{_NEEDS}\n",
     }
     for id, one in _spoken().items():
-        made[f"syntaxes/{id}.json"] = _json(grammar(one, id))
+        made[f"syntaxes/{id}.json"] = _json(textmate_grammar(one, id))
         made[f"languages/{id}.json"] = _json(_configuration(one))
     return made
 
@@ -93,7 +93,7 @@ def package(version: str) -> dict[str, Any]:
         "contributes": {
             "languages": [_language(id, one) for id, one in known.items()],
             "grammars": [
-                {"language": id, "scopeName": scope(id), "path": f"./syntaxes/{id}.json"}
+                {"language": id, "scopeName": textmate_scope(id), "path": f"./syntaxes/{id}.json"}
                 for id in known
             ],
             "commands": [
@@ -119,13 +119,13 @@ def package(version: str) -> dict[str, Any]:
     }
 
 
-def _spoken() -> dict[str, Spoken]:
+def _spoken() -> dict[str, LanguageAdapter]:
     """Languages that tell editors of themselves, by their names."""
-    found = {name: spoken(name) for name in (*languages.names(), PSEUDO)}
+    found = {name: adapter_of(name) for name in (*languages.names(), PSEUDO)}
     return {name: one for name, one in found.items() if one is not None and one.editable}
 
 
-def _language(id: str, one: Spoken) -> dict[str, Any]:
+def _language(id: str, one: LanguageAdapter) -> dict[str, Any]:
     """Suffixes that several dialects share are the first one's; the server looks at the text."""
     taken: set[str] = set()
     for name, other in _spoken().items():
@@ -140,7 +140,7 @@ def _language(id: str, one: Spoken) -> dict[str, Any]:
     }
 
 
-def _configuration(one: Spoken) -> dict[str, Any]:
+def _configuration(one: LanguageAdapter) -> dict[str, Any]:
     """Comments, brackets and indentation."""
     editable = one.editable
     assert editable is not None

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
-from assistant.editing.speaking import Spoken
+from assistant.editing.speaking import LanguageAdapter
 from assistant.program.editor_support import Editable
 
 _SCOPES: Final = {
@@ -20,23 +20,25 @@ _SCOPES: Final = {
 """Sorts of known words by what colour themes know."""
 
 
-def grammar(spoken: Spoken, id: str) -> dict[str, Any]:
+def textmate_grammar(spoken: LanguageAdapter, id: str) -> dict[str, Any]:
     """The grammar of a language as VS Code and others read it. id: of the language there."""
     editable = spoken.editable
     assert editable is not None
-    patterns = [{"name": f"{name}.{id}", "match": match} for name, match in _plain(editable)]
+    patterns = [
+        {"name": f"{name}.{id}", "match": match} for name, match in _plain_patterns(editable)
+    ]
     return {
         "name": spoken.title,
-        "scopeName": scope(id),
+        "scopeName": textmate_scope(id),
         "patterns": patterns,
     }
 
 
-def scope(id: str) -> str:
+def textmate_scope(id: str) -> str:
     return f"source.{id}"
 
 
-def _plain(editable: Editable) -> Iterator[tuple[str, str]]:
+def _plain_patterns(editable: Editable) -> Iterator[tuple[str, str]]:
     yield from editable.colours().items()
     sorts: dict[str, list[str]] = {}
     for known in editable.known().values():
@@ -44,11 +46,11 @@ def _plain(editable: Editable) -> Iterator[tuple[str, str]]:
     case = "(?i)" if editable.folds else ""
     for name in dict.fromkeys(_SCOPES.values()):
         if sorts.get(name):
-            yield name, f"{case}{_words(sorts[name])}"
+            yield name, f"{case}{_words_pattern(sorts[name])}"
     yield "keyword.operator", r"<>|<=|>=|:=|[-+*/=<>]"
 
 
-def _words(words: Iterable[str]) -> str:
+def _words_pattern(words: Iterable[str]) -> str:
     """One of some words, whole; the longest first, as one may begin another."""
     listed = sorted({*words}, key=lambda word: (-len(word), word))
     spelled = (r"\s+".join(map(re.escape, word.split())) for word in listed)

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 T = TypeVar("T")
-Called = Callable[[T], Iterable[T]]
+Callees = Callable[[T], Iterable[T]]
 
 
-def way_to(goal: T, start: T, called: Called[T]) -> list[T] | None:
+def call_chain(goal: T, start: T, called: Callees[T]) -> list[T] | None:
     """What is called from a start to a goal, both included; None if it does not lead there."""
     left: list[tuple[T, ...]] = [(start,)]
     seen: set[T] = set()
@@ -23,9 +23,9 @@ def way_to(goal: T, start: T, called: Called[T]) -> list[T] | None:
     return None
 
 
-def depth(start: T, called: Called[T], above: tuple[T, ...] = ()) -> int:
+def call_depth(start: T, called: Callees[T], above: tuple[T, ...] = ()) -> int:
     """How many calls stand inside each other at most; a circle ends where it closes."""
     if start in above:
         return 0
-    inner = (depth(other, called, (*above, start)) for other in called(start))
+    inner = (call_depth(other, called, (*above, start)) for other in called(start))
     return max((1 + deep for deep in inner), default=0)

@@ -87,7 +87,7 @@ def damage_of(
     )
 
 
-def sound(
+def undamaged_findings(
     findings: Iterable[Diagnostic], damage: Damage | None, source: SourceText | None
 ) -> Iterator[Diagnostic]:
     """The findings in a file that do not follow from what is damaged."""

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from assistant.base.arrays import Ints, Truths
-from assistant.languages.runs.names import Names, split
+from assistant.languages.runs.names import Names, split_name
 
 
 class NameSet:
@@ -28,7 +28,7 @@ class NameSet:
         """The name is in the case of the words."""
         if name in self.words or self._is_begun(name):
             return True
-        stem, number = split(name) if name.isascii() and self.columns else (b"", 0)
+        stem, number = split_name(name) if name.isascii() and self.columns else (b"", 0)
         columns = self._numbers.get(stem.lower(), ())
         return any(bool((numbers == number).any()) for numbers in columns)
 

@@ -9,7 +9,7 @@ from assistant.base.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class LineFormat:
     """How the lines of a language are cut.
 
     begin: what may stand in front of what a line says, such as its number. token: a string, a
@@ -70,7 +70,7 @@ def _is_whole(text: str, start: int, end: int) -> bool:
     return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))
 
 
-def row_of(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
+def row_span(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
     """Span of a line of a table, without its line end.
 
     With a name: of its first or last occurrence in that line.

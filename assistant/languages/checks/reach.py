@@ -10,7 +10,7 @@ S = TypeVar("S")
 
 
 @dataclass(frozen=True, slots=True)
-class Reach(Generic[S]):
+class Reachability(Generic[S]):
     """How control goes through lists of statements.
 
     blocks: the lists directly inside a statement. leaves: what keeps control from what stands

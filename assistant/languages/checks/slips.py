@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-SHORTEST: Final = 4
+SHORTEST_COMPARED: Final = 4
 """Characters of a name that can be told from another short name at all."""
-LONG: Final = 8
+LONG_NAME: Final = 8
 """Characters of a name in which two slips may happen."""
 
 
@@ -22,12 +22,12 @@ def misspelt(name: str, known: Iterable[str], ending: str = "") -> str:
         stems = [one[: -len(ending)] for one in known if one.lower().endswith(ending)]
         stem = misspelt(low.removesuffix(ending), stems, ending)
         return stem + ending if stem else ""
-    most = 2 if len(low) >= LONG else 1
-    if len(low) < SHORTEST:
+    most = 2 if len(low) >= LONG_NAME else 1
+    if len(low) < SHORTEST_COMPARED:
         return ""
     letters = set(low)
     near = (
-        (slips(low, other.lower(), most), other)
+        (typing_distance(low, other.lower(), most), other)
         for other in known
         # One slip changes the length by one and the set of letters by two at most.
         if abs(len(other) - len(low)) <= most
@@ -41,7 +41,7 @@ def digits(name: str) -> str:
     return "".join(c for c in name if c.isdigit())
 
 
-def slips(one: str, other: str, most: int) -> int:
+def typing_distance(one: str, other: str, most: int) -> int:
     """Letters to add, leave out, change or swap with the next; `most + 1` for any more."""
     before: list[int] = []
     row = list(range(len(other) + 1))

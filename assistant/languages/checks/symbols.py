@@ -8,7 +8,7 @@ from itertools import chain
 from typing import Generic, TypeVar
 
 from assistant.base.arrays import Ints
-from assistant.languages.runs.names import Names, split
+from assistant.languages.runs.names import Names, split_name
 
 N = TypeVar("N")
 
@@ -60,7 +60,7 @@ class Symbols(Generic[N]):
 
     def row(self, name: str) -> Declaration[N] | None:
         """The row that declares a name."""
-        stem, number = split(name) if name.isascii() and self._rows else (b"", 0)
+        stem, number = split_name(name) if name.isascii() and self._rows else (b"", 0)
         for numbers, declared in self._rows.get(stem.lower(), ()):
             if (numbers == number).any():
                 return replace(declared, name=name)
@@ -72,6 +72,6 @@ class Symbols(Generic[N]):
         return found[0] if found else self.row(name)
 
 
-def find(name: str, levels: Iterable[Symbols[N]]) -> Declaration[N] | None:
+def find_declaration(name: str, levels: Iterable[Symbols[N]]) -> Declaration[N] | None:
     """What a name means where some levels are seen, the innermost first."""
     return next((found for level in levels if (found := level.find(name)) is not None), None)

@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar, cast
 T = TypeVar("T")
 
 
-class Memory:
+class CachedResults:
     """Keeps what functions make of an object, for the next rule that asks."""
 
     def once(self, work: Callable[[Self], T]) -> T:

@@ -9,7 +9,7 @@ from assistant.base.arrays import Rows
 
 N = TypeVar("N")
 
-SHOWN: Final = 6
+SHOWN_NAMES: Final = 6
 """Names that one finding lists."""
 
 
@@ -32,14 +32,14 @@ class Listing(Generic[N]):
         """Some rows of a table. name: what a row is called."""
         if len(rows) and self.first is None:
             self.first = node, int(rows[0])
-        self.names += [name(int(row)) for row in rows[: SHOWN - len(self.names)]]
+        self.names += [name(int(row)) for row in rows[: SHOWN_NAMES - len(self.names)]]
         self.count += len(rows)
 
     @property
     def words(self) -> dict[str, str]:
         """The `names` and `them` of the finding."""
         shown = ", ".join(f"`{name}`" for name in self.names)
-        more = f" and {self.count - SHOWN} more" if self.count > SHOWN else ""
+        more = f" and {self.count - SHOWN_NAMES} more" if self.count > SHOWN_NAMES else ""
         return {"names": shown + more, "them": "them" if self.count > 1 else "it"}
 
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
-    from assistant.languages.tasks import Configured, Texts
+    from assistant.languages.tasks import ControllerConfiguration, Texts
     from assistant.program.undeclared_names import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
@@ -66,7 +66,7 @@ SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
 __getattr__ = offered(__name__, {"syntax": ("assistant.languages.melfa_basic.tree.syntax", None)})
 
 
-def _surroundings(program: FilePath, read: Texts) -> Configured:
+def _surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
     from assistant.languages.melfa_basic.reading.parameters import surroundings
 
     return surroundings(program, read)

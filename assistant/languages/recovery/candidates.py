@@ -16,22 +16,22 @@ MOST_WORDS: Final = 60
 """Words of one statement that are tried one by one."""
 
 
-def candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
+def repair_candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Changes, the row that reading goes on with, and 0 sure, 1 likely or 2 a last resort."""
-    yield from _forgotten_then(broken)
-    yield from _closed(broken)
-    yield from _braces(broken)
-    yield from _semicolons(broken)
-    yield from _reworded(broken)
-    yield from _replaced(broken)
-    yield from _opened(broken)
-    yield from _inserted(broken)
-    yield from _bracketed(broken)
-    yield from _wrapped(broken)
-    yield from _deleted(broken)
+    yield from _insert_forgotten_then(broken)
+    yield from _close_blocks(broken)
+    yield from _replace_braces(broken)
+    yield from _insert_semicolon(broken)
+    yield from _correct_words(broken)
+    yield from _replace_word(broken)
+    yield from _insert_opening_word(broken)
+    yield from _insert_words(broken)
+    yield from _mend_brackets(broken)
+    yield from _wrap_in_heads(broken)
+    yield from _delete_words(broken)
 
 
-def _forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _insert_forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     half = b.syntax.blocks.half
     if b.word.type not in half.wanted or b.accepts(b.word.type) or not b.kept:
         return
@@ -46,7 +46,7 @@ def _forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         yield Repair("insert", 0, words, kept.line_end, end, end, half.last, kept=kept), b.error, 0
 
 
-def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _close_blocks(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Blocks whose end is missing before the statement; a wrong end made right."""
     openers = b.openers()
     word = b.words[0]
@@ -93,7 +93,7 @@ def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         return
 
 
-def _braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _replace_braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Braces around statements, and the `:` of a head, which other languages have."""
     blocks, openers, word = b.syntax.blocks, b.openers(), b.word
     following = b.words[b.error + 1] if b.error + 1 < len(b.words) else word
@@ -119,7 +119,7 @@ def _braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             yield Repair("delete", b.base, tuple(b.words[:row]), *where), row + 1, 0
 
 
-def _semicolons(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _insert_semicolon(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """The `;` that is missing at the end of a line, or the `)` of a head."""
     closers, put = b.syntax.blocks.ends.values(), b.syntax.holes.put
     for row in range(b.error, max(b.error - MOST_WORDS, 0), -1):
@@ -135,7 +135,7 @@ def _semicolons(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 )
 
 
-def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _correct_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Words of the language that were misspelt or written in two, and words said twice."""
     changes, closers = b.syntax.changes, b.syntax.blocks.ends.values()
     reserved = changes.reserved
@@ -180,7 +180,7 @@ def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 )
 
 
-def _replaced(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _replace_word(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """The word itself for another one."""
     word, row, keep, changes = b.word, b.error + 1, len(b.types), b.syntax.changes
     value = b.syntax.value
@@ -211,7 +211,7 @@ def _at(b: Broken, word: Lexeme, types: Iterable[str]) -> tuple[Lexeme, ...]:
     return tuple(word._replace(type=t, text=texts.get(t, word.text)) for t in types)
 
 
-def _opened(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _insert_opening_word(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """The word that a statement or declaration begins with, forgotten."""
     at = b.words[0].start
     if b.words[0].type in b.syntax.blocks.clauses:
@@ -225,7 +225,7 @@ def _opened(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         yield Repair("insert", b.base, put, at, at, at, opener), 0, 1
 
 
-def _inserted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _insert_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """A word or two before the one that does not fit."""
     at, end = b.word.start, b.previous_end
     holes = b.syntax.holes
@@ -239,7 +239,7 @@ def _inserted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             )
 
 
-def _bracketed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _mend_brackets(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """A bracket of a value that is missing at its begin or stands once too often."""
     if b.word.type != "COMMA" or not b.error:
         return
@@ -265,7 +265,7 @@ def _bracketed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             yield Repair("insert", b.base, mended, at, end, end, "LSQB"), b.error, 1
 
 
-def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _wrap_in_heads(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Routines without a module, statements without a routine."""
     blocks = b.syntax.blocks
     if b.word.type in blocks.ends.values() and not b.at_file_level:
@@ -283,7 +283,7 @@ def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             yield Repair(kind, b.base, put, at, start, end, words), 0, 1
 
 
-def _deleted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _delete_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     word, row, keep = b.word, b.error + 1, len(b.types)
     if word.type == END or b.closes:
         return

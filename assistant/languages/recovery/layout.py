@@ -51,7 +51,7 @@ class Layout:
             return self.code_end(text, at)
         open_blocks: list[tuple[int, str]] = []
         indented: set[int] = set()
-        for start, far, word, rest in _lines(text, begins[0], at):
+        for start, far, word, rest in _code_lines(text, begins[0], at):
             if open_blocks and far > open_blocks[-1][0]:
                 indented.add(len(open_blocks))
             if (closed := self.closers.get(word)) is not None:
@@ -77,7 +77,7 @@ class Layout:
         return self.code_end(text, at)
 
 
-def _lines(text: str, start: int, stop: int) -> Iterator[tuple[int, int, str, str]]:
+def _code_lines(text: str, start: int, stop: int) -> Iterator[tuple[int, int, str, str]]:
     """Offset, indentation, first word in lower case and the rest of each line of code."""
     begin = text.rfind("\n", 0, start) + 1
     for match in _LINE.finditer(text, begin):

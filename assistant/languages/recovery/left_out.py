@@ -11,12 +11,12 @@ from assistant.languages.lalr import END
 from assistant.languages.recovery.broken import Broken, Repair
 from assistant.languages.recovery.lexemes import Lexeme
 
-MOST_WORDS: Final = 2000
+MOST_SKIPPED_WORDS: Final = 2000
 """Words that the end of a damaged statement is looked for in."""
-_CLOSING: Final = frozenset({"RPAR", "RSQB", "RBRACE"})
+_CLOSING_BRACKETS: Final = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 
-def left_out(b: Broken) -> Repair:
+def placeholder(b: Broken) -> Repair:
     """A placeholder for the statement, a whole head for a damaged one."""
     word, syntax = b.word, b.syntax
     blocks, put = syntax.blocks, syntax.holes.put
@@ -35,13 +35,13 @@ def left_out(b: Broken) -> Repair:
         line_end = word.start
     if head is not None and word.type != END:
         stop = None
-        for later in _further(b):
+        for later in _following_words(b):
             if later.start >= line_end and later is not word:
                 break
             if head and later.type == head[-1] and head[-1] in blocks.last:
                 stop = later.end
         if not (opener.type == blocks.half.opener and stop is None):
-            return replace(blank, put=_head(b, head), resume=stop or line_end)
+            return replace(blank, put=_complete_head(b, head), resume=stop or line_end)
     resume = _next_statement(b)
     holes = syntax.data_holes if opener.type in syntax.data else syntax.statement_holes
     for type in holes:
@@ -50,12 +50,12 @@ def left_out(b: Broken) -> Repair:
     return replace(blank, resume=resume)
 
 
-def _further(b: Broken) -> Iterator[Lexeme]:
+def _following_words(b: Broken) -> Iterator[Lexeme]:
     """The words from the error on, read as far as they are asked for."""
-    return islice(b.syntax.scanner.words(b.text, b.word.start), MOST_WORDS + 1)
+    return islice(b.syntax.scanner.words(b.text, b.word.start), MOST_SKIPPED_WORDS + 1)
 
 
-def _head(b: Broken, head: tuple[str, ...]) -> tuple[Lexeme, ...]:
+def _complete_head(b: Broken, head: tuple[str, ...]) -> tuple[Lexeme, ...]:
     """A whole head, with the names that were read; nothing where none may stand."""
     kept = [b.words[0]]
     for type, word in zip(head, b.words[1 : b.error], strict=False):
@@ -72,13 +72,13 @@ def _next_statement(b: Broken) -> int:
     glue = b.syntax.glue
     ahead = b.words[b.error - 1] if b.error else None
     at = b.word.start
-    for word in _further(b):
+    for word in _following_words(b):
         if word.type == "SEMICOLON":
             return word.end
         if word.type == END:
             return word.start
         fresh = word.first and ahead and ahead.type not in glue and word.type not in glue
-        if fresh and word.type not in _CLOSING:
+        if fresh and word.type not in _CLOSING_BRACKETS:
             return word.start
         ahead, at = word, word.start
     return at

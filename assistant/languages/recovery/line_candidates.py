@@ -21,7 +21,7 @@ _TWO_WORDS: Final = re.compile(r"[ \t]*([A-Za-z]\w*)(?:[ \t]+([A-Za-z]\w*))?")
 _TEXT: Final = re.compile(r"(?:[^\W\d]|[.:>-]).*")
 
 
-def candidates(
+def line_candidates(
     syntax: LineSyntax,
     text: str,
     code: int,
@@ -35,18 +35,18 @@ def candidates(
     fitting: terminals that would have fitted.
     """
     error = stop.word.start
-    yield from _prose(syntax, text, code)
-    yield from _foreign(syntax, text, code, error)
+    yield from _comment_out_prose(syntax, text, code)
+    yield from _replace_foreign_words(syntax, text, code, error)
     for mistake in syntax.mistakes:
         if edit := mistake.edit(text, code, error, CLEAR):
             yield edit
-    yield from _near(syntax, stop, read, fitting)
+    yield from _correct_words(syntax, stop, read, fitting)
     yield from _another_statement(syntax, text, stop, fitting)
-    yield from _put_in(syntax, text, stop, fitting)
-    yield from _taken_out(syntax, text, stop, fitting)
+    yield from _insert_word(syntax, text, stop, fitting)
+    yield from _delete_words(syntax, text, stop, fitting)
 
 
-def _prose(syntax: LineSyntax, text: str, code: int) -> Iterator[Edit]:
+def _comment_out_prose(syntax: LineSyntax, text: str, code: int) -> Iterator[Edit]:
     """A line that is plain words."""
     found = syntax.prose.match(text, code)
     if found and "=" not in found[0] and not syntax.begins(found[1]):
@@ -54,7 +54,7 @@ def _prose(syntax: LineSyntax, text: str, code: int) -> Iterator[Edit]:
         yield Edit(found.start(1), len(text), syntax.comment, what, cure, NEAR)
 
 
-def _foreign(syntax: LineSyntax, text: str, code: int, error: int) -> Iterator[Edit]:
+def _replace_foreign_words(syntax: LineSyntax, text: str, code: int, error: int) -> Iterator[Edit]:
     """Words of other languages at the begin of a statement."""
     begins = [code, *(found.end() for found in syntax.branch.finditer(text, code, error))]
     for begin in begins:
@@ -75,7 +75,7 @@ def _foreign(syntax: LineSyntax, text: str, code: int, error: int) -> Iterator[E
                 break
 
 
-def _near(
+def _correct_words(
     syntax: LineSyntax, stop: Stop, read: tuple[Lexeme, ...], fitting: frozenset[str]
 ) -> Iterator[Edit]:
     """Words that are nearly one of the language; the nearest to the error first."""
@@ -115,7 +115,9 @@ def _another_statement(
         yield Edit(start, len(text), syntax.comment, what, cure, NEAR)
 
 
-def _put_in(syntax: LineSyntax, text: str, stop: Stop, fitting: frozenset[str]) -> Iterator[Edit]:
+def _insert_word(
+    syntax: LineSyntax, text: str, stop: Stop, fitting: frozenset[str]
+) -> Iterator[Edit]:
     """A word put in before the one that does not fit."""
     at, word = stop.word.start, stop.word
     behind = len(text[:at].rstrip()) if word.type in (END, *syntax.comments) else at
@@ -126,7 +128,7 @@ def _put_in(syntax: LineSyntax, text: str, stop: Stop, fitting: frozenset[str]) 
             yield Edit(behind, behind, written, f"{named} is missing{before}", cure, cost)
 
 
-def _taken_out(
+def _delete_words(
     syntax: LineSyntax, text: str, stop: Stop, fitting: frozenset[str]
 ) -> Iterator[Edit]:
     """The word that does not fit, or all that stands from it on."""

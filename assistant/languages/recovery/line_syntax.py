@@ -11,7 +11,7 @@ from assistant.base.diagnostics import Rule
 from assistant.languages.line_grammar import LineGrammar
 from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.mistakes import Slip
-from assistant.languages.recovery.wording import listed
+from assistant.languages.recovery.wording import or_list
 
 
 class Missing(NamedTuple):
@@ -86,4 +86,4 @@ class LineSyntax:
         for phrase in self.phrases:
             if phrase.terminals & fitting and not phrase.unless & set(said):
                 said.append(phrase.said)
-        return "" if len(said) > MOST_SAID else listed(said)
+        return "" if len(said) > MOST_SAID else or_list(said)

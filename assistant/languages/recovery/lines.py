@@ -14,7 +14,7 @@ from assistant.base.source_text import SourceText
 from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.edits import Edit
 from assistant.languages.recovery.lexemes import Lexeme, Stop
-from assistant.languages.recovery.line_candidates import candidates
+from assistant.languages.recovery.line_candidates import line_candidates
 from assistant.languages.recovery.line_syntax import LineSyntax
 
 MOST_FINDINGS: Final = 5
@@ -54,7 +54,7 @@ class LineReader:
 
         start, end: offsets of the line and of its line end.
         """
-        line = Changed(source.text[start:end], start)
+        line = ChangedLine(source.text[start:end], start)
         findings: list[Diagnostic] = []
         while len(findings) < MOST_FINDINGS and len(line.text) <= LONGEST:
             read = self._read(line.text, self.syntax.nodes(line.place))
@@ -79,7 +79,7 @@ class LineReader:
             return None
         return node if isinstance(node, Stop) else syntax.item(node, number)
 
-    def _best(self, line: Changed, stop: Stop) -> Edit | None:
+    def _best(self, line: ChangedLine, stop: Stop) -> Edit | None:
         """The cheapest change behind which the line reads on."""
         text = line.text
         read = self._words(text)
@@ -91,7 +91,7 @@ class LineReader:
             return None
         best: tuple[int, Edit] | None = None
         _, code, _ = self.syntax.parts(text, 0, len(text))
-        for edit in candidates(self.syntax, text, code, stop, read, fitting):
+        for edit in line_candidates(self.syntax, text, code, stop, read, fitting):
             if best is not None and edit.cost >= best[0]:
                 continue
             cost = self._cost(line, edit, stop)
@@ -99,7 +99,7 @@ class LineReader:
                 best = cost, edit
         return None if best is None else best[1]
 
-    def _cost(self, line: Changed, edit: Edit, stop: Stop) -> int | None:
+    def _cost(self, line: ChangedLine, edit: Edit, stop: Stop) -> int | None:
         """What a change costs, None if it does not help."""
         text = edit.of(line.text)
         words = list[Lexeme]()
@@ -117,7 +117,7 @@ class LineReader:
         self._read(text, self.syntax.nodes(None), words)
         return tuple(words)
 
-    def _finding(self, source: SourceText, line: Changed, edit: Edit, end: int) -> Diagnostic:
+    def _finding(self, source: SourceText, line: ChangedLine, edit: Edit, end: int) -> Diagnostic:
         at = line.place(edit.start)
         behind = line.place(edit.end) if edit.end > edit.start else at + 1
         if not edit.text.strip() or edit.end == len(line.text):
@@ -127,7 +127,7 @@ class LineReader:
         rule = edit.rule or self.syntax.wrong
         return source.finding(rule, span, what=edit.what, cure=edit.cure)
 
-    def _unread(self, source: SourceText, line: Changed, end: int) -> Diagnostic:
+    def _unread(self, source: SourceText, line: ChangedLine, end: int) -> Diagnostic:
         syntax, most = self.syntax, self.syntax.grammar.most_words
         words = self._words(line.text) if len(line.text) <= LONGEST else ()
         _, code, _ = syntax.parts(line.text, 0, len(line.text))
@@ -145,7 +145,7 @@ class LineReader:
         return source.finding(syntax.wrong, Span(at, at + 1), what=what, cure=cure)
 
 
-class Changed:
+class ChangedLine:
     """The text of a line with changes, and where its characters stand in the source."""
 
     def __init__(self, text: str, base: int) -> None:

@@ -17,10 +17,10 @@ from assistant.base.source_text import SourceText
 from assistant.languages.lalr import END, NOWHERE, Stack, Tables, Word
 from assistant.languages.recovery.broken import Broken, HalfBlock, Outline, Repair
 from assistant.languages.recovery.lexemes import Lexeme
-from assistant.languages.recovery.repairs import best
+from assistant.languages.recovery.repairs import best_repair
 from assistant.languages.recovery.syntax import Syntax
 from assistant.languages.recovery.wording import Wording
-from assistant.languages.scanning import Words
+from assistant.languages.scanning import WordScanner
 from assistant.languages.shortened import RunInTheWay, Shortened, number_of
 
 MOST_FINDINGS: Final = 50
@@ -31,7 +31,7 @@ MOST_MENDS: Final = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Damaged:
+class MendedText:
     """What was made of a damaged text, None for one that is damaged all over, and what is wrong."""
 
     value: Any
@@ -42,20 +42,20 @@ class Damaged:
 class Reader:
     """Reads damaged texts of a language."""
 
-    words: Words
+    words: WordScanner
     syntax: Syntax
     wording: Wording
 
     def read(
         self, source: SourceText, text: str, short: Shortened, tables: Tables, nodes: Any
-    ) -> Damaged | RunInTheWay:
+    ) -> MendedText | RunInTheWay:
         """What `nodes` make of it, or the run that a mended statement reaches into.
 
         text: of the source, line feeds at its line ends.
         """
         reading = _Reading(self, source, text, short, tables, nodes)
         try:
-            return Damaged(reading.value(), tuple(reading.findings))
+            return MendedText(reading.value(), tuple(reading.findings))
         except _InTheWay as way:
             return RunInTheWay(way.number)
 
@@ -142,7 +142,7 @@ class _Reading:
             self._outline,
         )
         full = len(self.findings) >= MOST_FINDINGS
-        repair = broken.rest_left_out() if full else best(broken)
+        repair = broken.rest_left_out() if full else best_repair(broken)
         self._say(broken, repair, full=full)
         self._make(broken, repair)
 

@@ -23,7 +23,7 @@ _OUTSIDE: Final = frozenset({"delete", "double", "swap", "hole", "strange", "str
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class TerminalGroup:
     """Terminals that are named as one thing where all of them fit.
 
     said: its name. also: what is not named beside it. rest: of what is named beside it, if
@@ -46,7 +46,7 @@ class Wording:
 
     names: Mapping[str, str]
     unsaid: Set[str]
-    kinds: Sequence[Kind]
+    kinds: Sequence[TerminalGroup]
     operators: Set[str]
     cures: Mapping[str, str]
     mistakes: Sequence[Mistake]
@@ -82,7 +82,7 @@ class Wording:
             return source.finding(
                 self.wrong,
                 Span(start, max(end, start)),
-                found=found(broken.text[repair.start : repair.end]),
+                found=found_text(broken.text[repair.start : repair.end]),
                 expected=named if of_repair else self.expected(broken.accepted()),
                 hint=hint or self.cures.get(kind) or f"write {named}",
             )
@@ -108,16 +108,16 @@ class Wording:
         said += sorted(map(self.name, rest))
         if len(said) > MOST_SHOWN:
             said = [*said[:MOST_SHOWN], "…"]
-        return listed(said) or "nothing more"
+        return or_list(said) or "nothing more"
 
 
-def listed(things: Sequence[str]) -> str:
+def or_list(things: Sequence[str]) -> str:
     """Things in words: `a, b or c`."""
     *most, last = things or ("",)
     return f"{', '.join(most)} or {last}" if most else last
 
 
-def found(text: str) -> str:
+def found_text(text: str) -> str:
     """What stands at a place, in words."""
     if text.strip(" \t\r\n") and (not text.strip() or not text[0].isprintable()):
         return f"the character U+{ord(text[0]):04X}"

@@ -128,13 +128,13 @@ class Run:
         return found
 
 
-def joined(runs: Sequence[R]) -> R:
+def joined_runs(runs: Sequence[R]) -> R:
     """Several runs as one: what all rows have in common is that of the first."""
     first = runs[0]
     if len(runs) == 1:
         return first
     columns = {
-        name: _joined([getattr(run, name) for run in runs]) if isinstance(x, _COLUMNS) else x
+        name: _joined_column([getattr(run, name) for run in runs]) if isinstance(x, _COLUMNS) else x
         for name, x in first._fields()
     }
     return type(first)(**columns)
@@ -164,7 +164,7 @@ def _equal(one: Any, two: Any) -> Truths:
     return np.asarray(same.all(axis=1))
 
 
-def _joined(parts: Sequence[Any]) -> Any:
+def _joined_column(parts: Sequence[Any]) -> Any:
     first = parts[0]
     return concatenated(parts) if isinstance(first, np.ndarray) else type(first).joined(parts)
 

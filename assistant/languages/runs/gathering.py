@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Any, TypeVar
 
-from assistant.languages.runs.columns import Run, joined
+from assistant.languages.runs.columns import Run, joined_runs
 
 T = TypeVar("T")
 Row = tuple[object, Any]
@@ -15,7 +15,7 @@ a single row, what it says.
 """
 
 
-def gathered(
+def gather_runs(
     items: Sequence[T],
     rows: Iterable[Row | None],
     run: Callable[[list[Any]], Run],
@@ -37,4 +37,4 @@ def gathered(
         for is_run, alike in groupby(said, lambda one: isinstance(one, Run)):
             these = list(alike)
             parts += these if is_run else [run(these)]
-        yield node([item for item, _ in stretch], joined(parts))
+        yield node([item for item, _ in stretch], joined_runs(parts))

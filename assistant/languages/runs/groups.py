@@ -12,7 +12,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.columns import Chosen, Decimal, Offsets, Piece, Slots, rows_text
-from assistant.languages.runs.reading import Marks, alike
+from assistant.languages.runs.reading import Marks, all_rows_equal
 
 MOST_DECIMALS: Final = 1e6
 """Smaller values have nine exact decimals in a double."""
@@ -39,7 +39,7 @@ class Groups:
 
         first: marks of a row before the groups, which begin at `begins`. behind: what follows.
         """
-        wanted, parts = _layout(self, behind, marks.which)
+        wanted, parts = _group_layout(self, behind, marks.which)
         tables = (marks.offsets, marks.signs, marks.points)
         count = first + len(wanted)
         offsets, signs, points = (marks.table(column, count)[:, first:] for column in tables)
@@ -52,7 +52,7 @@ class Groups:
             sound = sound and (len(part.after) == 1 or text.holds(part.after, stops[:, -1]).all())
             if not sound:
                 raise ValueError("brackets or commas are out of place")
-            rows = slice(1 if alike(text, start, stops[:, -1]) else len(stops))
+            rows = slice(1 if all_rows_equal(text, start, stops[:, -1]) else len(stops))
             starts = np.column_stack([start[rows], stops[rows, :-1] + 1])
             pointed = np.minimum(points[rows, part.marks], stops[rows])
             values[:, part.columns] = text.decimals(starts, stops[rows], pointed, self.known)
@@ -71,7 +71,7 @@ class Groups:
         return [*pieces, self.closing]
 
 
-class _Part(NamedTuple):
+class _Group(NamedTuple):
     """One group. columns: of its numbers. marks: those that end each of them. after: what stands
     behind it, and before: how much of that stands before the first mark in it.
     """
@@ -83,21 +83,21 @@ class _Part(NamedTuple):
 
 
 @cache
-def _layout(groups: Groups, behind: bytes, which: bytes) -> tuple[bytes, tuple[_Part, ...]]:
+def _group_layout(groups: Groups, behind: bytes, which: bytes) -> tuple[bytes, tuple[_Group, ...]]:
     """The marks of groups, and what stands behind them, and their parts."""
-    wanted, parts, column = b"", list[_Part](), 0
+    wanted, parts, column = b"", list[_Group](), 0
     for at, size in enumerate(groups.sizes, 1):
         after = groups.between if at < len(groups.sizes) else groups.closing + behind
         inside = bytes(letter for letter in after if letter in which)
         columns, marks = (slice(start, start + size) for start in (column, len(wanted)))
-        parts.append(_Part(columns, marks, after, after.index(inside[:1])))
+        parts.append(_Group(columns, marks, after, after.index(inside[:1])))
         wanted += b"," * (size - 1) + inside
         column += size
     return wanted, tuple(parts)
 
 
 @dataclass(frozen=True, slots=True)
-class Fewest:
+class FewestDecimals:
     """Prints a column in the fewest decimals that give it back; odd values as Python writes them.
 
     places: decimals, ascending. spelled: how some values are written.
@@ -127,7 +127,7 @@ class Fewest:
         return pieces
 
 
-def places_of(values: Floats, least: int, most: int) -> int:
+def decimals_needed(values: Floats, least: int, most: int) -> int:
     """The fewest decimals in a range that print every value without loss, else the most."""
     known = values[~np.isnan(values)]
     for places in range(least, most):

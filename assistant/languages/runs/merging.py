@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.base.arrays import Ints, Rows
 from assistant.languages.runs.columns import Run
-from assistant.languages.runs.reading import behind_digits
+from assistant.languages.runs.reading import after_digits
 
 R = TypeVar("R", bound=Run)
 
@@ -19,7 +19,7 @@ SEGMENTS: Final = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
-class _Lines:
+class _RunLines:
     """The text of a run and where its lines begin and end, offsets (n,)."""
 
     text: bytes
@@ -27,17 +27,17 @@ class _Lines:
     ends: Rows
 
     @classmethod
-    def of(cls, text: str) -> _Lines:
+    def of(cls, text: str) -> _RunLines:
         data = text.encode("ascii")
         ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n")) + 1
         return cls(data, np.concatenate([[0], ends])[:-1].astype(np.intp), ends)
 
     def digits(self) -> Rows:
         """The offsets behind the number that each line begins with."""
-        return behind_digits(np.frombuffer(self.text, dtype=np.uint8), self.starts)
+        return after_digits(np.frombuffer(self.text, dtype=np.uint8), self.starts)
 
 
-def merged(
+def merged_run_text(
     new: R, old: R, text: str, at: Rows, fresh: Callable[[R], str], number: str | None = None
 ) -> str:
     """The lines of a run made from another, which was read from a text.
@@ -46,12 +46,12 @@ def merged(
     are new. number: column of the numbers that lines begin with; a line of which only that changed
     keeps what stands behind it.
     """
-    lines = _Lines.of(text)
+    lines = _RunLines.of(text)
     kept = old.equal(at, new)
     moved = ~kept & old.equal(at, new, {number}) if number is not None else np.zeros_like(kept)
     if kept.all():
-        return _gathered(lines.text, lines.starts[at], lines.ends[at])
-    printed = _Lines.of(fresh(new.rows(~kept)))
+        return _gather_pieces(lines.text, lines.starts[at], lines.ends[at])
+    printed = _RunLines.of(fresh(new.rows(~kept)))
     base = len(lines.text)
     starts, ends = np.zeros((2, len(new), 2 if moved.any() else 1), dtype=np.int64)
     starts[kept, 0], ends[kept, 0] = lines.starts[at[kept]], lines.ends[at[kept]]
@@ -59,10 +59,10 @@ def merged(
     if moved.any():
         ends[moved, 0] = printed.digits()[moved[~kept]] + base
         starts[moved, 1], ends[moved, 1] = lines.digits()[at[moved]], lines.ends[at[moved]]
-    return _gathered(lines.text + printed.text, starts.ravel(), ends.ravel())
+    return _gather_pieces(lines.text + printed.text, starts.ravel(), ends.ravel())
 
 
-def _gathered(text: bytes, starts: Ints, ends: Ints) -> str:
+def _gather_pieces(text: bytes, starts: Ints, ends: Ints) -> str:
     """Pieces of a text one behind the other."""
     letters = np.frombuffer(text, dtype=np.uint8)
     parts = []

@@ -18,7 +18,7 @@ MOST_DIGITS: Final = 15
 _NUMBER: Final = re.compile(r"(?<![0-9])(?:0|[1-9][0-9]*)\Z", re.ASCII)
 
 
-def split(name: str) -> tuple[bytes, int]:
+def split_name(name: str) -> tuple[bytes, int]:
     """Stem and number of a name as `Names` holds them, -1 for a name that is its stem."""
     number = _NUMBER.search(name)
     if number is None or len(number[0]) > MOST_DIGITS:
@@ -83,7 +83,7 @@ class Names:
     @staticmethod
     def of(names: Sequence[str]) -> Names:
         table: dict[bytes, int] = {}
-        parts = [split(name) for name in names]
+        parts = [split_name(name) for name in names]
         stem = [table.setdefault(text, len(table)) for text, _ in parts]
         numbers = np.array([number for _, number in parts], dtype=np.int64)
         return Names(tuple(table), np.array(stem, dtype=np.int32), numbers)
@@ -111,7 +111,7 @@ class Names:
         return Names(tuple(table), np.concatenate(stems), np.concatenate(numbers))
 
 
-class Index:
+class NameIndex:
     """Finds the rows of a column of names, in any case."""
 
     def __init__(self, names: Names) -> None:

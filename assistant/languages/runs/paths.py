@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.languages.runs.columns import Entries
-from assistant.languages.runs.names import Index, Names
+from assistant.languages.runs.names import NameIndex, Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Kind, Path
@@ -74,7 +74,7 @@ class NamedTargets:
         self.names = names
         self.uses = np.zeros(len(names), dtype=np.int64)
         self.taken = np.zeros(len(names), dtype=bool)
-        self._index = Index(names)
+        self._index = NameIndex(names)
 
     def count(self, names: Names) -> None:
         """Names that something mentions."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Rows, Truths
 from assistant.base.columns import WORD, Offsets, Slots
-from assistant.languages.runs.columns import Entries, Run, Store, joined
+from assistant.languages.runs.columns import Entries, Run, Store, joined_runs
 from assistant.languages.runs.names import MOST_DIGITS, Names
 
 R = TypeVar("R")
@@ -81,7 +81,7 @@ def in_parts(data: bytes, read: Callable[[bytes], C]) -> C:
     """The run of many lines, each part of which fits the processor's cache."""
     ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n")) + 1
     bounds = [0, *ends[MOST - 1 : -1 : MOST].tolist(), len(data)]
-    return joined([read(data[start:end]) for start, end in pairwise(bounds)])
+    return joined_runs([read(data[start:end]) for start, end in pairwise(bounds)])
 
 
 class Marks:
@@ -122,13 +122,13 @@ class Marks:
         return np.asarray(column[self.first[:, None] + np.arange(count)])
 
 
-def alike(text: Slots, starts: Offsets, ends: Offsets) -> bool:
+def all_rows_equal(text: Slots, starts: Offsets, ends: Offsets) -> bool:
     """Whether all rows say the same in the very same way; it is read once then."""
     first = text.bytes[starts[0] : ends[0]].tobytes()
     return bool((ends - starts == len(first)).all() and text.holds(first, starts).all())
 
 
-def behind_digits(letters: NDArray[np.uint8], starts: Offsets) -> Offsets:
+def after_digits(letters: NDArray[np.uint8], starts: Offsets) -> Offsets:
     """The offset behind the digits that stand at each start."""
     other = np.flatnonzero((letters < _ZERO) | (letters > _NINE))
     return np.asarray(other[np.searchsorted(other, starts)])
@@ -138,7 +138,7 @@ def behind_digits(letters: NDArray[np.uint8], starts: Offsets) -> Offsets:
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class NameWords:
     """What may be a name. longest: characters. reserved: words in lower case that are none."""
 
     longest: int
@@ -151,7 +151,7 @@ class Words:
         lengths = ends - starts
         if int(lengths.max()) > self.longest:
             raise ValueError("a name is too long")
-        alone = numbered(text, starts, ends)
+        alone = numbered_names(text, starts, ends)
         return self._different(text, starts, lengths) if alone is None else alone
 
     def _different(self, text: Slots, starts: Offsets, lengths: Offsets) -> Names:
@@ -174,7 +174,7 @@ class Words:
         return Names(tuple(table), index, np.where(plain, number, -1))
 
 
-def numbered(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
+def numbered_names(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
     """Names of one stem, with a number each; None for others."""
     stem = text.bytes[starts[0] : ends[0]].tobytes().rstrip(b"0123456789")
     count = ends - starts - len(stem)
@@ -194,7 +194,7 @@ def entries(
 
     longest: bytes of one; ValueError if a different one has more.
     """
-    if alike(text, starts, ends):
+    if all_rows_equal(text, starts, ends):
         only = read(text.bytes[starts[0] : ends[0]].tobytes())
         return Entries((only,), np.zeros(len(starts), dtype=np.int32))
     lengths = ends - starts

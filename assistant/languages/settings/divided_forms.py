@@ -9,7 +9,7 @@ from __future__ import annotations
 from assistant.languages.settings.flow import Flow, State
 
 
-def divided(flow: Flow, whole: frozenset[int]) -> Flow:
+def divided_flow(flow: Flow, whole: frozenset[int]) -> Flow:
     """The flow with procedures divided at labels; the same one if there is nothing to divide.
 
     whole: numbers of procedures that stay as they are.
@@ -19,7 +19,7 @@ def divided(flow: Flow, whole: frozenset[int]) -> Flow:
     while True:
         cuts = set(made.cuts)
         for number, places in enumerate(flow.lines.procedures):
-            more = set() if number in refused else _cuts(made, number)
+            more = set() if number in refused else _division_labels(made, number)
             if more and not flow.lines.lost.union(more & flow.lines.inner).isdisjoint(places):
                 refused.add(number)  # what is read whole would have to be divided
                 cuts.difference_update(places)
@@ -30,7 +30,7 @@ def divided(flow: Flow, whole: frozenset[int]) -> Flow:
         made = flow.cut(frozenset(cuts)) if cuts else flow
 
 
-def _cuts(flow: Flow, number: int) -> set[int]:
+def _division_labels(flow: Flow, number: int) -> set[int]:
     """More labels to divide a procedure at: where ways differ, and where parts lead into others."""
     lines = flow.lines
     places, after = lines.procedures[number], lines.after[number]

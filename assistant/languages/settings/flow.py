@@ -15,7 +15,7 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.places import ELSEWHERE, NOWHERE, Places
+from assistant.languages.settings.places import ELSEWHERE, NO_LINES, LineSet
 from assistant.program.analysis.dataflow import Dataflow, postorder
 
 
@@ -54,9 +54,9 @@ class Held:
     """
 
     value: Any
-    by: Places = NOWHERE
-    interrupts: Places = NOWHERE
-    before: Places = NOWHERE
+    by: LineSet = NO_LINES
+    interrupts: LineSet = NO_LINES
+    before: LineSet = NO_LINES
 
     def met(self, other: Held, value: Any) -> Held:
         """Either of two, with what is certain of both."""
@@ -68,7 +68,7 @@ class Held:
         )
 
     @property
-    def needed(self) -> Places:
+    def needed(self) -> LineSet:
         """The lines without which it might be another."""
         return self.by | self.before
 
@@ -78,7 +78,7 @@ class Held:
         return self.value is INHERITED or isinstance(self.value, OrInherited)
 
 
-_ELSEWHERE: Final = Places.of([ELSEWHERE])
+_ELSEWHERE: Final = LineSet.of([ELSEWHERE])
 
 State = tuple[Held, ...]
 """By the numbers of the settings."""
@@ -116,7 +116,7 @@ class MaySet:
     """Interrupts may give a setting any value while a line runs. by: lines of theirs."""
 
     setting: int
-    by: Places
+    by: LineSet
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +174,7 @@ def _may_set(steps: Steps, setting: int) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class LineEffects:
     """What is to be known of the lines of a program, by place.
 
     settings: how many there are. procedures: the places of the lines of each. after: by procedure,
@@ -200,16 +200,17 @@ class Lines:
         return list(dict.fromkeys(one for one in called if isinstance(one, int)))
 
 
-def joined(one: State | None, two: State) -> State:
+def joined_states(one: State | None, two: State) -> State:
     """What is certain where two ways meet."""
     if one is None or one is two or one == two:
         return two
     return tuple(
-        a if a == b else a.met(b, _met(a.value, b.value)) for a, b in zip(one, two, strict=True)
+        a if a == b else a.met(b, _agreed_value(a.value, b.value))
+        for a, b in zip(one, two, strict=True)
     )
 
 
-def _met(one: Any, two: Any) -> Any:
+def _agreed_value(one: Any, two: Any) -> Any:
     """What two ways agree on, for one caller or for all."""
     if one == two:
         return one
@@ -220,18 +221,18 @@ def _met(one: Any, two: Any) -> Any:
     return OrInherited(*made) if len(made) == 1 and UNKNOWN not in made else UNKNOWN
 
 
-def resolved(state: State, inherited: State) -> State:
+def resolved_state(state: State, inherited: State) -> State:
     """The state with what the caller has in the places that are inherited."""
     if not any(held.is_inherited for held in state):
         return state
     return tuple(
-        held.met(up, _resolved(held.value, up.value)) if held.is_inherited else held
+        held.met(up, _resolved_value(held.value, up.value)) if held.is_inherited else held
         for held, up in zip(state, inherited, strict=True)
     )
 
 
-def _resolved(value: Any, given: Any) -> Any:
-    return given if value is INHERITED else _met(value.value, given)
+def _resolved_value(value: Any, given: Any) -> Any:
+    return given if value is INHERITED else _agreed_value(value.value, given)
 
 
 class Flow:
@@ -244,7 +245,7 @@ class Flow:
     line, then by place.
     """
 
-    def __init__(self, lines: Lines) -> None:
+    def __init__(self, lines: LineEffects) -> None:
         self.lines = lines
         self.entry: State = (Held(INHERITED),) * lines.settings
         self._by_any_line = tuple(map(self._made_anywhere, range(lines.settings)))
@@ -258,7 +259,7 @@ class Flow:
         self.parts: list[Sequence[Sequence[int]]] = [[places] for places in lines.procedures]
         self.divided: frozenset[int] = frozenset()
         self.exits: list[State | None] = [None] * len(lines.procedures)
-        flows = [Dataflow(after, self.after, joined) for after in lines.after]
+        flows = [Dataflow(after, self.after, joined_states) for after in lines.after]
         called = {
             number: [callee for at in places for callee in lines.called(at)]
             for number, places in enumerate(lines.procedures)
@@ -271,7 +272,7 @@ class Flow:
                 self._spread(number, flows[number])
                 end = flows[number].found.get(EXIT) if lines.procedures[number] else self.entry
                 if end is not None:
-                    self.exits[number] = joined(self.exits[number], end)
+                    self.exits[number] = joined_states(self.exits[number], end)
         for number, flow in enumerate(flows):
             self._note(number, flow)
 
@@ -284,7 +285,7 @@ class Flow:
         for number, places in numbered:
             after = self.lines.after[number]
             inside = {at: [to for to in ways if to not in cuts] for at, ways in after.items()}
-            flow = Dataflow(inside, made.after, joined)
+            flow = Dataflow(inside, made.after, joined_states)
             made._spread(number, flow)
             made._note(number, flow)
             if number in made.divided:
@@ -325,7 +326,7 @@ class Flow:
         """A setting that any of the lines may have made that make it."""
         steps = self.lines.steps.items()
         by = (at for at, made in steps if any(one.setting == setting for one in sets_in(made)))
-        return Held(UNKNOWN, Places.of(by))
+        return Held(UNKNOWN, LineSet.of(by))
 
     def _is_set(self, setting: int) -> bool:
         """True if anything may make a setting: a line, an interrupt, or an unknown effect."""
@@ -344,7 +345,7 @@ class Flow:
         self._ran(at, self.lines.steps.get(at, ()), state, met)
         found: dict[int, State] = {}
         for number, before in met:
-            found[number] = joined(found.get(number), before)
+            found[number] = joined_states(found.get(number), before)
         return {number: found.get(number, state) for number in self.lines.called(at)}
 
     def _ran(
@@ -357,10 +358,10 @@ class Flow:
                 break
             match step:
                 case Sets(setting, value):
-                    made = Held(value, Places.of((at,)))
+                    made = Held(value, LineSet.of((at,)))
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Changes(names, but):
-                    behind = tuple(_outlived(held, names, but) for held in behind)
+                    behind = tuple(_after_changes(held, names, but) for held in behind)
                 case MaySet(setting, by):
                     held = behind[setting]
                     held = self._by_any_line[setting] if held.is_inherited else held
@@ -368,7 +369,7 @@ class Flow:
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Calls(called, inside):
                     before = self._between(called, behind)
-                    inner = tuple(_outlived(held, None) for held in before)
+                    inner = tuple(_after_changes(held, None) for held in before)
                     met += [(one, inner) for one in called if isinstance(one, int)]
                     left = [self._left_by(one, before, inside) for one in called]
                     behind = _any_of(left, every=True)
@@ -382,7 +383,7 @@ class Flow:
         while len(called) > 1 and known != state:
             known = state
             made = _any_of([self._left_by(one, known) for one in called])
-            state = known if made is None else joined(known, made)
+            state = known if made is None else joined_states(known, made)
         return state
 
     def _left_by(
@@ -396,16 +397,18 @@ class Flow:
             end = self.exits[called]
             if end is None:
                 return None
-            return resolved(tuple(_outlived(held, None) for held in end), state)
+            return resolved_state(tuple(_after_changes(held, None) for held in end), state)
         return tuple(
-            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else NOWHERE))
+            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else NO_LINES))
             if k in called
             else held
             for k, held in enumerate(state)
         )
 
 
-def _outlived(held: Held, names: frozenset[str] | None, but: frozenset[str] = frozenset()) -> Held:
+def _after_changes(
+    held: Held, names: frozenset[str] | None, but: frozenset[str] = frozenset()
+) -> Held:
     """What is left of a setting where variables change: what was worked out of them is unknown."""
     value = held.value.value if isinstance(held.value, OrInherited) else held.value
     if not isinstance(value, Computed) or value.names <= but:
@@ -418,4 +421,4 @@ def _outlived(held: Held, names: frozenset[str] | None, but: frozenset[str] = fr
 def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:
     """What is certain behind ways that end, one of which was taken. every: all have to end."""
     ending = [way for way in ways if way is not None]
-    return reduce(joined, ending) if ending and not (every and None in ways) else None
+    return reduce(joined_states, ending) if ending and not (every and None in ways) else None

@@ -10,7 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State, joined, resolved
+from assistant.languages.settings.flow import (
+    UNKNOWN,
+    Flow,
+    Held,
+    State,
+    joined_states,
+    resolved_state,
+)
 from assistant.program.program import TakenNames, identifier
 
 MOST_FORMS: Final = 8
@@ -105,7 +112,7 @@ class CalledForms:
         self._calls = {at: made for at in flow.lines.steps if (made := flow.lines.called(at))}
         self._needs = self._all_needs()
         self.forms: list[dict[Any, Form]] = [{} for _ in procedures]
-        lost = resolved(flow.lost, initial)
+        lost = resolved_state(flow.lost, initial)
         self._lines = 0
         self._pending: list[Form] = []
         if procedures:
@@ -135,7 +142,7 @@ class CalledForms:
     def at(self, at: int, form: Form) -> State:
         """What holds where a line begins."""
         before = self.flow.before.get(at)  # none where no way leads
-        return form.state if before is None else resolved(before, form.state)
+        return form.state if before is None else resolved_state(before, form.state)
 
     def _follow(self, form: Form) -> None:
         """Notes what a form calls, and where it goes."""
@@ -148,10 +155,10 @@ class CalledForms:
         below: State | None = None
         for at in form.places if form.passes else ():
             for to, state in self.flow.edges.get(at, {}).items():
-                given = resolved(state, form.state)
+                given = resolved_state(state, form.state)
                 form.goes.setdefault(at, {})[to] = self._pass(form, self._part_at[to], given)
                 if self._part_at[to] == form.part + 1 and self.flow.lines.runs_on(at):
-                    below = joined(below, given)
+                    below = joined_states(below, given)
         if below is not None:
             form.falls = self._pass(form, form.part + 1, below)
 
@@ -193,7 +200,7 @@ class CalledForms:
             self._pending.append(known[key])
             return known[key]
         made = known[key]
-        both = joined(made.state, state)
+        both = joined_states(made.state, state)
         if both != made.state:
             made.state = both
             self._pending.append(made)

@@ -9,8 +9,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.flow import Calls, Either, Lines, MaySet, Steps, calls_in, sets_in
-from assistant.languages.settings.places import ELSEWHERE, NOWHERE, Places
+from assistant.languages.settings.flow import (
+    Calls,
+    Either,
+    LineEffects,
+    MaySet,
+    Steps,
+    calls_in,
+    sets_in,
+)
+from assistant.languages.settings.places import ELSEWHERE, NO_LINES, LineSet
 from assistant.program.analysis.dataflow import reachable
 
 
@@ -27,8 +35,8 @@ class Interrupt:
 
 
 def with_interrupts(
-    lines: Lines, interrupts: Sequence[Interrupt], elsewhere: frozenset[int]
-) -> Lines:
+    lines: LineEffects, interrupts: Sequence[Interrupt], elsewhere: frozenset[int]
+) -> LineEffects:
     """The lines with what interrupts may set while each of them runs.
 
     All that interrupts call is among `lost`. elsewhere: settings that interrupts of other programs
@@ -36,11 +44,11 @@ def with_interrupts(
     """
     if not interrupts and not elsewhere:
         return lines
-    ways = _Ways(lines)
-    may_set: dict[int, dict[int, Places]] = {}
+    ways = _ProgramGraph(lines)
+    may_set: dict[int, dict[int, LineSet]] = {}
     may_call: dict[int, list[int]] = {}
     for at in ways.all if elsewhere else ():
-        may_set[at] = dict.fromkeys(elsewhere, Places.of([ELSEWHERE]))
+        may_set[at] = dict.fromkeys(elsewhere, LineSet.of([ELSEWHERE]))
     for interrupt in interrupts:
         if interrupt.answer is not None:
             own = frozenset(lines.procedures[interrupt.answer])
@@ -51,7 +59,7 @@ def with_interrupts(
         for at in ways.running(interrupt) if changed else ():
             here = may_set.setdefault(at, {})
             for setting, by in changed.items():
-                here[setting] = here.get(setting, NOWHERE) | by
+                here[setting] = here.get(setting, NO_LINES) | by
     steps = dict(lines.steps)
     for at, here in may_set.items():
         interrupted: Steps = tuple(MaySet(*one) for one in here.items())
@@ -62,10 +70,10 @@ def with_interrupts(
     return replace(lines, steps=steps)
 
 
-class _Ways:
+class _ProgramGraph:
     """The ways through all procedures, from calls into what they call as well."""
 
-    def __init__(self, lines: Lines) -> None:
+    def __init__(self, lines: LineEffects) -> None:
         self.lines = lines
         self.all = [at for places in lines.procedures for at in places]
         self._after: Mapping[int, Sequence[int]] = {
@@ -78,7 +86,7 @@ class _Ways:
             for to in self._next(at):
                 self._before.setdefault(to, []).append(at)
 
-    def settings(self, starts: Iterable[int]) -> dict[int, Places]:
+    def settings(self, starts: Iterable[int]) -> dict[int, LineSet]:
         """What may be set from some lines on, each with the lines that set it."""
         found: dict[int, set[int]] = {}
         for at in reachable(starts, self._next):
@@ -86,7 +94,7 @@ class _Ways:
             unknown = (one for one in calls_in(steps) if isinstance(one, frozenset))
             for setting in {one.setting for one in sets_in(steps)}.union(*unknown):
                 found.setdefault(setting, set()).add(at)
-        return {setting: Places.of(lines) for setting, lines in found.items()}
+        return {setting: LineSet.of(lines) for setting, lines in found.items()}
 
     def running(self, interrupt: Interrupt) -> Iterable[int]:
         """Lines that may run while an interrupt is on, and those that switch it on.

@@ -11,30 +11,30 @@ ELSEWHERE: Final = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class LineSet:
     """Places of lines, and ELSEWHERE. bits: the last one for ELSEWHERE, the next for line 0."""
 
     bits: int = 0
 
     @staticmethod
-    def of(places: Iterable[int]) -> Places:
+    def of(places: Iterable[int]) -> LineSet:
         marks = bytearray()
         for place in places:
             byte, bit = divmod(place - ELSEWHERE, 8)
             if byte >= len(marks):
                 marks.extend(bytes(byte + 1 - len(marks)))
             marks[byte] |= 1 << bit
-        return Places(int.from_bytes(marks, "little"))
+        return LineSet(int.from_bytes(marks, "little"))
 
-    def __or__(self, other: Places) -> Places:
+    def __or__(self, other: LineSet) -> LineSet:
         """Those of both; one of the two if it has them all, so that many lines share one set."""
         bits = self.bits | other.bits
         if bits == self.bits:
             return self
-        return other if bits == other.bits else Places(bits)
+        return other if bits == other.bits else LineSet(bits)
 
-    def __sub__(self, other: Places) -> Places:
-        return Places(self.bits & ~other.bits)
+    def __sub__(self, other: LineSet) -> LineSet:
+        return LineSet(self.bits & ~other.bits)
 
     def __bool__(self) -> bool:
         return bool(self.bits)
@@ -48,4 +48,4 @@ class Places:
             at = said.find("1", at + 1)
 
 
-NOWHERE: Final = Places()
+NO_LINES: Final = LineSet()

@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.settings.flow import UNKNOWN, Held, Lines, State, sets_in
+from assistant.languages.settings.flow import UNKNOWN, Held, LineEffects, State, sets_in
 from assistant.languages.settings.places import ELSEWHERE
 from assistant.program.expressions import Reason
 
-MOST_LINES: Final = 4
+MOST_NAMED_LINES: Final = 4
 """Lines that a reason names; the rest is counted."""
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class SettingText:
     """name: in a sentence. word: what sets it. say: its values in words."""
 
     name: str
@@ -30,7 +30,7 @@ class UnknownSettings:
     """
 
     def __init__(
-        self, lines: Lines, settings: Sequence[Setting], where: Callable[[int], str]
+        self, lines: LineEffects, settings: Sequence[SettingText], where: Callable[[int], str]
     ) -> None:
         self._lines, self._settings, self._where = lines, settings, where
 
@@ -78,6 +78,6 @@ class UnknownSettings:
 
     def _list(self, lines: Sequence[int]) -> str:
         given = [self._where(at) for at in lines]
-        if len(given) > MOST_LINES:
-            given = [*given[:MOST_LINES], f"{len(given) - MOST_LINES} more"]
+        if len(given) > MOST_NAMED_LINES:
+            given = [*given[:MOST_NAMED_LINES], f"{len(given) - MOST_NAMED_LINES} more"]
         return " and ".join([", ".join(given[:-1]), given[-1]]) if len(given) > 1 else given[0]

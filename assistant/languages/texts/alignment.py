@@ -47,7 +47,7 @@ def aligned(
         partner[j] = i
     mine, theirs = (nodes if says is None else list(map(says, nodes)) for nodes in (old, new))
     for step, before, after in ((_equal, mine, theirs), (_alike, old, new), (_in_order, old, new)):
-        for (i1, i2), (j1, j2) in list(_stretches(partner, len(old))):
+        for (i1, i2), (j1, j2) in list(_unpaired_stretches(partner, len(old))):
             for i, j in step(before[i1:i2], after[j1:j2]):
                 partner[j1 + j] = i1 + i
     return partner
@@ -71,7 +71,7 @@ def _rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     return out[::-1]
 
 
-def _stretches(
+def _unpaired_stretches(
     partner: Sequence[int | None], length: int
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
     """The stretches of old and new between partners, where both have something."""

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from assistant.base.source_text import SourceText, dominant_newline
-from assistant.languages.runs.columns import Run, joined
-from assistant.languages.runs.merging import merged
+from assistant.languages.runs.columns import Run, joined_runs
+from assistant.languages.runs.merging import merged_run_text
 from assistant.languages.runs.names import rows_of
 from assistant.languages.texts.alignment import same
 from assistant.languages.texts.changed_lines import (
@@ -23,24 +23,24 @@ from assistant.languages.texts.changed_lines import (
     partners,
     parts_of,
 )
-from assistant.languages.texts.lines import Lines
+from assistant.languages.texts.lines import LinePrinter
 
 
-def render(source: SourceText, old: Sequence[Any], lines: Lines) -> str:
+def render_changed_file(source: SourceText, old: Sequence[Any], lines: LinePrinter) -> str:
     """The text of items that were made from old ones, which were read from the source."""
     newline = dominant_newline(source.text) if "\n" in source.text else source.newline
     parts: list[str] = []
-    for part in _Changes(source.text, old, lines, newline).texts():
+    for part in _FileChanges(source.text, old, lines, newline).texts():
         if parts and parts[-1] and not parts[-1].endswith("\n"):
             parts.append(newline)  # the last line of a file may have no line end
         parts.append(part)
     return "".join(parts)
 
 
-class _Changes:
+class _FileChanges:
     """The items of a file against those that were read from its text. newline: of new lines."""
 
-    def __init__(self, text: str, old: Sequence[Any], lines: Lines, newline: str) -> None:
+    def __init__(self, text: str, old: Sequence[Any], lines: LinePrinter, newline: str) -> None:
         self._text, self._old, self._new = text, old, lines.items
         self._lines, self._newline = lines, newline
         self._as_line = {id(item): lines.line(item) for item in (*old, *self._new)}
@@ -115,14 +115,14 @@ class _Changes:
         fitting = [(rows, text) for rows, text in olds if rows.fits(new)]
         if not fitting:
             return fresh(new)
-        old, text = joined([rows for rows, _ in fitting]), "".join(text for _, text in fitting)
+        old, text = joined_runs([rows for rows, _ in fitting]), "".join(text for _, text in fitting)
         steps = isinstance(new, self._lines.table)
         number = "steps" if steps else self._lines.number
         if steps and len(old) == len(new):
             at = np.arange(len(new))
         else:
             at = rows_of(getattr(old, number), getattr(new, number))
-        return merged(new, old, text, at, fresh, number if steps else None)
+        return merged_run_text(new, old, text, at, fresh, number if steps else None)
 
     def _indented(self, at: int, level: int) -> str:
         """A new item, a line as deep as those around it."""

@@ -109,7 +109,7 @@ def changed_line(parts: Parts, old: Line, new: Line, language: Code) -> str:
             indent = indent[1:]
         parts = replace(parts, number=number, indent=indent)
     if new.code != old.code:
-        parts = replace(parts, code=_code(parts.code, old.code, new.code, language))
+        parts = replace(parts, code=_changed_code(parts.code, old.code, new.code, language))
         if old.code is None and parts.comment:
             parts = replace(parts, gap=" ")
         elif not parts.code:
@@ -124,7 +124,7 @@ def changed_line(parts: Parts, old: Line, new: Line, language: Code) -> str:
     return parts.text
 
 
-def _code(text: str, old: Any, new: Any, language: Code) -> str:
+def _changed_code(text: str, old: Any, new: Any, language: Code) -> str:
     """The code of `new`, with the words of `text` that stay."""
     after = language.printed(new)
     if not text or not after:

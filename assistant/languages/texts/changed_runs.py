@@ -19,7 +19,7 @@ MOST_ROWS: Final = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class RunRow:
     """A row of a run. key: what it says, as it is compared; text: as it is printed."""
 
     key: str
@@ -27,11 +27,11 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
+class _UnchangedRows:
     """Rows of a run that did not change."""
 
 
-class Layout(printed_blocks.Layout):
+class RunLayout(printed_blocks.Layout):
     """Of a language whose tree has nodes for runs of like lines.
 
     row_end: what each row ends with. note: what a comment begins with.
@@ -97,11 +97,11 @@ class Layout(printed_blocks.Layout):
         at = 0
         for i1, i2, j1, j2 in (*stretches, (len(had), len(had), len(has), len(has))):
             if i1 > at:
-                olds.append(rows := _Rows())
+                olds.append(rows := _UnchangedRows())
                 news.append(rows)
                 extents.append(Extent(int(places[at, 0]), int(places[i1 - 1, 1])))
-            olds += [Row(line, line) for line in had[i1:i2]]
-            news += [Row(line, line) for line in has[j1:j2]]
+            olds += [RunRow(line, line) for line in had[i1:i2]]
+            news += [RunRow(line, line) for line in has[j1:j2]]
             extents += [Extent(*map(int, places[k])) for k in range(i1, i2)]
             at = i2
         return Spread(olds, extents, news)
@@ -127,13 +127,13 @@ class Layout(printed_blocks.Layout):
             if places is None:
                 return None
             for line, (start, end) in zip(lines, places.tolist(), strict=True):
-                olds.append(Row(self._key(text[start:end] if spelled else line), line))
+                olds.append(RunRow(self._key(text[start:end] if spelled else line), line))
                 extents.append(Extent(start, end))
         for node in new:
             if id(node) in shared or not (self.is_run(node) or self.may_be_row(node)):
                 news.append(node)
             else:
-                news += [Row(self._key(line), line) for line in self._lines(node)]
+                news += [RunRow(self._key(line), line) for line in self._lines(node)]
         return Spread(olds, extents, news)
 
     def _lines(self, node: Any) -> list[str]:

@@ -13,7 +13,7 @@ Fields = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Does:
+class NodeEffect:
     """What a node does, without those in it.
 
     reads, writes, calls, declares: fields of texts, or of nodes of data, that are named there.
@@ -31,7 +31,7 @@ class Does:
     untold: bool = False
 
 
-class Untold(Exception):
+class UnknownEffect(Exception):
     """What a node calls is worked out as the program runs: it may do anything."""
 
 
@@ -50,10 +50,12 @@ class Effects:
         self,
         nodes: Callable[[Any], Iterable[Any]],
         named: Callable[[Any], str | None],
-        rows: Mapping[type, Does | Take],
+        rows: Mapping[type, NodeEffect | Take],
     ) -> None:
         self._nodes, self._named = nodes, named
-        self._takes = {k: self._take(r) if isinstance(r, Does) else r for k, r in rows.items()}
+        self._takes = {
+            k: self._take(r) if isinstance(r, NodeEffect) else r for k, r in rows.items()
+        }
 
     def of(self, tree: Any) -> Effect | None:
         """What a node or several do, None if nobody can tell."""
@@ -63,7 +65,7 @@ class Effects:
                 take = self._takes.get(type(node))
                 if take is not None:
                     take(done, node)
-        except Untold:
+        except UnknownEffect:
             return None
         return done.effect()
 
@@ -77,10 +79,10 @@ class Effects:
             elif name := self._named(value):
                 yield name
 
-    def _take(self, row: Does) -> Take:
+    def _take(self, row: NodeEffect) -> Take:
         def take(done: EffectBuilder, node: Any) -> None:
             if row.untold:
-                raise Untold
+                raise UnknownEffect
             done.reads.update(*(self.names(getattr(node, field)) for field in row.reads))
             done.writes.update(*(self.names(getattr(node, field)) for field in row.writes))
             done.calls.update(*(self.names(getattr(node, field)) for field in row.calls))

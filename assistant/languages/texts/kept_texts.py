@@ -10,13 +10,13 @@ from assistant.program.expressions import Verbatim
 from assistant.program.statements import Opaque
 from assistant.program.vendor_statements import VendorText
 
-SHOWN: Final = 60
+SHOWN_CHARACTERS: Final = 60
 """Characters of a text that a finding shows."""
-MOST: Final = 1 << 14
+MOST_REMEMBERED: Final = 1 << 14
 """Texts that are remembered."""
 
 
-class KeptTexts:
+class ParsedTexts:
     """What texts say: lifting, adapting, naming and building each ask for the same ones.
 
     unreadable: the rule for a text that is none of the language; it names `text` and `why`.
@@ -45,21 +45,21 @@ class KeptTexts:
 
     def remember(self, kind: str, text: str, nodes: tuple[Any, ...]) -> str:
         """The text, which says these nodes."""
-        if len(self._known) >= MOST:
+        if len(self._known) >= MOST_REMEMBERED:
             self._known.clear()
         self._known[kind, text] = nodes
         return text
 
     def refused(self, text: str, why: str) -> Refused:
-        return Refused(self._unreadable(text=text[:SHOWN], why=why))
+        return Refused(self._unreadable(text=text[:SHOWN_CHARACTERS], why=why))
 
 
-def foreign(kept: VendorText, language: str) -> dict[str, Any]:
+def foreign_text_fields(kept: VendorText, language: str) -> dict[str, Any]:
     """What a finding says of the text of another language: fields `language`, `text`, `cure`.
 
     language: the title of the one that is written.
     """
-    text = kept.text if len(kept.text) <= SHOWN else kept.text[:SHOWN] + "…"
+    text = kept.text if len(kept.text) <= SHOWN_CHARACTERS else kept.text[:SHOWN_CHARACTERS] + "…"
     reason = kept.reason if isinstance(kept, Opaque | Verbatim) else None
     if reason is None:
         cure = f"write it in the pseudo-program or in {language}"

@@ -81,18 +81,18 @@ def lay_out(text: str, segments: Sequence[Segment], style: Style) -> str:
     Line ends become the ones that most lines of the text have.
     """
     newline = dominant_newline(text)
-    lines: list[Line] = []
+    lines: list[LaidOutLine] = []
     for placed in _with_blank_lines(_placed(segments, text, style), style):
         segment, indent = placed.segment, " " * (INDENT * placed.level)
         if placed.blank:
-            lines.append(Line(""))
+            lines.append(LaidOutLine(""))
         if segment.trails and lines:
             _put_behind(lines[-1], segment.words[0], text)
         elif segment.form == "rows":
-            lines.append(Line(style.table(segment.words[0].text, indent, newline)))
+            lines.append(LaidOutLine(style.table(segment.words[0].text, indent, newline)))
         else:
-            lines += _lines(segment, indent, text, style)
-    return "".join(piece for line in aligned(lines) for piece in (line, newline))
+            lines += _segment_lines(segment, indent, text, style)
+    return "".join(piece for line in align_comments(lines) for piece in (line, newline))
 
 
 # Levels and blank lines
@@ -179,7 +179,7 @@ def _column(text: str, at: int) -> int:
 
 
 @dataclass(slots=True)
-class Line:
+class LaidOutLine:
     """code: with its indentation. comment: behind it. lead: before it, counted by no column.
 
     column, gap: of the comment in the text that was read, and how far it stood from the code.
@@ -198,7 +198,9 @@ class Line:
         self.column, self.gap = len(before), max(len(before) - len(before.rstrip()), 1)
 
 
-def aligned(lines: Sequence[Line], fits: Callable[[str], bool] | None = None) -> Iterator[str]:
+def align_comments(
+    lines: Sequence[LaidOutLine], fits: Callable[[str], bool] | None = None
+) -> Iterator[str]:
     """The lines with their comments; neighbours that stood in one column do so again.
 
     fits: whether a line is short enough; where one is not, comments stand right behind the code.
@@ -213,7 +215,7 @@ def aligned(lines: Sequence[Line], fits: Callable[[str], bool] | None = None) ->
             yield from (line.lead + line.code + line.comment for line in together)
 
 
-def _columns(lines: Sequence[Line], fits: Callable[[str], bool] | None) -> list[str]:
+def _columns(lines: Sequence[LaidOutLine], fits: Callable[[str], bool] | None) -> list[str]:
     column = max(len(line.code) for line in lines) + min(line.gap for line in lines)
     texts = [line.lead + line.code.ljust(column) + line.comment for line in lines]
     if fits is None or all(map(fits, texts)):
@@ -221,7 +223,7 @@ def _columns(lines: Sequence[Line], fits: Callable[[str], bool] | None) -> list[
     return [f"{line.lead}{line.code} {line.comment}" for line in lines]
 
 
-def _put_behind(line: Line, comment: Word, text: str) -> None:
+def _put_behind(line: LaidOutLine, comment: Word, text: str) -> None:
     start = text.rfind("\n", 0, comment.start) + 1
     line.put_behind(comment.text.rstrip(), text[start : comment.start])
 
@@ -234,9 +236,9 @@ class _Bracket:
     closing: int
 
 
-def _lines(segment: Segment, indent: str, text: str, style: Style) -> list[Line]:
+def _segment_lines(segment: Segment, indent: str, text: str, style: Style) -> list[LaidOutLine]:
     """A segment on one line or, where its words stood on several, on as many."""
-    lines = [Line(indent)]
+    lines = [LaidOutLine(indent)]
     brackets: list[_Bracket] = []
     spacing = style.spacing(segment)
     broken = False
@@ -252,7 +254,7 @@ def _lines(segment: Segment, indent: str, text: str, style: Style) -> list[Line]
         blank = not comment and spacing.before(word)
         if broken:
             column = _continuation(word, spacing, brackets, len(indent), style)
-            lines.append(Line(" " * column))
+            lines.append(LaidOutLine(" " * column))
         elif blank:
             lines[-1].code += " "
         if word.kind == "mark" and word.text in style.opening:

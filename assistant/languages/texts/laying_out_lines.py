@@ -6,26 +6,26 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from assistant.base.source_text import SourceText, dominant_newline
-from assistant.languages.line_blocks import NO_WORD, Word
+from assistant.languages.line_blocks import NO_WORD, BlockWord
 from assistant.languages.runs.columns import Run
 from assistant.languages.texts import changed_lines
 from assistant.languages.texts.changed_lines import Parts, parts_of
-from assistant.languages.texts.laying_out import INDENT, TAB, Line, aligned
-from assistant.languages.texts.lines import Lines
+from assistant.languages.texts.laying_out import INDENT, TAB, LaidOutLine, align_comments
+from assistant.languages.texts.lines import LinePrinter
 
 
-def lay_out(source: SourceText, lines: Lines) -> str:
+def lay_out(source: SourceText, lines: LinePrinter) -> str:
     """The text of items that were read from a source in the one layout; idempotent.
 
     Line ends become the ones that most lines have.
     """
-    return "".join(_Pages(source, lines).pieces())
+    return "".join(_FileLayout(source, lines).pieces())
 
 
-class _Pages:
+class _FileLayout:
     """The lines of one file. above, below: indices of the lines of code next to each item."""
 
-    def __init__(self, source: SourceText, lines: Lines) -> None:
+    def __init__(self, source: SourceText, lines: LinePrinter) -> None:
         self._lines, self._items = lines, lines.items
         self._text, self._encoding = source.text, source.encoding
         self._newline = dominant_newline(source.text)
@@ -47,7 +47,7 @@ class _Pages:
 
     def pieces(self) -> Iterator[str]:
         """Lines with their ends; a table is one piece."""
-        waiting: list[Line] = []
+        waiting: list[LaidOutLine] = []
         levels = self._lines.levels(self._said)
         for at, (line, level) in enumerate(zip(self._said, levels, strict=True)):
             if line is not None:
@@ -74,7 +74,7 @@ class _Pages:
         column = self._column(comment)
         return column == self._column(below) and (above is None or column != self._column(above))
 
-    def _word(self, at: int) -> Word:
+    def _word(self, at: int) -> BlockWord:
         line = self._said[at]
         return NO_WORD if line is None else self._lines.word(line.code)
 
@@ -93,7 +93,7 @@ class _Pages:
         assert line is not None
         return parts_of(self._source(at), line)
 
-    def _line(self, at: int, line: changed_lines.Line, level: int) -> Line:
+    def _line(self, at: int, line: changed_lines.Line, level: int) -> LaidOutLine:
         if self._lines.blocks and line.is_comment:
             level -= self._heads_division(at)
         parts = self._parts(at)
@@ -103,13 +103,13 @@ class _Pages:
         indented, before = " " * (INDENT * level) + body, _indent(parts)
         if not self._lines.blocks:  # comments stand under each other as a whole
             lead, indented, before = "", lead + indented, parts.margin + parts.number + parts.indent
-        made = Line(indented, lead=lead)
+        made = LaidOutLine(indented, lead=lead)
         if parts.code and parts.comment:
             made.put_behind(parts.comment, before + parts.code + parts.gap)
         return made
 
-    def _aligned(self, lines: Sequence[Line]) -> Iterator[str]:
-        return map(self._fitting, aligned(lines, self._fits))
+    def _aligned(self, lines: Sequence[LaidOutLine]) -> Iterator[str]:
+        return map(self._fitting, align_comments(lines, self._fits))
 
     def _fitting(self, text: str) -> str:
         """A line that the controller takes, if need be without its indentation."""

@@ -6,12 +6,12 @@ import abc
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from assistant.languages.line_blocks import NO_WORD, Block, Word, blocks_of
+from assistant.languages.line_blocks import NO_WORD, Block, BlockWord, blocks_of
 from assistant.languages.runs.columns import Run
 from assistant.languages.texts.changed_lines import Code, Line
 
 
-class Lines(Code, abc.ABC):
+class LinePrinter(Code, abc.ABC):
     """The items of a file and how its language writes them.
 
     Lines of one kind may stand in tables. table: those of the program, with their step numbers.
@@ -30,7 +30,7 @@ class Lines(Code, abc.ABC):
         """What a line of the program says, None for any other item; its code can be hashed."""
 
     @abc.abstractmethod
-    def word(self, code: Any) -> Word:
+    def word(self, code: Any) -> BlockWord:
         """What the code of a line is to blocks."""
 
     @abc.abstractmethod
@@ -64,7 +64,7 @@ class Lines(Code, abc.ABC):
             if word.bounds:
                 routine = 0
             block = blocks.around[at]
-            level = routine if block is None else routine + _inside(block, at)
+            level = routine if block is None else routine + _level_in_blocks(block, at)
             routine = 1 if word.bounds == "begins" else routine
             if line is not None and line.is_comment:
                 level -= choice  # before the first part it is that one's
@@ -75,13 +75,13 @@ class Lines(Code, abc.ABC):
         return made
 
 
-def _inside(block: Block, at: int) -> int:
+def _level_in_blocks(block: Block, at: int) -> int:
     """How much deeper a line is for the blocks that it stands in; in a choice two levels a part."""
     open_there = (one for one in block.chain if one.crossed is None or at < one.crossed)
     return sum(2 if one.form == "choice" else 1 for one in open_there)
 
 
-def print_items(lines: Lines, newline: str) -> Iterator[str]:
+def print_items(lines: LinePrinter, newline: str) -> Iterator[str]:
     """The text of each item of a new file, with its line ends."""
     said = list(map(lines.line, lines.items))
     for at, (line, level) in enumerate(zip(said, lines.levels(said), strict=True)):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.runs.columns import Run, joined
+from assistant.languages.runs.columns import Run, joined_runs
 from assistant.languages.runs.names import rows_of
 
 Known = dict[str, Any]
@@ -85,7 +85,7 @@ class DataMerger(abc.ABC):
                 if tables := [
                     table for table in known.get(self.stem(item), ()) if table.fits(item)
                 ]:
-                    whole = joined(tables)
+                    whole = joined_runs(tables)
                     at = rows_of(getattr(whole, self.number), getattr(item, self.number))
                     item = item.rows(~whole.equal(at, item))
                 found += self.rows_as_lines(item)

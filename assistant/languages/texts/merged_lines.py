@@ -23,7 +23,7 @@ MOST_ROWS: Final = 1 << 10
 """Rows of a table that are compared one by one; a longer one is the same or it is not."""
 
 
-class Part(NamedTuple):
+class LinePart(NamedTuple):
     """What one field of a line says.
 
     key: whatever its layout. kind: what parts that may take each other's place have in common.
@@ -49,7 +49,7 @@ class LineMerger(abc.ABC):
     header: tuple[str, str]
 
     @abc.abstractmethod
-    def parts(self, line: Any) -> Iterator[Part]:
+    def parts(self, line: Any) -> Iterator[LinePart]:
         """What a line says, in order."""
 
     @abc.abstractmethod
@@ -89,11 +89,11 @@ class LineMerger(abc.ABC):
         here, old, new = map(self.entries, (items, before, after))
         if not any(entry.key.startswith(self.header[0]) for entry in here):
             old, new = map(self._headless, (old, new))
-        place = merging.matched(old, here)
+        place = merging.matched_entries(old, here)
         found = merging.changes(old, new)
         changed = {at for change in found for at in range(change.first, change.stop)}
         for forward, restored in product((False, True), (False, True)):
-            edits = _Edits(here, place, forward, language=self)
+            edits = _LineEdits(here, place, forward, language=self)
             if all(edits.take(change) for change in found):
                 for change in found if restored else ():
                     edits.restore(change, old, changed)
@@ -105,7 +105,7 @@ class LineMerger(abc.ABC):
 
 
 @dataclass(kw_only=True)
-class _Edits(merging.Edits):
+class _LineEdits(merging.Edits):
     """What is done to the entries of a program."""
 
     language: LineMerger

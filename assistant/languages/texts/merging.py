@@ -35,7 +35,7 @@ class Entry:
 T = TypeVar("T")
 
 
-def matched(old: Sequence[Entry], new: Sequence[Entry]) -> dict[int, int]:
+def matched_entries(old: Sequence[Entry], new: Sequence[Entry]) -> dict[int, int]:
     """Index of the new entry that each old one is, as far as they say the same; both rise."""
     pairs: dict[int, int] = {}
     for block in _matcher(old, new).get_matching_blocks():
@@ -57,11 +57,11 @@ def changes(old: Sequence[Entry], new: Sequence[Entry]) -> list[Change]:
     found = []
     for step, i1, i2, j1, j2 in _matcher(old, new).get_opcodes():
         if step != "equal":
-            found.append(Change(i1, i2, tuple(_paired(old, i1, i2, new[j1:j2]))))
+            found.append(Change(i1, i2, tuple(_paired_entries(old, i1, i2, new[j1:j2]))))
     return found
 
 
-def _paired(
+def _paired_entries(
     old: Sequence[Entry], first: int, stop: int, new: Sequence[Entry]
 ) -> Iterator[tuple[int | None, Entry | None]]:
     """Entries of one kind take each other's place, in order."""

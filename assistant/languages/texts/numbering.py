@@ -79,7 +79,7 @@ def renumbered(
     return made
 
 
-def fitted(items: Sequence[Any], step: int, steps: Steps) -> list[Any] | None:
+def with_fitted_steps(items: Sequence[Any], step: int, steps: Steps) -> list[Any] | None:
     """New lines with numbers between their neighbours; where there is no room others move on.
 
     Jumps go with their lines. step: between lines behind all others. None if numbers end before

@@ -98,7 +98,7 @@ class Templates:
         else:
             parts.append(self.word(template[at:]))
             at = len(template)
-        return (_sketched if blocks else _joined)(parts, optional), at, blocks
+        return (_sketch_part if blocks else _text_part)(parts, optional), at, blocks
 
     def _field(self, name: str, mark: str, given: str | None) -> Part:
         get, says, word = attrgetter(name), self._says, self.word
@@ -129,7 +129,7 @@ class Templates:
         return block
 
 
-def _joined(parts: Sequence[str | Part], optional: bool) -> Part:
+def _text_part(parts: Sequence[str | Part], optional: bool) -> Part:
     form = "".join(p.replace("%", "%%") if isinstance(p, str) else "%s" for p in parts)
     says = [part for part in parts if not isinstance(part, str)]
     if optional:
@@ -145,7 +145,7 @@ def _joined(parts: Sequence[str | Part], optional: bool) -> Part:
     return lambda node: form % tuple([say(node) or "" for say in says])
 
 
-def _sketched(parts: Sequence[str | Part], optional: bool) -> Part:
+def _sketch_part(parts: Sequence[str | Part], optional: bool) -> Part:
     def sketch(node: Any) -> list[str | Block] | None:
         out: list[str | Block] = []
         for part in parts:
@@ -153,12 +153,12 @@ def _sketched(parts: Sequence[str | Part], optional: bool) -> Part:
             if said is None and optional:
                 return None
             out += [said] if isinstance(said, str) else said or ()
-        return joined(out)
+        return joined_texts(out)
 
     return sketch
 
 
-def joined(parts: Iterable[str | Block]) -> list[str | Block]:
+def joined_texts(parts: Iterable[str | Block]) -> list[str | Block]:
     """The same sketch with texts that follow each other as one."""
     out: list[str | Block] = []
     for part in parts:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints
-from assistant.languages.runs.columns import Entries, Run, Store, joined
-from assistant.languages.runs.gathering import gathered
-from assistant.languages.runs.merging import merged
+from assistant.languages.runs.columns import Entries, Run, Store, joined_runs
+from assistant.languages.runs.gathering import gather_runs
+from assistant.languages.runs.merging import merged_run_text
 from assistant.languages.runs.names import Names, rows_of
 
 
@@ -62,7 +62,7 @@ def test_parts_of_a_run_joined_are_the_run() -> None:
     run = rows(9)
     parts = [run.rows(slice(2)), run.rows(np.arange(2, 5)), run.rows(run.steps > 5)]
     assert [len(part) for part in parts] == [2, 3, 4]
-    assert joined(parts) == run
+    assert joined_runs(parts) == run
     assert {part.at for part in parts} == {None}
 
 
@@ -73,10 +73,10 @@ def test_rows_of_a_store_are_joined_where_they_stand() -> None:
     values = store.take(0).base
     assert values is not None
     parts = [replace(rows(3, n), values=values[n - 1 : n + 2]) for n in (1, 4)]
-    whole = joined(parts)
+    whole = joined_runs(parts)
     assert whole == rows(6)
     assert np.shares_memory(whole.values, values)
-    turned = joined(parts[::-1])
+    turned = joined_runs(parts[::-1])
     assert turned.values[:, 0].tolist() == [4, 5, 6, 1, 2, 3]
 
 
@@ -91,7 +91,7 @@ def test_rows_are_equal_to_those_of_another_run() -> None:
 def test_neighbours_of_one_kind_become_one() -> None:
     items: list[Rows | str] = ["x", rows(2), rows(2, 3), "y", rows(1), "z", rows(4)]
     alike = [None if isinstance(item, str) else (item.stem, item) for item in items]
-    flat = list(gathered(items, alike, joined, lambda _, run: run, 3))
+    flat = list(gather_runs(items, alike, joined_runs, lambda _, run: run, 3))
     assert flat == ["x", rows(4), "y", rows(1), "z", rows(4)]
     assert flat[-1] is items[-1]
 
@@ -100,11 +100,11 @@ def test_lines_that_say_the_same_keep_their_bytes() -> None:
     old = rows(6)
     odd = text(old).replace(" ", "   ")
     at = np.arange(6)
-    assert merged(old, old, odd, at, text) == odd
+    assert merged_run_text(old, old, odd, at, text) == odd
     values = old.values.copy()
     values[2] = 8, 9
     lines = odd.splitlines(keepends=True)
-    changed = merged(replace(old, values=values), old, odd, at, text)
+    changed = merged_run_text(replace(old, values=values), old, odd, at, text)
     assert changed == "".join([*lines[:2], "3 p3 8 9 slow\n", *lines[3:]])
 
 
@@ -112,7 +112,7 @@ def test_a_line_with_another_number_keeps_what_stands_behind_it() -> None:
     old = rows(4)
     odd = text(old).replace(" ", "   ")
     new = replace(old, steps=np.array([1, 20, 3, 400]))
-    made = merged(new, old, odd, np.arange(4), text, "steps").splitlines()
+    made = merged_run_text(new, old, odd, np.arange(4), text, "steps").splitlines()
     assert [line.split()[0] for line in made] == ["1", "20", "3", "400"]
     assert [line.lstrip("0123456789") for line in made] == [
         line.lstrip("0123456789") for line in odd.splitlines()
@@ -120,7 +120,7 @@ def test_a_line_with_another_number_keeps_what_stands_behind_it() -> None:
 
 
 def test_rows_that_went_and_came() -> None:
-    old, new = rows(5), joined([rows(2, 2), rows(2, 8)])
+    old, new = rows(5), joined_runs([rows(2, 2), rows(2, 8)])
     loud = text(old).upper()
-    made = merged(new, old, loud, rows_of(old.steps, new.steps), text)
+    made = merged_run_text(new, old, loud, rows_of(old.steps, new.steps), text)
     assert made == "".join(loud.splitlines(keepends=True)[1:3]) + text(rows(2, 8))

@@ -7,13 +7,13 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.columns import Piece, Slots, rows_text
-from assistant.languages.runs.groups import Fewest, Groups, places_of
+from assistant.languages.runs.groups import FewestDecimals, Groups, decimals_needed
 from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import Marks, Words, numbered
+from assistant.languages.runs.reading import Marks, NameWords, numbered_names
 
 SQUARE = Groups((3, 1, 2), b"[[", b"],[", b"]]", known=((b"9E9", 9e9),))
 ROUND = Groups((3, 1, 2), b"(", b")(", b")")
-FEWEST = Fewest((0, 4, 9), {9e9: b"9E9"})
+FEWEST = FewestDecimals((0, 4, 9), {9e9: b"9E9"})
 
 
 def values(count: int) -> Floats:
@@ -37,7 +37,7 @@ def read(groups: Groups, data: bytes, between: bytes) -> tuple[Names | None, Flo
     equals = marks.offsets[marks.first]
     ends = groups.read(text, marks, 1, equals + 1, b";", found)
     assert np.array_equal(ends, marks.stops)
-    return numbered(text, marks.rows, equals), found
+    return numbered_names(text, marks.rows, equals), found
 
 
 @pytest.mark.parametrize(("groups", "between"), [(SQUARE, b""), (ROUND, b")")])
@@ -70,7 +70,10 @@ def test_a_row_in_another_form_is_refused(old: bytes, new: bytes) -> None:
 
 
 def test_a_column_takes_the_decimals_that_it_needs() -> None:
-    assert (places_of(np.array([1.5, np.nan]), 2, 9), places_of(np.array([1 / 3]), 2, 9)) == (2, 9)
+    assert (
+        decimals_needed(np.array([1.5, np.nan]), 2, 9),
+        decimals_needed(np.array([1 / 3]), 2, 9),
+    ) == (2, 9)
     for column, expected in (
         ([1.0, 2.0], b"1 2 "),
         ([0.5, 9e9], b"0.5 9E9 "),
@@ -86,4 +89,4 @@ def test_what_is_no_name_is_refused(name: str) -> None:
     text = Slots(f"p1,{name},".encode("ascii"))
     marks = Marks(text, b"", b",")
     with pytest.raises(ValueError, match="name"):
-        Words(10, frozenset({"if"})).names(text, marks.rows, marks.stops)
+        NameWords(10, frozenset({"if"})).names(text, marks.rows, marks.stops)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant.base.columns import rows_text
-from assistant.languages.runs.names import Index, Names, rows_of, split
+from assistant.languages.runs.names import NameIndex, Names, rows_of, split_name
 
 WRITTEN = ("p1", "p10", "P1", "q", "p1_2", "p007", "a0", "x1234567890123456", "p1", "home")
 
@@ -24,7 +24,7 @@ WRITTEN = ("p1", "p10", "P1", "q", "p1_2", "p007", "a0", "x1234567890123456", "p
     ],
 )
 def test_a_name_is_a_stem_and_a_number(name: str, stem: bytes, number: int) -> None:
-    assert split(name) == (stem, number)
+    assert split_name(name) == (stem, number)
     assert Names.of([name]).name(0) == name
 
 
@@ -43,7 +43,7 @@ def test_columns_are_equal_whatever_their_tables() -> None:
 
 
 def test_a_name_is_found_in_any_case_and_one_of_neither_part_never() -> None:
-    index = Index(Names.of(("a1", "B2", "a10", "home")))
+    index = NameIndex(Names.of(("a1", "B2", "a10", "home")))
     assert index.rows(Names.of(("A10", "b2", "HOME", "a2"))).tolist() == [2, 1, 3, -1]
     assert index.rows(Names.none(2)).tolist() == [-1, -1]
 

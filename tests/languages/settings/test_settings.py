@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.divided_forms import divided
+from assistant.languages.settings.divided_forms import divided_flow
 from assistant.languages.settings.flow import (
     INHERITED,
     UNKNOWN,
@@ -16,21 +16,21 @@ from assistant.languages.settings.flow import (
     Either,
     Flow,
     Held,
-    Lines,
+    LineEffects,
     OrInherited,
     Sets,
     State,
     Steps,
 )
 from assistant.languages.settings.forms import MOST_FORMS, CalledForms, PassLabels
-from assistant.languages.settings.places import ELSEWHERE, Places
-from assistant.languages.settings.unknown_settings import Setting, UnknownSettings
+from assistant.languages.settings.places import ELSEWHERE, LineSet
+from assistant.languages.settings.unknown_settings import SettingText, UnknownSettings
 
 SPEED, TOOL = range(2)
 INITIAL: State = (Held(10.0), Held("flange"))
 
 
-def lines_of(*procedures: str) -> Lines:
+def lines_of(*procedures: str) -> LineEffects:
     """Lines such as `speed 5`, `tool a`, `call 1`, `move`, `top:`, `jump top`.
 
     `perhaps` calls or does not, `ask` jumps or goes on below, `end` ends all.
@@ -47,7 +47,7 @@ def lines_of(*procedures: str) -> Lines:
         to = [labels[label] for label in given] if word in ("jump", "ask") else []
         return to if word == "jump" else [] if word == "end" else to + below
 
-    return Lines(
+    return LineEffects(
         2,
         places,
         [{at: after(at, inside[-1]) for at in inside} | {EXIT: []} for inside in places],
@@ -106,7 +106,7 @@ def test_what_holds_at_the_last_line(text: str, speed: object) -> None:
 
 def test_what_may_have_set_it_is_known() -> None:
     flow = Flow(lines_of("speed 5; ask on; speed 6; on:; move"))
-    assert flow.before[4][SPEED] == Held(UNKNOWN, Places.of({0, 2}))
+    assert flow.before[4][SPEED] == Held(UNKNOWN, LineSet.of({0, 2}))
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_too_many_forms_are_one_more_that_knows_nothing() -> None:
 def test_a_label_that_is_come_to_in_two_ways_divides_its_procedure() -> None:
     """`move` is read in two passes: below 5 mm/s, and below 6 mm/s."""
     lines = lines_of("speed 5; top:; move; speed 6; ask top; move")
-    flow = divided(Flow(lines), frozenset())
+    flow = divided_flow(Flow(lines), frozenset())
     assert flow.cuts == {1}
     (head,) = CalledForms(flow, INITIAL).forms[0].values()
     passes = head.in_order()
@@ -176,13 +176,13 @@ def test_a_label_that_is_come_to_in_two_ways_divides_its_procedure() -> None:
 
 def test_a_procedure_that_is_to_stay_whole_is_not_divided() -> None:
     flow = Flow(lines_of("speed 5; top:; move; speed 6; ask top; move"))
-    assert divided(flow, frozenset({0})) is flow
+    assert divided_flow(flow, frozenset({0})) is flow
 
 
 def test_why_a_setting_is_not_known() -> None:
     lines = lines_of("speed 5; either 6; move; speed ?; move; call 1; move", "elsewhere; move")
     flow = Flow(lines)
-    settings = Setting("speed", "SPEED", "{:g}".format), Setting("tool", "TOOL", str)
+    settings = SettingText("speed", "SPEED", "{:g}".format), SettingText("tool", "TOOL", str)
     told = UnknownSettings(lines, settings, lambda at: f"line {at}")
 
     def why(at: int) -> str:
@@ -196,9 +196,9 @@ def test_why_a_setting_is_not_known() -> None:
 
 
 def test_sets_of_lines_are_those_of_numbers() -> None:
-    one, two = Places.of([0, 5, ELSEWHERE, 700]), Places.of([5, 64])
+    one, two = LineSet.of([0, 5, ELSEWHERE, 700]), LineSet.of([5, 64])
     assert [*one] == [ELSEWHERE, 0, 5, 700]
     assert [*(one | two)] == [ELSEWHERE, 0, 5, 64, 700]
     assert [*(one - two)] == [ELSEWHERE, 0, 700]
-    assert (one | Places.of([5])) is one
-    assert not Places.of([])
+    assert (one | LineSet.of([5])) is one
+    assert not LineSet.of([])

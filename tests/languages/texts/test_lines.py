@@ -12,15 +12,15 @@ import pytest
 from assistant.base.arrays import Ints
 from assistant.base.diagnostics import Refused, Rule, Severity, Span
 from assistant.base.source_text import SourceText
-from assistant.languages.line_blocks import NO_WORD, Word
+from assistant.languages.line_blocks import NO_WORD, BlockWord
 from assistant.languages.line_steps import Change
 from assistant.languages.runs.columns import Run
 from assistant.languages.texts import changed_files, changed_lines, lines, words
 from assistant.languages.texts.laying_out_lines import lay_out
-from assistant.languages.texts.merged_lines import LineMerger, Part
-from assistant.languages.texts.numbering import Steps, fitted, renumbered
+from assistant.languages.texts.merged_lines import LineMerger, LinePart
+from assistant.languages.texts.numbering import Steps, renumbered, with_fitted_steps
 
-BLOCKS = {"repeat": Word("repeat", "loop"), "again": Word(closes=("repeat",))}
+BLOCKS = {"repeat": BlockWord("repeat", "loop"), "again": BlockWord(closes=("repeat",))}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ def read(text: str) -> list[Line]:
     return found
 
 
-class Lines(lines.Lines):
+class Lines(lines.LinePrinter):
     table, number, blocks, most = Table, "numbers", True, 40
 
     def __init__(self, items: Sequence[Line]) -> None:
@@ -61,7 +61,7 @@ class Lines(lines.Lines):
     def line(self, item: Line) -> changed_lines.Line:
         return changed_lines.Line(item.number, item.statement, item.comment)
 
-    def word(self, code: str | None) -> Word:
+    def word(self, code: str | None) -> BlockWord:
         return BLOCKS.get(code.split()[0], NO_WORD) if code else NO_WORD
 
     def printed(self, code: str | None) -> str:
@@ -98,11 +98,11 @@ class Lines(lines.Lines):
 class Merger(LineMerger):
     line, table, header = Line, Table, ("# kept", "# end")
 
-    def parts(self, line: Line) -> Iterator[Part]:
+    def parts(self, line: Line) -> Iterator[LinePart]:
         if line.comment is not None:
-            yield Part("comment", line.comment)
+            yield LinePart("comment", line.comment)
         if line.statement is not None:
-            yield Part("statement", line.statement, line.statement.split()[0])
+            yield LinePart("statement", line.statement, line.statement.split()[0])
 
     def rows_as_lines(self, rows: Table) -> Iterator[Line]:
         raise NotImplementedError
@@ -130,7 +130,9 @@ TEXT = """\
 
 
 def changed(items: Sequence[Any]) -> str:
-    return changed_files.render(SourceText(TEXT, newline="\n"), read(TEXT), Lines(items))
+    return changed_files.render_changed_file(
+        SourceText(TEXT, newline="\n"), read(TEXT), Lines(items)
+    )
 
 
 def test_a_layout_indents_what_stands_in_blocks_and_keeps_comments_aligned() -> None:
@@ -160,7 +162,7 @@ def test_a_change_of_a_built_program_goes_into_the_lines_that_were_written() -> 
     before = [Line(None, said) for said in ("start 1", "repeat 3", "turn 5", "again")]
     after = [*before[:2], Line(None, "turn 7"), Line(None, "wait 1"), before[3]]
     merged = next(Merger().merged(read(TEXT), before, after))
-    numbered = fitted(merged, 10, STEPS)
+    numbered = with_fitted_steps(merged, 10, STEPS)
     assert numbered is not None
     assert changed(numbered) == TEXT.replace(
         "30   turn  5    # here\n", "30   turn  7    # here\n35   wait 1\n"
@@ -169,10 +171,10 @@ def test_a_change_of_a_built_program_goes_into_the_lines_that_were_written() -> 
 
 def test_where_no_number_is_free_lines_move_on_with_the_jumps_to_them() -> None:
     items = [Line(1, "start 1"), Line(None, "wait 1"), Line(2, "turn 5"), Line(3, "jump 2")]
-    assert fitted(items, 1, STEPS) == [
+    assert with_fitted_steps(items, 1, STEPS) == [
         *(Line(1, "start 1"), Line(2, "wait 1"), Line(3, "turn 5"), Line(4, "jump 3")),
     ]
-    assert fitted([Line(99, "start 1"), Line(None, "wait 1")], 1, STEPS) is None
+    assert with_fitted_steps([Line(99, "start 1"), Line(None, "wait 1")], 1, STEPS) is None
 
 
 def test_numbers_given_anew_take_jumps_along() -> None:

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText
 from assistant.languages import line_blocks
-from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, Word
+from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, BlockWord
 
 Value = str | float
 BLOCKS = {
-    "procedure": Word("procedure", bounds="begins"),
-    "if": Word("if"),
-    "while": Word("while", "loop"),
-    "else": Word(parts="if", certain=True),
-    "end": Word(closes=(ANY,)),
+    "procedure": BlockWord("procedure", bounds="begins"),
+    "if": BlockWord("if"),
+    "while": BlockWord("while", "loop"),
+    "else": BlockWord(parts="if", certain=True),
+    "end": BlockWord(closes=(ANY,)),
 }
 
 
@@ -43,7 +43,7 @@ class File:
     read: tuple[Line, ...] = field(default=(), compare=False, repr=False)
 
 
-def word_of(line: Line) -> Word:
+def word_of(line: Line) -> BlockWord:
     """What a line is to blocks."""
     return BLOCKS.get(line.word, NO_WORD)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.languages.checks.damage import sound
+from assistant.languages.checks.damage import undamaged_findings
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import (
@@ -102,6 +102,8 @@ def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diag
     found: list[Diagnostic] = []
     for tree in trees:
         look = Look(tree, dialect or DIALECTS[tree.dialect], calls, damage)
-        of_file = sound(findings(CHECKS, look, lacks, compiled=look.compiled), damage, tree.source)
+        of_file = undamaged_findings(
+            findings(CHECKS, look, lacks, compiled=look.compiled), damage, tree.source
+        )
         found += sorted(dict.fromkeys(of_file), key=lambda f: (f.line or 0, f.column or 0))
     return tuple(found)

@@ -11,8 +11,8 @@ from typing import Any, Final, TypeVar
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.line_view import LineView
-from assistant.languages.checks.places import Lines
-from assistant.languages.checks.views import Memory, by_type
+from assistant.languages.checks.places import LineFormat
+from assistant.languages.checks.views import CachedResults, by_type
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
@@ -40,7 +40,7 @@ class Scope:
     function: s.Function | None = None
 
 
-class Calls(Memory):
+class Calls(CachedResults):
     """What the files of a program call: name in upper case → the first tree of that name."""
 
     def __init__(self, trees: Sequence[s.File]) -> None:
@@ -52,7 +52,7 @@ class Calls(Memory):
 class Look(LineView):
     """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
 
-    cut = Lines(
+    cut = LineFormat(
         begin=re.compile(r"[ \t]*[0-9]*[ \t]*"),
         token=re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]"),
         comments=("'", "rem"),

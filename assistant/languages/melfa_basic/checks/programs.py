@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assistant.base.diagnostics import Rule
-from assistant.languages.checks.call_graph import depth, way_to
+from assistant.languages.checks.call_graph import call_chain, call_depth
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import Keyed, firsts
 from assistant.languages.melfa_basic import rules
@@ -43,12 +43,12 @@ def recursion(look: Look) -> Found:
 
     for line, written in awaited(look.tree):
         name = program_key(written)
-        chain = way_to(own, name, inner) if own else None
+        chain = call_chain(own, name, inner) if own else None
         if chain is not None:
             text = " calls ".join(f"`{n}`" for n in (own, *chain))
             yield look.at(flow_rules.CALLS_ITSELF, line, "CallP", chain=text)
             return
-        deep = 1 + depth(name, inner)
+        deep = 1 + call_depth(name, inner)
         if deep == most + 1:
             yield look.at(flow_rules.CALLED_TOO_DEEP, line, "CallP", depth=deep, most=most)
             return

@@ -6,7 +6,7 @@ import re
 from typing import Final
 
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.slips import slips
+from assistant.languages.checks.slips import typing_distance
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.variables_of import given_anywhere, known
@@ -83,7 +83,7 @@ def near_status(key: str) -> str:
         return ""
     for name, row in vocabulary.variables().items():
         if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT:
-            if slips(name, key, 1) <= 1:
+            if typing_distance(name, key, 1) <= 1:
                 return row.name
     return ""
 

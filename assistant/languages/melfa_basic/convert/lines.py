@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import retargeted
-from assistant.languages.texts.wrapping import wrapped
+from assistant.languages.texts.wrapping import wrapped_text
 
 
 def bare(items: Sequence[s.Item]) -> list[s.Item]:
@@ -30,7 +30,7 @@ def numbered(
     kept, dropped = _without(items, as_steps)
     if line_steps.steps_in(kept) > LAST_STEP:
         return None
-    lines = list(line_steps.numbered(kept, step, LAST_STEP))
+    lines = list(line_steps.with_ascending_steps(kept, step, LAST_STEP))
     places = {name: line_steps.first_step(lines[at]) for name, at in dropped.items()}
     return [retargeted(item, lambda to: places.get(str(to).upper()) or to) for item in lines]
 
@@ -85,10 +85,12 @@ def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
             if len(printer.line(replace(item, number=None), True).encode()) <= room - jumps:
                 made.append(item)
                 continue
-            made += [s.Line(comment=part, span=item.span) for part in wrapped(comment, room, "' ")]
+            made += [
+                s.Line(comment=part, span=item.span) for part in wrapped_text(comment, room, "' ")
+            ]
             made.append(replace(item, comment=None))
         else:
-            parts = wrapped(comment, room, "' ")
+            parts = wrapped_text(comment, room, "' ")
             made += [item] if len(parts) == 1 else [replace(item, comment=p) for p in parts]
     return made
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from assistant.base.diagnostics import Declared, Refused
-from assistant.languages.line_steps import numbered
+from assistant.languages.line_steps import with_ascending_steps
 from assistant.languages.melfa_basic.lift.files.program import settings_that_hold
 from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.depended import depended_on
@@ -85,7 +85,7 @@ class UnitLines(Writer):
         depended = depended_on(self.program)
         if depended:
             code = self._without_settings_that_hold(code, data, depended)
-        steps = gathered(numbered(code, self.dialect.step, LAST_STEP))
+        steps = gathered(with_ascending_steps(code, self.dialect.step, LAST_STEP))
         return s.File(self.dialect.name, (*steps, *data))
 
     def _without_settings_that_hold(

@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import KEPT
-from assistant.languages.tasks import CommunicationLine, Configured, Texts, file_named
+from assistant.languages.tasks import CommunicationLine, ControllerConfiguration, Texts, file_named
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
@@ -43,7 +43,7 @@ USUAL: Final = ("REP", "START")
 """A slot runs its program again and again, from the start signal on."""
 
 
-def surroundings(program: FilePath, read: Texts) -> Configured:
+def surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
     """What the parameter lists of the controller that a program stands beside state."""
     for folder in _folders(program.absolute().parent):
         lists = {path.name.lower(): path for path in _lists(folder)}
@@ -57,14 +57,14 @@ def surroundings(program: FilePath, read: Texts) -> Configured:
             file = others[0]
             robot = file.name[: -len(f"#1{SUFFIX}")]
         own = _rows(file, read)
-        return Configured(
+        return ControllerConfiguration(
             arm=_arm(robot),
             told=robot,
             values=dict(_places(own)),
             lines=dict(_lines(common)),
             findings=tuple(_slots(program, common)),
         )
-    return Configured()
+    return ControllerConfiguration()
 
 
 def _folders(folder: FilePath) -> Iterator[FilePath]:

@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.texts.effects import Does, Effects, Untold
+from assistant.languages.texts.effects import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import (
     Effect,
     EffectBuilder,
@@ -67,7 +67,7 @@ def _if(done: EffectBuilder, node: s.If) -> None:
 
 def _program(done: EffectBuilder, node: s.CallP) -> None:
     if not isinstance(node.program, s.String):
-        raise Untold
+        raise UnknownEffect
     done.writes.update(_EFFECTS.names(node.arguments))
     done.calls.update(words_of(node.program.value))
 
@@ -92,22 +92,22 @@ _EFFECTS: Final = Effects(
     lambda node: node.key if isinstance(node, s.Variable) else None,
     {
         s.Variable: _variable,
-        s.String: Does(words=("value",)),  # which may be the name of a program
-        s.Target: Does(reads=("place",)),
-        s.Motion: Does(moves=True),
-        s.Assign: Does(writes=("target",)),
-        **dict.fromkeys((s.Const, s.DefIo), Does(writes=("variable",))),
-        s.For: Does(writes=("variable",), jumps=True),
-        s.Next: Does(writes=("variables",), jumps=True),
-        s.Input: Does(writes=("variables",), waits=True),
-        **dict.fromkeys((s.FPrm, s.DefNames, s.Dim), Does(writes=("variables",))),
-        s.DefFunction: Does(declares=("name",), writes=("parameters",)),
-        **dict.fromkeys((s.Function, s.FunctionParameter), Does(declares=("name",))),
-        **dict.fromkeys((s.Select, s.ElseIf, s.Case), Does(jumps=True)),
+        s.String: NodeEffect(words=("value",)),  # which may be the name of a program
+        s.Target: NodeEffect(reads=("place",)),
+        s.Motion: NodeEffect(moves=True),
+        s.Assign: NodeEffect(writes=("target",)),
+        **dict.fromkeys((s.Const, s.DefIo), NodeEffect(writes=("variable",))),
+        s.For: NodeEffect(writes=("variable",), jumps=True),
+        s.Next: NodeEffect(writes=("variables",), jumps=True),
+        s.Input: NodeEffect(writes=("variables",), waits=True),
+        **dict.fromkeys((s.FPrm, s.DefNames, s.Dim), NodeEffect(writes=("variables",))),
+        s.DefFunction: NodeEffect(declares=("name",), writes=("parameters",)),
+        **dict.fromkeys((s.Function, s.FunctionParameter), NodeEffect(declares=("name",))),
+        **dict.fromkeys((s.Select, s.ElseIf, s.Case), NodeEffect(jumps=True)),
         s.If: _if,
         **dict.fromkeys((s.Jump, s.OnJump), _jump),
         s.CallP: _program,
-        s.Call: Does(calls=("function",)),
+        s.Call: NodeEffect(calls=("function",)),
         s.Include: _include,
         s.Command: _command,
     },

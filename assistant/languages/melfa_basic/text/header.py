@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from itertools import starmap
 from typing import Any, Final, cast
 
-from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
+from assistant.languages.ascii_names import ASCII_NAME, from_ascii, in_ascii
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
 from assistant.program.program import Signal, ValueType
 
@@ -133,15 +133,15 @@ def bounds(texts: Sequence[str]) -> tuple[int, int] | None:
     return start, texts.index(END, start)
 
 
-_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+)(?: = ({NAME}))?")
-_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({NAME})")
+_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+)(?: = ({ASCII_NAME}))?")
+_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({ASCII_NAME})")
 _SIGNAL: Final = re.compile(
-    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({NAME})"
+    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({ASCII_NAME})"
 )
 _VARIABLE: Final = re.compile(
-    rf"([A-Za-z][A-Za-z0-9_]*) = ({NAME}) (number|integer|truth|text|position|pose|joints) "
+    rf"([A-Za-z][A-Za-z0-9_]*) = ({ASCII_NAME}) (number|integer|truth|text|position|pose|joints) "
     r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
-    rf"( local)?( initial)?(?: of ({NAME}))?"
+    rf"( local)?( initial)?(?: of ({ASCII_NAME}))?"
 )
 
 
@@ -150,9 +150,9 @@ def read(texts: Iterable[str]) -> Header:
     header = Header()
     for text in texts:
         key, _, value = text.partition(": ")
-        if key in ("program", "unit") and re.fullmatch(NAME, value):
+        if key in ("program", "unit") and re.fullmatch(ASCII_NAME, value):
             setattr(header, key, from_ascii(value))
-        elif key == "entry" and (value == "-" or re.fullmatch(NAME, value)):
+        elif key == "entry" and (value == "-" or re.fullmatch(ASCII_NAME, value)):
             header.entry = from_ascii(value)
         elif text == PRODUCTS:
             header.products = True

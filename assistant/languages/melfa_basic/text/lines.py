@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.line_blocks import Word as BlockWord
+from assistant.languages.line_blocks import BlockWord
 from assistant.languages.melfa_basic.reading.parser import statement as read
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.text.layout.tokens import code, tokens
@@ -34,7 +34,7 @@ Code = tuple[str | None, s.Statement | None]
 """Label and statement."""
 
 
-class Lines(lines.Lines):
+class Lines(lines.LinePrinter):
     """The items of a file as its dialect writes them."""
 
     table, number = MoveRows, "numbers"

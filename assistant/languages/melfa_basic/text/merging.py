@@ -22,8 +22,8 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.texts.merged_data import DataMerger
-from assistant.languages.texts.merged_lines import LineMerger, Part
-from assistant.languages.texts.numbering import fitted
+from assistant.languages.texts.merged_lines import LineMerger, LinePart
+from assistant.languages.texts.numbering import with_fitted_steps
 from assistant.program.rewriting import rewrite
 
 Spelling = Callable[[str], str]
@@ -37,7 +37,9 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
     old, new = (_named_as(file, tree) for file in (before, after))
     for lines in _LINES.merged(tree.items, old, new):
         items = _DATA.merged(lines, old, new)
-        numbered = None if items is None else fitted(items, DIALECTS[tree.dialect].step, STEPS)
+        numbered = (
+            None if items is None else with_fitted_steps(items, DIALECTS[tree.dialect].step, STEPS)
+        )
         if numbered is not None and says(merged := replace(tree, items=tuple(numbered))):
             return merged
     return after
@@ -47,16 +49,16 @@ class _Lines(LineMerger):
     line, table = s.Line, MoveRows
     header = f"' {header.MARK}melfa-basic", f"' {header.END}"
 
-    def parts(self, line: s.Line) -> Iterator[Part]:
+    def parts(self, line: s.Line) -> Iterator[LinePart]:
         if line.comment is not None:
-            yield Part("comment", "' " + line.comment.removeprefix("'").strip())
+            yield LinePart("comment", "' " + line.comment.removeprefix("'").strip())
         if line.label is not None:
-            yield Part("label", "*" + line.label.upper())
+            yield LinePart("label", "*" + line.label.upper())
         if (statement := line.statement) is not None:
             word = getattr(statement, "keyword", "")
             sets = isinstance(statement, s.Command) and word in commands("sets")
             key = printed(_spelled(statement, str.upper, str.upper), upper=True)
-            yield Part("statement", key, (type(statement), word), word if sets else None)
+            yield LinePart("statement", key, (type(statement), word), word if sets else None)
 
     def rows_as_lines(self, rows: MoveRows) -> Iterator[s.Line | s.Data]:
         return rows_as_lines(rows)

@@ -14,4 +14,4 @@ def render(file: s.File) -> str:
         return "".join(print_items(Lines(file), "\r\n"))
     if file.items is file.parsed:
         return file.source.text
-    return changed_files.render(file.source, file.parsed, Lines(file))
+    return changed_files.render_changed_file(file.source, file.parsed, Lines(file))

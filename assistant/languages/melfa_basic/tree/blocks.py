@@ -7,38 +7,38 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from assistant.languages import line_blocks
-from assistant.languages.line_blocks import NO_WORD, Blocks, Word
+from assistant.languages.line_blocks import NO_WORD, Blocks, BlockWord
 from assistant.languages.melfa_basic.tree import syntax as s
 
 CLOSING: Final = {"Next": "For", "WEnd": "While", "EndIf": "If", "End Select": "Select"}
 """Word → the kind of block that it closes."""
-_COMMANDS: Final[Mapping[str, Word]] = {
-    **{word: Word(closes=(kind,)) for word, kind in CLOSING.items()},
-    "While": Word("While", "loop"),
-    "Else": Word(parts="If", certain=True),
-    "Default": Word(parts="Select", certain=True),
-    "FEnd": Word(bounds="ends"),
+_COMMANDS: Final[Mapping[str, BlockWord]] = {
+    **{word: BlockWord(closes=(kind,)) for word, kind in CLOSING.items()},
+    "While": BlockWord("While", "loop"),
+    "Else": BlockWord(parts="If", certain=True),
+    "Default": BlockWord(parts="Select", certain=True),
+    "FEnd": BlockWord(bounds="ends"),
 }
-_STATEMENTS: Final[Mapping[type, Word]] = {
-    s.For: Word("For", "loop"),
-    s.Select: Word("Select", "choice"),
-    s.ElseIf: Word(parts="If"),
-    s.Case: Word(parts="Select"),
-    s.Function: Word(bounds="begins"),
+_STATEMENTS: Final[Mapping[type, BlockWord]] = {
+    s.For: BlockWord("For", "loop"),
+    s.Select: BlockWord("Select", "choice"),
+    s.ElseIf: BlockWord(parts="If"),
+    s.Case: BlockWord(parts="Select"),
+    s.Function: BlockWord(bounds="begins"),
 }
 
 
-def block_word(statement: s.Statement | None) -> Word:
+def block_word(statement: s.Statement | None) -> BlockWord:
     """What a statement is to blocks; `Next M1,M2` closes two loops."""
     match statement:
         case s.Command("While", (condition, *_)) if _always_holds(condition):
-            return Word("While", "loop", certain=True)
+            return BlockWord("While", "loop", certain=True)
         case s.Command(keyword=keyword):
             return _COMMANDS.get(keyword, NO_WORD)
         case s.If(then=None):
-            return Word("If")
+            return BlockWord("If")
         case s.Next(variables=variables):
-            return Word(closes=("For",) * max(1, len(variables)))
+            return BlockWord(closes=("For",) * max(1, len(variables)))
     return _STATEMENTS.get(type(statement), NO_WORD)
 
 

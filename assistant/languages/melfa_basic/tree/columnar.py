@@ -20,9 +20,9 @@ from assistant.base.columns import Chosen, Decimal, Integer, Offsets, Piece, Slo
 from assistant.base.diagnostics import Span
 from assistant.languages.runs.columns import Run
 from assistant.languages.runs.groups import Groups
-from assistant.languages.runs.groups import places_of as fewest_places
+from assistant.languages.runs.groups import decimals_needed as fewest_places
 from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import Marks, behind_digits, in_parts, numbered
+from assistant.languages.runs.reading import Marks, after_digits, in_parts, numbered_names
 
 KEYWORDS: Final = ("Mov", "Mvs", "Mvr")
 MOV, MVS, MVR = range(3)
@@ -201,7 +201,7 @@ def _positions(groups: Groups, data: bytes) -> PositionRows:
     equals = marks.offsets[marks.first]
     values = np.empty((len(equals), sum(groups.sizes)))
     groups.read(text, marks, 1, equals + 1, b"\n", values)
-    names = numbered(text, marks.rows, equals)
+    names = numbered_names(text, marks.rows, equals)
     assert names is not None
     flags = values[:, -2:].astype(np.int64)
     return PositionRows(names.stems[0].decode("ascii"), names.number, values[:, :-2] + 0.0, flags)
@@ -211,7 +211,7 @@ def _moves(data: bytes) -> MoveRows:
     """Lines without blanks: the third letter of the keyword tells the three apart."""
     text = Slots(data)
     marks = Marks(text, b",", b"\n")
-    words = behind_digits(text.bytes, marks.rows)
+    words = after_digits(text.bytes, marks.rows)
     letter = text.bytes[words + 2] & 0xDF
     kinds = np.select([letter == ord("V"), letter == ord("S")], [MOV, MVS], MVR)
     arc, begins = kinds == MVR, words + len(KEYWORDS[MVR])
@@ -222,13 +222,13 @@ def _moves(data: bytes) -> MoveRows:
         via[arc] = _numbers(text, commas[:, 0] + 1, commas[:, 1])
         begins[arc] = commas[:, 1] + 1
     steps, _ = text.whole(words, words - marks.rows)
-    ends = numbered(text, begins, marks.stops)
+    ends = numbered_names(text, begins, marks.stops)
     assert ends is not None
     stem = ends.stems[0].decode("ascii")
     return MoveRows(stem, steps, kinds.astype(np.int64), start, via, ends.number)
 
 
 def _numbers(text: Slots, starts: Offsets, ends: Offsets) -> Ints:
-    names = numbered(text, starts, ends)
+    names = numbered_names(text, starts, ends)
     assert names is not None
     return names.number

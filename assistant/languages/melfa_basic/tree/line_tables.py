@@ -39,7 +39,7 @@ def split_numbered(name: str) -> tuple[str, int] | None:
 def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     """The same lines, neighbours of one stem as one table, lone ones as lines."""
     listed = list(items)
-    for item in alike.gathered(listed, map(_row, listed), _table, lambda _, run: run, FEWEST):
+    for item in alike.gather_runs(listed, map(_row, listed), _table, lambda _, run: run, FEWEST):
         if isinstance(item, MoveRows | PositionRows) and 0 < len(item) < FEWEST:
             yield from rows_as_lines(item)
         else:

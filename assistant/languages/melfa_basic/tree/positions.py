@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
 from assistant.languages.melfa_basic.tree.walk import literal
-from assistant.languages.runs.columns import joined
+from assistant.languages.runs.columns import joined_runs
 from assistant.languages.runs.names import sorted_rows
 from assistant.program import expressions as e
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
@@ -77,7 +77,7 @@ class Positions:
             parts.append(replace(rows, values=wide))
         for at, constant in single if stem[0] == "P" else ():
             parts.append(PositionRows(stem, np.array([at]), *_row(constant)))
-        table = joined(parts)
+        table = joined_runs(parts)
         return table.rows(np.argsort(table.numbers, kind="stable"))
 
     @cached_property

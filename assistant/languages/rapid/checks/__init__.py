@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, has_errors
-from assistant.languages.checks.damage import sound
+from assistant.languages.checks.damage import undamaged_findings
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.rapid.checks import (
     arcs,
@@ -84,7 +84,7 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
             for module in tree.modules:
                 look = Look(tree, module, task)
                 of_module = findings(CHECKS, look, lacks, compiled=look.compiled)
-                found += sound(of_module, damage, tree.source)
+                found += undamaged_findings(of_module, damage, tree.source)
     return tuple(dict.fromkeys(found))
 
 

@@ -19,7 +19,7 @@ from assistant.languages.rapid.tree.gather import literal_target
 from assistant.languages.rapid.tree.runs import CIRCULAR, LINEAR, MotionNames, TargetRun
 from assistant.languages.rapid.tree.walk import lists
 from assistant.languages.runs.columns import Entries
-from assistant.languages.runs.names import Index, Names
+from assistant.languages.runs.names import NameIndex, Names
 from assistant.program.geometry import ArcMeasures
 
 LEAST_APART: Final = 0.1
@@ -160,7 +160,7 @@ def _is_local(node: s.TargetRunNode | s.Data) -> bool:
     return node.scope == "LOCAL"
 
 
-def _shared_positions(task: Task) -> list[tuple[TargetRun, Index]]:
+def _shared_positions(task: Task) -> list[tuple[TargetRun, NameIndex]]:
     """Positions that all modules of a task can name."""
     runs = [node.run for _, node in task.runs if not _is_local(node)]
     return _indexed(runs, task.modules, local=False)
@@ -168,7 +168,7 @@ def _shared_positions(task: Task) -> list[tuple[TargetRun, Index]]:
 
 def _indexed(
     runs: Sequence[TargetRun], modules: Sequence[s.Module], *, local: bool
-) -> list[tuple[TargetRun, Index]]:
+) -> list[tuple[TargetRun, NameIndex]]:
     """Runs and single declarations of modules, LOCAL or not, each with an index of its names."""
     names, values = [], []
     for module in modules:
@@ -181,4 +181,4 @@ def _indexed(
     known = [*runs]
     if names:
         known.append(TargetRun(Names.of(names), np.array(values, dtype=np.float64)))
-    return [(run, Index(run.names)) for run in known]
+    return [(run, NameIndex(run.names)) for run in known]

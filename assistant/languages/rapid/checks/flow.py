@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from assistant.base.diagnostics import Severity
-from assistant.languages.checks.reach import Reach
+from assistant.languages.checks.reach import Reachability
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules
@@ -61,7 +61,7 @@ def _bare(value: s.Expression) -> s.Expression:
     return value
 
 
-REACH: Final[Reach[s.StatementNode]] = Reach(
+REACH: Final[Reachability[s.StatementNode]] = Reachability(
     blocks=blocks,
     leaves=_leaves,
     entered=lambda node: any(isinstance(n, s.LabelMark) for n in nodes(node)),

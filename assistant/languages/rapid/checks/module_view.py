@@ -9,8 +9,8 @@ from itertools import takewhile
 from typing import Any, Final, TypeVar, cast
 
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
-from assistant.languages.checks.symbols import Declaration, Symbols, find
-from assistant.languages.checks.views import Memory, by_type
+from assistant.languages.checks.symbols import Declaration, Symbols, find_declaration
+from assistant.languages.checks.views import CachedResults, by_type
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
@@ -34,7 +34,7 @@ VALUELESS: Final = {
 """What declares names that are no data, for people."""
 
 
-class Task(Memory):
+class Task(CachedResults):
     """What all modules of a task declare: names that are global, and those of each module."""
 
     def __init__(self, files: Sequence[s.File], common: Sequence[s.File] = ()) -> None:
@@ -127,7 +127,7 @@ def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
                 yield one
 
 
-class Look(Memory):
+class Look(CachedResults):
     """One module, as a rule sees it."""
 
     def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
@@ -146,7 +146,7 @@ class Look(Memory):
     def find(self, name: str, routine: s.Routine | None = None) -> Declared | None:
         """What a name means in this module, inside one of its routines if that is given."""
         inner = () if routine is None else (self.frame(routine),)
-        return find(name, (*inner, *self.task.levels(self.module)))
+        return find_declaration(name, (*inner, *self.task.levels(self.module)))
 
     def frame(self, routine: s.Routine) -> Symbols[s.Node]:
         """Parameters and data of a routine."""

@@ -13,7 +13,7 @@ from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import Index, Names
+from assistant.languages.runs.names import NameIndex, Names
 from assistant.program import expressions as e
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
@@ -88,7 +88,7 @@ def _any_twice(modules: Sequence[s.Module]) -> bool:
     items = [item for module in modules for item in module.items]
     single = [item.name.lower() for item in items if isinstance(item, s.Data)]
     rows = Names.joined([item.run.names for item in items if isinstance(item, s.TargetRunNode)])
-    index = Index(rows)
+    index = NameIndex(rows)
     return (
         len(set(single)) < len(single)
         or bool((index.rows(rows) != np.arange(len(rows))).any())

@@ -18,7 +18,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.records import target
-from assistant.languages.runs.columns import joined
+from assistant.languages.runs.columns import joined_runs
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.paths import (
     NamedTargets,
@@ -52,7 +52,7 @@ class PathLift:
     ) -> None:
         self.data, self.original = data, original
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
-        self.table = joined([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
+        self.table = joined_runs([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
         self.known = NamedTargets(self.table.names)
         self._taken = TakenNames(i.name for m in modules for i in m.items if isinstance(i, _NAMED))
         seen = list(nodes(tuple(modules))) if runs else []

@@ -23,7 +23,7 @@ from assistant.languages.rapid.reading.signals import configured
 from assistant.languages.rapid.tables.processes import BURNS
 from assistant.languages.rapid.tables.states import STATES
 from assistant.languages.rapid.tree.external_axes import AXES, place_of
-from assistant.languages.tasks import Configured, Texts, catalogue_name, file_named
+from assistant.languages.tasks import ControllerConfiguration, Texts, catalogue_name, file_named
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
@@ -69,9 +69,9 @@ def beside(module: FilePath) -> FilePath | None:
     return None
 
 
-def stated(module: FilePath, read: Texts) -> Configured:
+def stated(module: FilePath, read: Texts) -> ControllerConfiguration:
     """What the files of the controller that a module stands in a backup of state."""
-    found = Configured()
+    found = ControllerConfiguration()
     file = beside(module)
     text = None if file is None else read(file)
     if file is not None and text is not None:
@@ -102,10 +102,10 @@ class _Parameters:
     module: FilePath
     folder: FilePath
     texts: Mapping[str, str]
-    found: Configured
+    found: ControllerConfiguration
     read: Texts
 
-    def stated(self) -> Configured:
+    def stated(self) -> ControllerConfiguration:
         values = dict[tuple[WantedKind, str], SuppliedValue]()
         task = self.task()
         findings = [*self.found.findings]

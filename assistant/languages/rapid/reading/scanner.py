@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.base.source_text import with_line_feeds
 from assistant.languages.rapid.reading.grammar import grammar
-from assistant.languages.scanning import Words, pattern
+from assistant.languages.scanning import WordScanner, terminals_pattern
 from assistant.languages.texts.words import Word
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
@@ -36,13 +36,13 @@ FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKS
 @cache
 def scanner() -> re.Pattern[str]:
     """The terminals in the order in which they are tried, and the foreign ones around them."""
-    return pattern(grammar(), FREQUENT, FOREIGN_BEFORE, FOREIGN_AFTER)
+    return terminals_pattern(grammar(), FREQUENT, FOREIGN_BEFORE, FOREIGN_AFTER)
 
 
 @cache
-def table_words() -> Words:
+def table_words() -> WordScanner:
     """What the tables of the grammar read; a note is only one where one may stand."""
-    return Words(grammar(), scanner(), SILENT - {"NOTE"}, frozenset({"NOTE"}))
+    return WordScanner(grammar(), scanner(), SILENT - {"NOTE"}, frozenset({"NOTE"}))
 
 
 _KINDS: Final = {

@@ -18,7 +18,7 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.languages.tasks import Shared
+from assistant.languages.tasks import SharedData
 
 _LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": "C"}
 """By type: the letter of variables of all programs."""
@@ -30,7 +30,7 @@ _CHANGING: Final = frozenset(("INOUT", "VAR"))
 Files = Sequence[s.File]
 
 
-def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[Shared]:
+def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[SharedData]:
     """The files of each task of a controller, by the task's name, with names for all programs."""
     declared = [dict(_persistent(files)) for _, files in tasks]
     count = Counter(name for one in declared for name in one)
@@ -38,7 +38,7 @@ def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[Shared]:
     files = {id(file): file for _, given in tasks for file in given}
     changed = both & set(_changed(files.values())) if both else set()
     if not changed:
-        return [Shared(tuple(given)) for _, given in tasks]
+        return [SharedData(tuple(given)) for _, given in tasks]
     taken = {name.upper() for file in files.values() for name in _names(file)}
     free = {
         letter: iter([f"{letter}_{n}" for n in _NAMES if f"{letter}_{n}" not in taken])
@@ -60,7 +60,7 @@ def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[Shared]:
             _found(data, names.get(name), tasks[first[name]][0] if first[name] != at else "")
             for name, data in own.items()
         ]
-        made.append(Shared(tuple(_renamed(file, names, kept) for file in given), tuple(found)))
+        made.append(SharedData(tuple(_renamed(file, names, kept) for file in given), tuple(found)))
     return made
 
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Final, Literal
 
 from assistant.languages.rapid.reading.parameter_rows import is_known, rows_of
-from assistant.languages.tasks import Configured
+from assistant.languages.tasks import ControllerConfiguration
 from assistant.program.program import Signal
 
 Kind = Literal["digital", "analog", "group"]
@@ -30,7 +30,7 @@ DEVICE_BITS: Final = 16
 _BITS: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
 
 
-def configured(text: str) -> Configured:
+def configured(text: str) -> ControllerConfiguration:
     """The signals of a file; those that name no type which there is are among the `unread`.
 
     Each device has its numbers behind those of the device before, as its map counts them.
@@ -51,7 +51,7 @@ def configured(text: str) -> Configured:
         bits = one.bits if one.kind == "group" else 1
         signals[one.name] = Signal(one.kind, "input" if one.input else "output", number, bits)
     results = {row.get("Res", "").lower() for row in rows_of(text, "EIO_CROSS")} - {""}
-    return Configured(signals, frozenset(results), tuple(unread), is_known(text))
+    return ControllerConfiguration(signals, frozenset(results), tuple(unread), is_known(text))
 
 
 @dataclass(frozen=True, slots=True)

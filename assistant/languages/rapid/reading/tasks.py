@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.languages.tasks import Configured, Loading, Shared, Texts
+from assistant.languages.tasks import ControllerConfiguration, SharedData, TaskLoading, Texts
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"
@@ -42,17 +42,17 @@ def loaded(path: FilePath) -> bool:
     return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM
 
 
-def surroundings(module: FilePath, read: Texts) -> Configured:
+def surroundings(module: FilePath, read: Texts) -> ControllerConfiguration:
     from assistant.languages.rapid.reading.parameters import stated
 
     return stated(module, read)
 
 
-def _with_shared_data(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[Shared]:
+def _with_shared_data(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[SharedData]:
     """See `shared_data`, which knows the tree: only what loads several tasks asks for it."""
     from assistant.languages.rapid.reading.shared_data import with_shared_data
 
     return with_shared_data(tasks)
 
 
-LOADING: Final = Loading("main", (".pgf",), shared, closed, loaded, _with_shared_data)
+LOADING: Final = TaskLoading("main", (".pgf",), shared, closed, loaded, _with_shared_data)

@@ -16,7 +16,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.runs.names import Names
 from assistant.languages.signatures import Parameter, Signature
-from assistant.languages.texts.effects import Does, Effects, Untold
+from assistant.languages.texts.effects import Effects, NodeEffect, UnknownEffect
 from assistant.languages.walking import Walk
 from assistant.program.expressions import Effect, EffectBuilder, VendorTextKind, unknown_effect
 
@@ -58,7 +58,7 @@ def of_text(text: str, kind: VendorTextKind) -> Effect:
 def _call(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
     """Runs a routine; one of the user's may change what it is given."""
     if not isinstance(node.name, str) or node.name.lower() in CALLING:
-        raise Untold
+        raise UnknownEffect
     key, known = node.name.lower(), signature(node.name)
     done.reads.add(key)
     if known is None:
@@ -93,21 +93,21 @@ _EFFECTS: Final = Effects(
     _root,
     {
         s.NameRef: lambda done, node: done.reads.add(node.name),
-        s.StringLiteral: Does(words=("value",)),  # which may be the name of something
-        s.GotoLabel: Does(reads=("label",), jumps=True),
-        s.LabelMark: Does(reads=("name",)),
-        **dict.fromkeys((s.ReturnFrom, s.RaiseError, s.Word), Does(jumps=True)),
-        s.Assignment: Does(writes=("target",)),
-        s.ForLoop: Does(declares=("variable",)),
-        s.Connect: Does(writes=("interrupt",), reads=("trap",)),
+        s.StringLiteral: NodeEffect(words=("value",)),  # which may be the name of something
+        s.GotoLabel: NodeEffect(reads=("label",), jumps=True),
+        s.LabelMark: NodeEffect(reads=("name",)),
+        **dict.fromkeys((s.ReturnFrom, s.RaiseError, s.Word), NodeEffect(jumps=True)),
+        s.Assignment: NodeEffect(writes=("target",)),
+        s.ForLoop: NodeEffect(declares=("variable",)),
+        s.Connect: NodeEffect(writes=("interrupt",), reads=("trap",)),
         **dict.fromkeys((s.ProcedureCall, s.FunctionCall), _call),
         **dict.fromkeys(
-            (s.Data, s.ParameterNode, s.Alias, s.Routine), Does(declares=("type", "name"))
+            (s.Data, s.ParameterNode, s.Alias, s.Routine), NodeEffect(declares=("type", "name"))
         ),
         s.Record: lambda done, node: done.declare(node.name, *(t for t, _ in node.components)),
         s.TargetRunNode: lambda done, node: done.declare(*_each(node.run.names)),
         s.MoveRunNode: _moves,
-        s.Placeholder: Does(untold=True),
+        s.Placeholder: NodeEffect(untold=True),
     },
 )
 """What each kind of statement, declaration and expression does."""

@@ -15,19 +15,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
+from assistant.languages.ascii_names import ASCII_NAME, from_ascii, in_ascii
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.program import Program, Signal
 
 _ITEM: Final = re.compile(
-    rf"program: (?P<program>{NAME})"
+    rf"program: (?P<program>{ASCII_NAME})"
     r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
-    rf"|entry: (?P<entry>{NAME})"
-    rf"|(?P<kept>unit|module) of: (?P<unit>{NAME})"
-    rf"|signal: (?P<signal>{NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
+    rf"|entry: (?P<entry>{ASCII_NAME})"
+    rf"|(?P<kept>unit|module) of: (?P<unit>{ASCII_NAME})"
+    rf"|signal: (?P<signal>{ASCII_NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
     r"(?: (?P<number>[0-9]{1,9})?(?: x(?P<bits>[0-9]{1,3}))?)?"
     r"|elsewhere: (?P<there>PERS (?:tooldata|wobjdata) [A-Za-z][A-Za-z0-9_]*:=\[[^;]+\])"
-    rf"|name: (?P<short>{NAME}) = (?P<original>{NAME})",
+    rf"|name: (?P<short>{ASCII_NAME}) = (?P<original>{ASCII_NAME})",
     re.ASCII,
 )
 _QUOTED: Final = ": "

@@ -11,7 +11,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import moves_text, targets_text
 from assistant.languages.texts.printed_blocks import Block
-from assistant.languages.texts.templates import BlockPrinter, Templates, joined
+from assistant.languages.texts.templates import BlockPrinter, Templates, joined_texts
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
@@ -120,7 +120,7 @@ def _if(to: Templates, node: s.IfThen) -> list[str | Block]:
         word = "ELSEIF"
     if node.otherwise is not None:
         parts += ["ELSE\n", Block(node.otherwise)]
-    return joined([*parts, "ENDIF"])
+    return joined_texts([*parts, "ENDIF"])
 
 
 def _case(to: Templates, node: s.TestCase) -> list[str | Block]:

@@ -44,7 +44,7 @@ def render(file: s.File, origin: s.Origin) -> str:
     return new + rest if new else re.sub(r"^[ \t]*\r?\n", "", rest)
 
 
-class Layout(changed_runs.Layout):
+class Layout(changed_runs.RunLayout):
     """RAPID: statements end with `;`, comments with their line."""
 
     spelled = frozenset(("string", "number"))
@@ -66,7 +66,7 @@ class Layout(changed_runs.Layout):
             case s.File():
                 header = () if node.header is None else (f"%%%{node.header}%%%\n",)
                 return (*header, Block(node.parts, 0))
-            case changed_runs.Row(text=text):
+            case changed_runs.RunRow(text=text):
                 return (text,)
         return PRINTER.sketch(node)
 

@@ -13,15 +13,15 @@ from assistant.languages.rapid.reading.parser import parse_items, parse_statemen
 from assistant.languages.rapid.text.printer import print_nodes
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts import kept_texts
-from assistant.languages.texts.kept_texts import KeptTexts
+from assistant.languages.texts.kept_texts import ParsedTexts
 
 T = TypeVar("T")
 Kind = Literal["items", "statements", "handlers"]
 
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
-_TEXTS: Final = KeptTexts(rules.NOT_RAPID)
-foreign: Final = partial(kept_texts.foreign, language="RAPID")
+_TEXTS: Final = ParsedTexts(rules.NOT_RAPID)
+foreign: Final = partial(kept_texts.foreign_text_fields, language="RAPID")
 
 
 def items(text: str) -> tuple[s.Item, ...]:

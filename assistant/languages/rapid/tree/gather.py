@@ -41,7 +41,7 @@ def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
         listed[0] = replace(listed[0], trailing=False)
     commented = [isinstance(n, s.CommentLine) and n.trailing for n in (*listed[1:], None)]
     rows = (None if commented[at] else plain(node) for at, node in enumerate(listed))
-    return tuple(alike.gathered(listed, rows, _run, _node, FEWEST))
+    return tuple(alike.gather_runs(listed, rows, _run, _node, FEWEST))
 
 
 def plain(node: Any) -> alike.Row | None:

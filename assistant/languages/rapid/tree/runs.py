@@ -13,7 +13,7 @@ from assistant.base.arrays import Floats
 from assistant.base.columns import Chosen, Piece, rows_text
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.runs.columns import Entries, Run
-from assistant.languages.runs.groups import Fewest, Groups
+from assistant.languages.runs.groups import FewestDecimals, Groups
 from assistant.languages.runs.names import Names
 
 FEWEST: Final = 8
@@ -25,7 +25,7 @@ JOINT_PLACES: Final = 6
 """Of joints and external axes, degrees or mm."""
 SIZES_PLACES: Final = 6
 """Of masses, inertias, speeds and zone sizes."""
-DECIMALS: Final = Fewest((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
+DECIMALS: Final = FewestDecimals((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
 PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
 """Columns of position, quaternion, confdata and external axes."""
 NUMBERS: Final = Groups(

@@ -28,7 +28,7 @@ from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.walk import program_name, statements_in
-from assistant.languages.settings.divided_forms import divided
+from assistant.languages.settings.divided_forms import divided_flow
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
 from assistant.languages.settings.forms import CalledForms, Form
 from assistant.program.passes import procedure_forms
@@ -185,7 +185,7 @@ class Unit:
         ways = self.ways
         undivided: frozenset[int] = frozenset()
         while True:
-            flow = divided(ways.called.flow, undivided)
+            flow = divided_flow(ways.called.flow, undivided)
             single = ways.called.single
             called = self._forms(flow, ways.regions, single) if flow.cuts else ways.called
             if not flow.cuts or called.too_long:

@@ -36,7 +36,7 @@ from assistant.languages.settings.flow import (
     Changes,
     Computed,
     Either,
-    Lines,
+    LineEffects,
     Sets,
     Steps,
     calls_in,
@@ -75,7 +75,7 @@ def lines_of(
     touched: Mapping[str, frozenset[int]],
     elsewhere: frozenset[int],
     answers: Answers,
-) -> Lines:
+) -> LineEffects:
     """touched: the settings that each program sets, by its name in upper case. elsewhere: those
     that interrupts of the programs that call this one may set while it runs. answers: what those of
     this one call.
@@ -157,7 +157,7 @@ def lines_of(
             number = by_label.get(place_name(call.target))
         if number is not None and places[number]:
             entries[label] = places[number][0]
-    lines = Lines(
+    lines = LineEffects(
         len(ALL_SETTINGS),
         places,
         [graph_of(code, inside, blocks).after for inside in places],

@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.languages.settings.flow import UNKNOWN, Computed, Held, State
-from assistant.languages.settings.unknown_settings import Setting
+from assistant.languages.settings.unknown_settings import SettingText
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import FINE, Blend
 
@@ -249,10 +249,10 @@ def _blend(value: Blend) -> str:
 
 
 IN_WORDS: Final = (
-    Setting("speed", "Spd", _said(_speed)),
-    Setting("speed of joint moves", "JOvrd", _said(lambda value: f"{value:g} %")),
-    Setting("corner", "Cnt", _said(_blend)),
-    Setting("tool", "Tool", lambda value: f"`{value}`"),
-    Setting("frame", "Base", lambda value: f"`{value}`"),
+    SettingText("speed", "Spd", _said(_speed)),
+    SettingText("speed of joint moves", "JOvrd", _said(lambda value: f"{value:g} %")),
+    SettingText("corner", "Cnt", _said(_blend)),
+    SettingText("tool", "Tool", lambda value: f"`{value}`"),
+    SettingText("frame", "Base", lambda value: f"`{value}`"),
 )
 """By number."""

@@ -196,7 +196,7 @@ class Statements:
         self.runs.arc_pending = False
         self.note_dependence(statement)
         self.note_names(statement)
-        if found is kept_reasons.WAYS and self.form is not None:
+        if found is kept_reasons.SETTINGS_DIFFER and self.form is not None:
             state = self.called.at(self.at, self.form)
             found = self.unknown.reason(state, depends(statement)) or found
         dialect = self.symbols.dialect

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.kept_reasons import WAYS
+from assistant.languages.kept_reasons import SETTINGS_DIFFER
 from assistant.languages.melfa_basic.lift.settings.followed import Followed, named
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, JOINT, TCP, TOOL
@@ -65,7 +65,7 @@ class Moves:
         if node.type and node.type != USUAL.get(node.keyword):
             raise Unliftable(TYPE)
         if not sayable(values, node.keyword == "Mov"):
-            raise Unliftable(WAYS)
+            raise Unliftable(SETTINGS_DIFFER)
         match node.keyword, node.arguments:
             case ("Mov" | "Mvs") as word, (target,) if target is not None:
                 return [self.to(word, target, None, values)]

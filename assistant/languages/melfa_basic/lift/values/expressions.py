@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
-from assistant.languages.kept_reasons import STATUS, WAYS
+from assistant.languages.kept_reasons import CONTROLLER_STATE, SETTINGS_DIFFER
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
 from assistant.languages.melfa_basic.lift.values.elementwise import (
     built,
@@ -241,7 +241,7 @@ class Expressions(Types):
     def triggered(self, number: int, wanted: bool) -> e.Expression:
         """True if a Mo trigger is watched and its condition holds."""
         if number not in self.m.mo_triggers:
-            raise Unliftable(STATUS)
+            raise Unliftable(CONTROLLER_STATE)
         name, condition = self.m.mo_triggers[number]
         watched = e.Binary("=", e.Name(name), e.Number(1))
         holds = e.Binary("and", watched, self.truth(condition))
@@ -291,17 +291,17 @@ class Expressions(Types):
                 return e.number_of(OPTIMUM if math.isinf(value) else float(value))
             case str(name):
                 return e.Name(name)
-        raise Unliftable(WAYS)
+        raise Unliftable(SETTINGS_DIFFER)
 
     def here(self, key: str) -> e.Expression:
         """Where the robot stands, seen with the tool and base that hold."""
         if key in ("J_CURR", "J_FBC"):
             if key == "J_FBC" and not self.m.telling:
-                raise Unliftable(STATUS)
+                raise Unliftable(CONTROLLER_STATE)
             return e.Apply("joints_here")
         tool, frame = self.m.placing_told if self.m.telling else self.m.placing
         if not isinstance(tool, str) or not isinstance(frame, str):
-            raise Unliftable(WAYS)
+            raise Unliftable(SETTINGS_DIFFER)
         return e.Here(tool, frame)
 
     def applied(self, node: s.Variable) -> e.Expression:

@@ -60,7 +60,7 @@ _WORDS: Final = {
     kept.TASKS: "GetM Priority RelM XClr XLoad XRst XRun XStp Skip",
     kept.CAMERAS: "EBRead EBWrite NVClose NVIn NVLoad NVOpen NVPst NVRun NVTrg SetCalFrm V3Calc"
     " V3Calib V3Close V3Open V3Run VSCalClr VSRegCD VSSetCP TlCal2D TlCal3D TlClrPt TlSetPt",
-    kept.SOFT: "Cmp CmpG Fsc FsCTrg FsGChg FsGetDat FsHndEst FsLog FsOutLog FsTAlgo FsTBat"
+    kept.COMPLIANCE: "Cmp CmpG Fsc FsCTrg FsGChg FsGetDat FsHndEst FsLog FsOutLog FsTAlgo FsTBat"
     " FsTCond FsTest",
     kept.CONVEYORS: "TrBase TrClr Trk TrkArc TrkChk TrkFine TrkMv TrkTrg TrkWait TrOut TrRd TrWrt",
     kept.TUNING: "CavChk ColChk ColLvl Fine LoadSet MvTune Mxt Oadl Prec SpdOpt Torq JRC",
@@ -124,14 +124,14 @@ def reason_for(node: s.Statement, found: Reason | None) -> Reason:
             "put the statement above or below the move",
         )
     if isinstance(node, s.Motion | s.Command):
-        return _BY_WORD.get(node.keyword.split()[0], kept.PLAIN)
+        return _BY_WORD.get(node.keyword.split()[0], kept.NO_EQUIVALENT)
     if isinstance(node, s.If) and node.then is not None:
         for branch in (node.then, node.otherwise):
             if branch is not None and not isinstance(branch, s.Target):
                 inner = reason_for(branch, None)
-                if inner is not kept.PLAIN:
+                if inner is not kept.NO_EQUIVALENT:
                     return inner
-    return _NODES.get(type(node), kept.PLAIN)
+    return _NODES.get(type(node), kept.NO_EQUIVALENT)
 
 
 def text_of(statement: s.Statement, dialect: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.kept_reasons import STATUS
+from assistant.languages.kept_reasons import CONTROLLER_STATE
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables.poses import plain_pose
@@ -186,7 +186,7 @@ class Symbols:
     def state(self, key: str) -> e.Expression:
         """A state of the controller; what others are told of it is worked out later."""
         if not self.telling or key not in STATES:
-            raise Unliftable(STATUS)
+            raise Unliftable(CONTROLLER_STATE)
         return e.Apply(TOLD.format(key))
 
     def mounted(self, key: str) -> e.Expression | None:

@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.tables.capabilities import motions, positio
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import printer
-from assistant.languages.positions import Written
+from assistant.languages.positions import PartLegaliser
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
@@ -58,7 +58,10 @@ class Plain(Rewording):
     ) -> None:
         super().__init__(job)
         self.dialect, self.products, self.five_axes = dialect, products, job.can.five_axes
-        self.written, self.motions = Written(job, positions(robot)), ByValue(job, motions(robot))
+        self.written, self.motions = (
+            PartLegaliser(job, positions(robot)),
+            ByValue(job, motions(robot)),
+        )
         self.constants: Mapping[str, e.Number] = {}
 
     def program(self) -> Program:

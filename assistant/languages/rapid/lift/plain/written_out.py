@@ -20,7 +20,7 @@ from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes
-from assistant.languages.runs.names import Index
+from assistant.languages.runs.names import NameIndex
 from assistant.program.rewriting import rewrite
 
 _BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
@@ -63,7 +63,9 @@ class _Constants:
         items = [item for module in modules for item in module.items]
         declared = [item for item in items if isinstance(item, s.Data)]
         self._tables = [
-            (Index(item.run.names), item.run) for item in items if isinstance(item, s.TargetRunNode)
+            (NameIndex(item.run.names), item.run)
+            for item in items
+            if isinstance(item, s.TargetRunNode)
         ]
         self._count = Counter(item.name.lower() for item in declared)
         self._data = {item.name.lower(): item for item in declared}

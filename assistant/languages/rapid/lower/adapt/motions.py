@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.diagnostics import Declared, Span
-from assistant.languages.positions import Written
+from assistant.languages.positions import PartLegaliser
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
 from assistant.languages.rapid.tables.capabilities import CORNERS
 from assistant.languages.rapid.tables.motions import (
@@ -39,7 +39,7 @@ PERCENT: Final = (
 class Motions:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
-    def __init__(self, job: Legalisation, written: Written) -> None:
+    def __init__(self, job: Legalisation, written: PartLegaliser) -> None:
         self._job, self._written, self._sizing = job, written, CornerSizes(job, CORNERS)
         program = job.program
         overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))

@@ -9,7 +9,7 @@ from assistant.base.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.languages.answers import (
     Adapted,
 )
-from assistant.languages.positions import Written
+from assistant.languages.positions import PartLegaliser
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.dates import with_own_dates
@@ -71,7 +71,7 @@ def sayable(job: Legalisation) -> Program:
         if declaration.language != verbatim.LANGUAGE:
             with job.findings.at(declaration.span):
                 job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
-    written = Written(job, POSITIONS)
+    written = PartLegaliser(job, POSITIONS)
     motions = Motions(job, written)
     statements = StatementAdapter(job, motions, written)
     targets, joints = written.targets(program.targets), written.joint_targets(program.joint_targets)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from assistant.base.diagnostics import Declared, Refused, has_errors
-from assistant.languages.positions import Written
+from assistant.languages.positions import PartLegaliser
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.expressions import frame_name, lift, negative, tool_name
 from assistant.languages.rapid.lift.statements import statements_of
@@ -41,7 +41,7 @@ from assistant.program.rewriting import is_steady, map_expressions
 class StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, job: Legalisation, motions: Motions, written: Written) -> None:
+    def __init__(self, job: Legalisation, motions: Motions, written: PartLegaliser) -> None:
         super().__init__(job)
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}

@@ -14,7 +14,7 @@ from assistant.languages.recovery.layout import Layout
 from assistant.languages.recovery.lexemes import Holes, Scanner
 from assistant.languages.recovery.reading import Reader
 from assistant.languages.recovery.syntax import Blocks, Changes, HalfHead, Syntax
-from assistant.languages.recovery.wording import Kind, Wording
+from assistant.languages.recovery.wording import TerminalGroup, Wording
 
 _FLAGS: Final = re.IGNORECASE | re.MULTILINE
 
@@ -147,13 +147,13 @@ WORDING: Final = Wording(
     },
     unsaid=_HOLES | SILENT | {"TARGETS", "MOVES", "TABLE"},
     kinds=(
-        Kind(_VALUE, "a value", frozenset(("NAME", "LPAR", "_NOT", "PLUS", "MINUS"))),
-        Kind(
+        TerminalGroup(_VALUE, "a value", frozenset(("NAME", "LPAR", "_NOT", "PLUS", "MINUS"))),
+        TerminalGroup(
             frozenset(("_PROC", "_FUNC", "_RECORD")),
             "a declaration or routine",
             rest=lambda terminal: terminal.startswith("_END"),
         ),
-        Kind(
+        TerminalGroup(
             frozenset(("_IF", "_GOTO", "_RETURN")),
             "a statement",
             rest=lambda terminal: terminal.startswith("_END") or terminal in _CLAUSES,
