@@ -1,4 +1,4 @@
-"""Checks on a pseudo-program, one file a rule; the robot's own are in `assistant.robots`."""
+"""Checks on a pseudo-program; those of the robot itself are in `assistant.robots`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import MEANING, staged
 from assistant.base.diagnostics import Diagnostic, fold
-from assistant.checks.arcs import arcs
-from assistant.checks.magnitudes import magnitudes
-from assistant.checks.outputs import outputs
-from assistant.checks.signals import group_values, shared_numbers
+from assistant.checks.program_rules import arcs, group_values, magnitudes, outputs, shared_numbers
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

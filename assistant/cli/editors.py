@@ -39,14 +39,14 @@ def run_lsp(tcp: int | None) -> int:
     """0 when the editor has left. Raises Refused without the library, or for a port in use."""
     from assistant import __version__
     from assistant.base.diagnostics import Refused
-    from assistant.editing import rules
+    from assistant.editing import symbols
 
     try:
-        from assistant.editing.server.running import serve_line, serve_pipes
+        from assistant.editing.language_server import serve_line, serve_pipes
     except ModuleNotFoundError as missing:
         if (missing.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
             raise
-        raise Refused(rules.NO_LIBRARY(name="pygls"), exit_status=2) from None
+        raise Refused(symbols.NO_LIBRARY(name="pygls"), exit_status=2) from None
     if tcp is None:
         serve_pipes(__version__)
     else:

@@ -10,9 +10,7 @@ import numpy as np
 
 from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.compiler.project import configured
-from assistant.languages.answers import (
-    ARITHMETIC,
-)
+from assistant.languages.language_types import ARITHMETIC
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.integer_inference import NumberFacts

@@ -20,7 +20,7 @@ from assistant.base.diagnostics import (
     warning,
 )
 from assistant.checks import check, with_robot
-from assistant.checks.signals import group_values
+from assistant.checks.program_rules import group_values
 from assistant.compiler.arithmetic import differences
 from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standing, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
@@ -53,11 +53,7 @@ from assistant.sources.sights import NOTHING_SEEN, Seeing
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.languages import Language
-    from assistant.languages.answers import (
-        Conversion,
-        Frames,
-        Sampling,
-    )
+    from assistant.languages.language_types import Conversion, Frames, Sampling
     from assistant.robots import Robot
     from assistant.sources.placements import Placing
 

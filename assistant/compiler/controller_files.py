@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.diagnostics import Diagnostic, Refused, info, warning
 from assistant.base.source_text import decode, read_bytes
 from assistant.compiler.cell_file import with_lines, with_signals
-from assistant.languages.tasks import ControllerConfiguration
+from assistant.languages.language_types import ControllerConfiguration
 from assistant.program.undeclared_names import ChannelLine
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def configured(
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A program with what the files of its controller state. arm: see `Configured`."""
+    """A program with what the files of its controller state. arm: see `ControllerConfiguration`."""
 
     program: Program
     arm: str | None = None

@@ -11,9 +11,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
-from assistant.languages.answers import (
-    Choice,
-)
+from assistant.languages.language_types import Choice
 from assistant.sources.project import Project, project_of
 
 if TYPE_CHECKING:

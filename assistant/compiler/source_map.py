@@ -24,9 +24,7 @@ from assistant.base.diagnostics import (
 )
 from assistant.base.source_text import SourceText, starts_of
 from assistant.compiler.loading import language_of
-from assistant.languages.answers import (
-    Part,
-)
+from assistant.languages.language_types import Part
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Kind

@@ -53,7 +53,7 @@ from assistant.sources.project import STYLE, project_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.answers import Numbering, Outline
+    from assistant.languages.language_types import Numbering, Outline
 
 NOT_A_COMMENT: Final = error(
     "CO611",

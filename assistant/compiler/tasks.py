@@ -22,11 +22,11 @@ from assistant.compiler.loading import (
     with_called,
     with_process,
 )
-from assistant.languages.tasks import SharedData
+from assistant.languages.language_types import SharedData
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.tasks import TaskLoading
+    from assistant.languages.language_types import TaskLoading
     from assistant.robots import Robot
 
 CHOSEN: Final = warning(

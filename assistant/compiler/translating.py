@@ -52,10 +52,7 @@ from assistant.sources.cell import said
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
-    from assistant.languages.answers import (
-        Frames,
-        Sampling,
-    )
+    from assistant.languages.language_types import Frames, Sampling
     from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
 

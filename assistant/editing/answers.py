@@ -1,4 +1,4 @@
-"""What the service answers, as data: all places are those of editors (`places`)."""
+"""Answers of the editing service as data; positions are those of editors (`text_lines`)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.editing.places import Range
+from assistant.editing.text_lines import Range
 
 if TYPE_CHECKING:
     import numpy as np

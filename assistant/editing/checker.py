@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import IO, Any, Final
 
-from assistant.editing.watching import Seen, Unseen
+from assistant.editing.live_findings import Seen, Unseen
 from assistant.editing.workspace import Document, Workspace
 
 COMMAND: Final = (sys.executable, "-m", "assistant.editing.checker")

@@ -17,17 +17,7 @@ findings.
 
 from __future__ import annotations
 
-from assistant.editing import (
-    colouring,
-    completing,
-    finding,
-    fixing,
-    formatting,
-    hovering,
-    naming,
-    outlining,
-    translating,
-)
+from assistant.editing import code_assist, document_findings, renderings, symbols
 from assistant.editing.answers import (
     MARKS,
     SORTS,
@@ -43,7 +33,7 @@ from assistant.editing.answers import (
     Tokens,
     Translation,
 )
-from assistant.editing.places import Place, Range
+from assistant.editing.text_lines import Place, Range
 from assistant.editing.workspace import Document, Workspace
 
 __all__ = [
@@ -61,7 +51,7 @@ def findings(document: Document) -> tuple[Found, ...]:
     the whole program was looked at. A damaged line has its own findings, and all others keep
     theirs meanwhile. `settled` looks at the whole program; call it when typing rests.
     """
-    return finding.findings(document, whole=False)
+    return document_findings.findings(document, whole=False)
 
 
 def settled(document: Document) -> tuple[Found, ...]:
@@ -70,7 +60,7 @@ def settled(document: Document) -> tuple[Found, ...]:
     With the robot, cell and severities of the project, and the other files of its task. Takes a
     second for 5,000 lines. Known afterwards to `findings`.
     """
-    return finding.findings(document, whole=True)
+    return document_findings.findings(document, whole=True)
 
 
 def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
@@ -78,7 +68,7 @@ def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
 
     Each was tried: the finding is gone with it, and no error is there that was not.
     """
-    return fixing.fixes(document, found)
+    return document_findings.fixes(document, found)
 
 
 def tokens(document: Document, first: int = 0, last: int | None = None) -> Tokens:
@@ -86,12 +76,12 @@ def tokens(document: Document, first: int = 0, last: int | None = None) -> Token
 
     first, last: lines from 0 whose words are asked for; None for up to the end.
     """
-    return colouring.tokens(document, max(first, 0), last)
+    return code_assist.tokens(document, max(first, 0), last)
 
 
 def completions(document: Document, place: Place) -> tuple[Completion, ...]:
     """Words that may stand at a place: declared names, instructions, keywords, values."""
-    return completing.completions(document, place)
+    return code_assist.completions(document, place)
 
 
 def hover(document: Document, place: Place) -> Hover | None:
@@ -99,12 +89,12 @@ def hover(document: Document, place: Place) -> Hover | None:
 
     Of a target also the joints of the project's robot, where there is one.
     """
-    return hovering.hover(document, place)
+    return code_assist.hover(document, place)
 
 
 def definition(document: Document, place: Place) -> Location | None:
     """Where the name at a place is declared, in any file of the task."""
-    return naming.definition(document, place)
+    return symbols.definition(document, place)
 
 
 def references(document: Document, place: Place, declaration: bool = True) -> tuple[Location, ...]:
@@ -112,12 +102,12 @@ def references(document: Document, place: Place, declaration: bool = True) -> tu
 
     declaration: whether that counts.
     """
-    return naming.references(document, place, declaration)
+    return symbols.references(document, place, declaration)
 
 
 def renameable(document: Document, place: Place) -> Range | None:
     """The name at a place that can be changed, None where there is none."""
-    return naming.renameable(document, place)
+    return symbols.renameable(document, place)
 
 
 def rename(document: Document, place: Place, name: str) -> Changes:
@@ -125,12 +115,12 @@ def rename(document: Document, place: Place, name: str) -> Changes:
 
     Raises Refused for what is no name there, is taken, or is not declared in the task.
     """
-    return naming.rename(document, place, name)
+    return symbols.rename(document, place, name)
 
 
 def outline(document: Document) -> tuple[OutlineItem, ...]:
     """Modules, procedures, functions, records, data, labels, in their order and inside another."""
-    return outlining.outline(document)
+    return symbols.outline(document)
 
 
 def formatted(document: Document) -> tuple[Change, ...]:
@@ -138,7 +128,7 @@ def formatted(document: Document) -> tuple[Change, ...]:
 
     Raises Refused if it cannot be laid out, with the reason.
     """
-    return formatting.formatted(document)
+    return renderings.formatted(document)
 
 
 def translation(document: Document, language: str) -> Translation:
@@ -147,4 +137,4 @@ def translation(document: Document, language: str) -> Translation:
     language: `pseudo` shows the pseudo-program. With the files of its task and its project's robot.
     What cannot be read or said is in the findings. Raises Refused for an unknown language.
     """
-    return translating.translation(document, language)
+    return renderings.translation(document, language)

@@ -17,11 +17,10 @@ from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.compiler.scenes import InCell, in_cell
 from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
-from assistant.editing.excerpts import Excerpt, excerpt, newline_of
-from assistant.editing.places import Lines
-from assistant.editing.speaking import LanguageAdapter, adapter_of, language_name
-from assistant.editing.structure import Structure, structure
-from assistant.editing.watching import Seen, Unseen, Watch
+from assistant.editing.excerpts import Excerpt, Structure, excerpt, newline_of, structure
+from assistant.editing.language_adapter import LanguageAdapter, adapter_of, language_name
+from assistant.editing.live_findings import Seen, Unseen, Watch
+from assistant.editing.text_lines import Lines
 from assistant.findings.severities import apply_severities
 from assistant.program.editor_support import LineFacts
 from assistant.project.layout import project_of

@@ -7,12 +7,8 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.languages.answers import (
-    Adapted,
-    Precision,
-    Tree,
-)
 from assistant.languages.language import Language
+from assistant.languages.language_types import Adapted, Precision, Tree
 from assistant.program.expressions import Effect
 from assistant.program.vendor_statements import VendorText, vendor_text_kind
 

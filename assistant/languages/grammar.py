@@ -1,9 +1,12 @@
-"""A grammar as its readers need it: terminals and tables, worked out by lark once and kept.
+"""Terminals and parser tables of a grammar, and a scanner made of its terminals.
 
-Working them out takes longer than all else that is done with a small program. So they are kept
-where Python keeps the bytecode of the package, since who can write there can change the program as
-well. Readers load lark only where the grammar has changed or nothing can be kept; the proof parses
-with lark itself, whose parser is kept in the same place.
+lark works the tables out once. That takes longer than everything else done with a small program,
+so they are stored where Python stores the bytecode of the package: who can write there can change
+the program as well. lark is loaded only if the grammar changed or nothing can be stored; the proof
+parses with lark itself, whose parser is stored in the same place. `WordScanner` reads
+the words of a text with one regular expression that tries the terminals in order. `Shortened` is a
+text for the grammar with a mark in place of each run of like lines that is read otherwise; it maps
+offsets both ways.
 """
 
 from __future__ import annotations
@@ -12,20 +15,22 @@ import json
 import marshal
 import os
 import re
-from collections.abc import Mapping
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
-from itertools import chain
-from typing import TYPE_CHECKING, Any, Final
+from itertools import accumulate, chain
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
-from assistant.languages.lalr import END, Passing, Reduction, Rows, Tables
+from assistant.languages.lalr import END, Passing, Reduction, Rows, Tables, Word
 from assistant.resources import kept_place, read_grammar
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from lark import Lark
+
 
 CACHE_FORMAT: Final = 1
 """Of what is kept; another one is made anew."""
@@ -224,3 +229,147 @@ def _unpacked(packed: Mapping[str, Any]) -> Grammar:
         tuple(packed["order"]),
         {start: Tables(rows, first, passing, leading) for start, first in packed["starts"].items()},
     )
+
+
+def terminals_pattern(
+    grammar: Grammar,
+    frequent: Iterable[str] = (),
+    before: Mapping[str, str] | None = None,
+    behind: Mapping[str, str] | None = None,
+    without: Set[str] = frozenset(),
+) -> re.Pattern[str]:
+    """The terminals of a grammar, each a group, in the order in which they are tried.
+
+    frequent: terminals tried first. before, behind: other groups, tried before and behind the rest.
+    """
+    known = {name: grammar.terminals[name].regexp for name in grammar.order}
+    first = {name: known[name] for name in frequent}
+    rows = {**first, **(before or {}), **known, **(behind or {})}
+    listed = (f"(?P<{name}>{regexp})" for name, regexp in rows.items() if name not in without)
+    return re.compile("|".join(listed), re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class WordScanner:
+    """Reads words for the tables of a grammar.
+
+    scanner: has a group for each terminal and finds something at every place. ignored: terminals
+    between words. noted: ignored where there is no room for them. made: patterns of some terminals.
+    """
+
+    grammar: Grammar
+    scanner: re.Pattern[str]
+    ignored: Set[str]
+    noted: Set[str]
+    made: dict[frozenset[str | None], re.Pattern[str]] = field(default_factory=dict)
+
+    def sound(self, text: str, rows: Rows, states: list[int]) -> Iterator[Word]:
+        """The words of a text that is thought to be sound.
+
+        states: of the stack that they are read on.
+        """
+        ignored, noted = self.ignored, self.noted
+        for match in self.scanner.finditer(text):
+            type = match.lastgroup or ""
+            if type in ignored or (type in noted and type not in rows[states[-1]]):
+                continue
+            yield type, match[0], match.start(), match.end()
+        yield END, "", len(text), len(text)
+
+    def fitting(self, text: str, at: int, rows: Rows, states: list[int]) -> Iterator[Word]:
+        """The words behind an offset, each as what there is room for, if it can be read so."""
+        while match := self.scanner.match(text, at):
+            type = match.lastgroup or ""
+            row = rows[states[-1]]
+            at = match.end()
+            if type in self.ignored or (type in self.noted and type not in row):
+                continue
+            if type not in row and (fits := self._only(row).match(text, match.start())):
+                match, type, at = fits, fits.lastgroup or "", fits.end()
+            yield type, match[0], match.start(), at
+        yield END, "", len(text), len(text)
+
+    def _only(self, terminals: Iterable[str | None]) -> re.Pattern[str]:
+        """Some terminals, in the order in which they are tried."""
+        wanted = frozenset(terminals)
+        if wanted not in self.made:
+            others = frozenset(self.grammar.order) - wanted
+            self.made[wanted] = terminals_pattern(
+                self.grammar, without=others, behind={"NOTHING": r"(?!)"}
+            )
+        return self.made[wanted]
+
+
+class TextSpan(Protocol):
+    """Lines of a text. start, end: offsets."""
+
+    @property
+    def start(self) -> int: ...
+    @property
+    def end(self) -> int: ...
+
+
+R = TypeVar("R", bound=TextSpan)
+
+
+@dataclass(frozen=True, slots=True)
+class RunInTheWay:
+    """A run that the text before it wants the first row of."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Shortened:
+    """What a grammar reads, and the way from its offsets to those of the source and back.
+
+    begins, shifts: offsets in the short text from which on its places are so much farther on in
+    the source.
+    """
+
+    text: str
+    runs: Sequence[TextSpan]
+    begins: list[int]
+    shifts: list[int]
+
+    @staticmethod
+    def of(text: str, runs: Sequence[R], marks: Callable[[R], tuple[str, str]]) -> Shortened:
+        """marks: characters around the number of a run, which the text does not have."""
+        pieces, at = [], 0
+        lengths, removed = [], []
+        for number, run in enumerate(runs):
+            opening, closing = marks(run)
+            mark = f"{opening}{number}{closing}\n"
+            pieces += [text[at : run.start], mark]
+            lengths.append(run.start - at + len(mark))
+            removed.append(run.end - run.start - len(mark))
+            at = run.end
+        pieces.append(text[at:])
+        begins = list(accumulate(lengths, initial=0))
+        return Shortened("".join(pieces), runs, begins, list(accumulate(removed, initial=0)))
+
+    def offset(self, short: int) -> int:
+        """Offset in the source."""
+        return short + self.shifts[bisect_right(self.begins, short) - 1]
+
+    def back(self, offset: int) -> int:
+        """Offset in the short text; of its mark for one in a run."""
+        row = bisect_right(self.runs, offset, key=lambda run: run.start) - 1
+        if row < 0:
+            return offset
+        run = self.runs[row]
+        if offset < run.end:
+            return run.start - self.shifts[row]
+        return offset - self.shifts[row + 1]
+
+    def run_around(self, text: str, offset: int) -> int | None:
+        """Number of the run that an offset of the source lies inside of, behind its first word."""
+        row = bisect_right(self.runs, offset, key=lambda run: run.start) - 1
+        if row < 0 or offset >= self.runs[row].end:
+            return None
+        return row if text[self.runs[row].start : offset].strip() else None
+
+
+def number_of(mark: str) -> int:
+    """The number of the run that a mark stands for."""
+    return int(mark[1:-1])

@@ -18,7 +18,7 @@ from assistant.base.arrays import Rows
 from assistant.base.budgets import READING, within, without_gc
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.base.source_text import SourceText, with_line_feeds
-from assistant.languages.answers import Sampling
+from assistant.languages.language_types import Sampling
 
 if TYPE_CHECKING:
     from lark import Lark

@@ -1,4 +1,4 @@
-"""Typed nodes from what the rules of a grammar are made of: most of them are rows of a table.
+"""Typed tree nodes: made from the rules of a grammar by rows of a table, and walked.
 
 ROWS = {
     "while": row(WhileLoop),
@@ -7,18 +7,19 @@ ROWS = {
     "arguments": without_place(tuple),
 }
 
-class TreeNodes(Nodes, rows=ROWS): ...  # with a method for each rule that is more
+class TreeNodes(Nodes, rows=ROWS): ...  # with a method for each rule that needs more
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, fields
 from functools import partial
 from operator import itemgetter
 from typing import Any, Final
 
 from assistant.base.diagnostics import Span
+from assistant.program.rewriting import record_fields
 
 Place = Span | None
 """Offsets in what the grammar read; None for what stands for no text."""
@@ -132,3 +133,49 @@ def _changed(changes: Sequence[Change], children: Children) -> Children:
         elif change is not None:
             made[at] = change(made[at])
     return made
+
+
+class Walk:
+    """Goes through trees of one language.
+
+    is_node: whether a type is one of its nodes. held: the type of those that keep in their `known`
+    what is inside them, None for no type.
+    """
+
+    def __init__(self, is_node: Callable[[type], bool], held: type | None = None) -> None:
+        self._is_node = is_node
+        self._held = held
+        self._inside: dict[type, tuple[str, ...] | None] = {}
+
+    def inside(self, kind: type) -> tuple[str, ...] | None:
+        """Fields of a node that may hold nodes, the last one first; None for what is no node."""
+        if kind not in self._inside:
+            found = None
+            if self._is_node(kind):
+                parts = record_fields(kind)
+                said = () if parts is None else reversed(parts.names)
+                found = tuple(name for name in said if name != "span")
+            self._inside[kind] = found
+        return self._inside[kind]
+
+    def nodes(self, root: Any) -> Iterator[Any]:
+        """Every node in a node or a tuple of them, itself first, as they stand in the text."""
+        known, held = self._inside, self._held
+        pending = [root]
+        while pending:
+            item = pending.pop()
+            kind = type(item)
+            if kind is tuple:
+                pending.extend(item[::-1])
+                continue
+            if kind is held:
+                yield item
+                if not item.known:
+                    parts = reversed(self.inside(kind) or ())
+                    item.known.extend(self.nodes(tuple(getattr(item, part) for part in parts)))
+                yield from item.known
+                continue
+            names = known[kind] if kind in known else self.inside(kind)
+            if names is not None:
+                yield item
+                pending.extend([getattr(item, name) for name in names])

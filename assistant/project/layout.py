@@ -18,9 +18,7 @@ from assistant.controllers import Named, controllers_of
 from assistant.controllers.address import without_password
 from assistant.controllers.controller import LANGUAGES
 from assistant.controllers.named import ROBOT_FILES, SECRET
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 from assistant.program.settings_tables import Page, Table, listed, nearest, shown
 from assistant.project import rules
 from assistant.project.links import check_no_links

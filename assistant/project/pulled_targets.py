@@ -18,9 +18,7 @@ from assistant.compiler.loading import PSEUDO_ENCODINGS, lift, parse_pseudo
 from assistant.compiler.teaching import branch_words, number_list
 from assistant.deploy import PlannedFile
 from assistant.languages import Language
-from assistant.languages.answers import (
-    Precision,
-)
+from assistant.languages.language_types import Precision
 from assistant.program import pseudo
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Program

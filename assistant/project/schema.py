@@ -9,10 +9,7 @@ from typing import Final
 from assistant import languages
 from assistant.controllers.named import NAME as CONTROLLER_NAME
 from assistant.findings.severities import LEVELS, TABLE
-from assistant.languages.answers import (
-    Choice,
-    Setting,
-)
+from assistant.languages.language_types import Choice, Setting
 from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, STYLE, TARGET, Key
 from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
 from assistant.sources.project import STYLE as STYLE_TABLE

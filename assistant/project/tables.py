@@ -29,9 +29,7 @@ from assistant import languages
 from assistant.base.length_units import UNITS
 from assistant.compiler.style import KEYS
 from assistant.controllers.named import LONGEST_TIMEOUT, keys
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 from assistant.program import settings_tables
 from assistant.program.program import IDENTIFIER
 from assistant.program.settings_tables import Read, Wrong

@@ -12,8 +12,8 @@ from assistant.base.toml_text import value_spans
 from assistant.compiler.loading import language_of
 from assistant.compiler.teaching import branch_at
 from assistant.editing.excerpts import Excerpt
-from assistant.editing.places import Lines
 from assistant.editing.service import Change, Document, Workspace
+from assistant.editing.text_lines import Lines
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
 from assistant.program.comparison import Tolerance, compare

@@ -11,6 +11,7 @@ from typing import Any, Final
 from assistant import languages
 from assistant.base.budgets import freeze_loaded_objects
 from assistant.editing import service
+from assistant.editing.language_adapter import PSEUDO, adapter_of
 from assistant.editing.service import (
     SORTS,
     Change,
@@ -23,7 +24,6 @@ from assistant.editing.service import (
     Tokens,
     Workspace,
 )
-from assistant.editing.speaking import PSEUDO, adapter_of
 from assistant.studio.answering import Asked, Does, findings, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of

@@ -15,8 +15,8 @@ from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, decode, encode, is_file, read_bytes
 from assistant.editing.checker import Checker
-from assistant.editing.places import LINE_END
 from assistant.editing.service import Change, Document, Workspace
+from assistant.editing.text_lines import LINE_END
 from assistant.studio import rules
 from assistant.studio.answering import not_asked
 from assistant.studio.studio import Studio

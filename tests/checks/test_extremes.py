@@ -11,8 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
-from assistant.checks.extremes import extremes_of
-from assistant.checks.moves import moves_of
+from assistant.checks.program_view import extremes_of, moves_of
 from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow

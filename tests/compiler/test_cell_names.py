@@ -18,7 +18,7 @@ from assistant.compiler import Compiled, compile, translate
 from assistant.compiler.checking import check_files
 from assistant.compiler.loading import Loaded
 from assistant.compiler.together import together
-from assistant.languages.answers import Frames
+from assistant.languages.language_types import Frames
 from assistant.program.geometry import Pose
 from assistant.project import build, project_of
 from assistant.virtual import melfa, rapid

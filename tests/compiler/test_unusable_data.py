@@ -10,9 +10,7 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Refused
 from assistant.compiler import compile, translate
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 
 PLACE = "[[500,0,500],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
 PARTS = "[[0,0,100],[1,0,0,0]],[[0,0,0],[1,0,0,0]]"

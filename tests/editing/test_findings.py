@@ -11,8 +11,8 @@ from assistant.base.diagnostics import has_errors
 from assistant.base.source_text import SourceText
 from assistant.compiler.checking import check_text
 from assistant.editing import service
+from assistant.editing.live_findings import SMALL
 from assistant.editing.service import Change, Place, Range, Workspace
-from assistant.editing.watching import SMALL
 from assistant.findings.severities import apply_severities
 from tests.editing.typing import kept, lines_that_close, lines_to_damage, made, typed
 

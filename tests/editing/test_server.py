@@ -118,7 +118,7 @@ async def test_columns_are_counted_in_utf_16(client, tmp_path):
 
 def decoded(data, text):
     """Sorts and texts of the words, cut out of the text by the units of UTF-16."""
-    from assistant.editing.server.words import LEGEND
+    from assistant.editing.lsp_types import LEGEND
 
     lines = [line.encode("utf-16-le") for line in text.splitlines()]
     line = column = 0

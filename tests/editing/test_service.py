@@ -9,8 +9,8 @@ import pytest
 from assistant.base.diagnostics import Refused, Span
 from assistant.editing import service
 from assistant.editing.answers import MARKS, SORTS
-from assistant.editing.places import Lines
 from assistant.editing.service import Place, Workspace
+from assistant.editing.text_lines import Lines
 from tests.editing.typing import kept
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"

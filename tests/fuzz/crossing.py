@@ -11,9 +11,7 @@ from assistant import languages
 from assistant.base.diagnostics import has_errors
 from assistant.base.source_text import SourceText
 from assistant.compiler.loading import load_text
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 from tests.fuzz import programs
 from tests.fuzz.target import Target, promise, refusing, sound
 

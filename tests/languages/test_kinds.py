@@ -2,7 +2,7 @@
 
 import pytest
 
-from assistant.languages.checks.kinds import Kind, Operators
+from assistant.languages.checks.values import Kind, Operators
 
 NUMBERS = frozenset({"small", "large"})
 OPERATORS = Operators(

@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, BlockWord, blocks_of
-from assistant.languages.line_graph import EXIT, ON, Exits, Graph, graph_of
+from assistant.languages.line_blocks import (
+    ANY,
+    EXIT,
+    NO_WORD,
+    ON,
+    Blocks,
+    BlockWord,
+    Exits,
+    Graph,
+    blocks_of,
+    graph_of,
+)
 
 WORDS = {
     "routine": BlockWord(bounds="begins"),

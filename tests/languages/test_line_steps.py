@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from assistant.base.arrays import Ints
-from assistant.languages.line_steps import (
+from assistant.languages.runs.columns import Run
+from assistant.languages.step_numbers import (
     cut_at,
     first_step,
     places_of_steps,
@@ -17,7 +18,6 @@ from assistant.languages.line_steps import (
     with_ascending_steps,
     with_steps,
 )
-from assistant.languages.runs.columns import Run
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from assistant.languages.checks.wording import SHOWN_NAMES, Listing
+from assistant.languages.checks.registry import SHOWN_NAMES, Listing
 
 
 def test_nothing_stands_nowhere():

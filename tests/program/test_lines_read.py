@@ -112,10 +112,10 @@ HARMLESS = {
     "controllers/mitsubishi/control_mode/programs.py": "bytes, which end at CR and LF only",
     "controllers/following.py": "bytes, which end at CR and LF only",
     "controllers/os_errors_in_words.py": "words of an error, for people",
-    "languages/abouts.py": "a table of the package",
     "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
     "languages/rapid/tables/signatures.py": "a table of the package",
+    "languages/texts/words.py": "a table of the package",
     "program/pseudo/editor_support.py": "a table of the package",
     "sources/drawing/group_codes.py": "bytes, which end at CR and LF only",
 }

@@ -8,9 +8,7 @@ import jsonschema
 import pytest
 
 from assistant import languages
-from assistant.languages.answers import (
-    Choice,
-)
+from assistant.languages.language_types import Choice
 from assistant.program.settings_tables import Wrong
 from assistant.project.schema import schema, schema_text
 from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, STYLE, TARGET

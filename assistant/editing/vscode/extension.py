@@ -1,4 +1,7 @@
-"""The files of the extension, and the one file that VS Code installs."""
+"""VS Code extension: its files, TextMate grammars, and the package that VS Code installs.
+
+Grammars for colours without a server are made of the words of a language.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,62 @@ import io
 import json
 import re
 import zipfile
+from collections.abc import Iterable, Iterator
 from importlib.resources import files
 from typing import Any, Final
 from xml.sax.saxutils import escape
 
 from assistant import languages
-from assistant.editing.speaking import PSEUDO, LanguageAdapter, adapter_of
-from assistant.editing.vscode.grammars import textmate_grammar, textmate_scope
+from assistant.editing.language_adapter import PSEUDO, LanguageAdapter, adapter_of
+from assistant.program.editor_support import Editable
+
+_SCOPES: Final = {
+    "keyword": "keyword.control",
+    "type": "storage.type",
+    "instruction": "support.function.instruction",
+    "function": "support.function",
+    "variable": "variable.language",
+    "target": "variable.language",
+}
+"""Sorts of known words by what colour themes know."""
+
+
+def textmate_grammar(spoken: LanguageAdapter, id: str) -> dict[str, Any]:
+    """The grammar of a language as VS Code and others read it. id: of the language there."""
+    editable = spoken.editable
+    assert editable is not None
+    patterns = [
+        {"name": f"{name}.{id}", "match": match} for name, match in _plain_patterns(editable)
+    ]
+    return {
+        "name": spoken.title,
+        "scopeName": textmate_scope(id),
+        "patterns": patterns,
+    }
+
+
+def textmate_scope(id: str) -> str:
+    return f"source.{id}"
+
+
+def _plain_patterns(editable: Editable) -> Iterator[tuple[str, str]]:
+    yield from editable.colours().items()
+    sorts: dict[str, list[str]] = {}
+    for known in editable.known().values():
+        sorts.setdefault(_SCOPES[known.sort], []).append(known.name)
+    case = "(?i)" if editable.folds else ""
+    for name in dict.fromkeys(_SCOPES.values()):
+        if sorts.get(name):
+            yield name, f"{case}{_words_pattern(sorts[name])}"
+    yield "keyword.operator", r"<>|<=|>=|:=|[-+*/=<>]"
+
+
+def _words_pattern(words: Iterable[str]) -> str:
+    """One of some words, whole; the longest first, as one may begin another."""
+    listed = sorted({*words}, key=lambda word: (-len(word), word))
+    spelled = (r"\s+".join(map(re.escape, word.split())) for word in listed)
+    return rf"(?<![A-Za-z0-9_])(?:{'|'.join(spelled)})(?![A-Za-z0-9_])"
+
 
 NAME: Final = "robot-assistant"
 ABOUT: Final = (

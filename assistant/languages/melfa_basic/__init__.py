@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base import source_text
 from assistant.base.diagnostics import Diagnostic, Severity, Unreadable, has_errors
 from assistant.base.source_text import SourceText
-from assistant.languages.answers import (
+from assistant.languages.language import Language
+from assistant.languages.language_types import (
     ARITHMETIC,
     Adapted,
     Conversion,
@@ -22,7 +23,6 @@ from assistant.languages.answers import (
     Precision,
     Setting,
 )
-from assistant.languages.language import Language
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
@@ -36,11 +36,10 @@ if TYPE_CHECKING:
     from lark import Lark
 
     from assistant.base.arrays import Rows
-    from assistant.languages.answers import Outline
+    from assistant.languages.language_types import ControllerConfiguration, Outline, Texts
     from assistant.languages.melfa_basic.reading.editing import EditableMelfaBasic
     from assistant.languages.melfa_basic.tree import syntax
     from assistant.languages.melfa_basic.tree.syntax import File
-    from assistant.languages.tasks import ControllerConfiguration, Texts
     from assistant.program.undeclared_names import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 

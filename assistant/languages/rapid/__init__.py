@@ -10,13 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText
-from assistant.languages.answers import (
-    ARITHMETIC,
-    Adapted,
-    Part,
-    Precision,
-)
 from assistant.languages.language import Language
+from assistant.languages.language_types import ARITHMETIC, Adapted, Part, Precision
 from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
@@ -26,7 +21,7 @@ if TYPE_CHECKING:
     from lark import Lark
 
     from assistant.base.arrays import Rows
-    from assistant.languages.answers import Outline
+    from assistant.languages.language_types import Outline
     from assistant.languages.rapid.reading.editing import EditableRapid
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.syntax import File
@@ -154,8 +149,8 @@ class Rapid(Language["File"]):
         return shared_names(tree)
 
     def mentions(self, tree: File) -> frozenset[str]:
+        from assistant.languages.language_types import words_of
         from assistant.languages.rapid.tree.walk import own_names
-        from assistant.languages.tasks import words_of
 
         text = "" if tree.origin is None else tree.origin.source.text
         return words_of(text, self.comment_mark) - frozenset(own_names(tree))

@@ -1,18 +1,184 @@
-"""What a language says of itself so that damaged texts of it are read: tables, no behaviour.
+"""Tables that describe a language to error recovery, and the words and layout of damaged text.
 
-Terminals have the names of its grammar. Marks have those that lark gives them: `SEMICOLON`,
-`COMMA`, `LPAR` and `RPAR`, `LSQB` and `RSQB`, `LBRACE` and `RBRACE`, `COLON`, `DOT`; a value is
-made of `NAME`, `NUMBER`, `STRING` and others.
+Terminals have the names of the grammar. Marks have the names that lark gives them: `SEMICOLON`,
+`COMMA`, `LPAR` and `RPAR`, `LSQB` and `RSQB`, `LBRACE` and `RBRACE`, `COLON`, `DOT`; a value begins
+with `NAME`, `NUMBER`, `STRING` and others. `Scanner` reads words without a parser, also words that
+the grammar does not know; `Layout` shows by indentation where the end of a block was forgotten.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import Final, NamedTuple
 
-from assistant.languages.recovery.layout import Layout
-from assistant.languages.recovery.lexemes import Holes, Scanner
+from assistant.languages.lalr import END
+
+STRANGE: Final = "STRANGE"
+"""The type of what no terminal begins with."""
+
+
+class Lexeme(NamedTuple):
+    """type: a terminal of the grammar, END, or one of what is no terminal. first: on its line.
+
+    start, end: offsets in the source; alike for what a repair puts in.
+    """
+
+    type: str
+    text: str
+    start: int
+    end: int
+    first: bool = False
+
+
+class Stop(NamedTuple):
+    """A word that does not fit.
+
+    word: its type is END behind the last one. start: rule of the grammar.
+    """
+
+    word: Lexeme
+    start: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scanner:
+    """Finds words by one regular expression, a group a type. silent: types between words."""
+
+    pattern: re.Pattern[str]
+    silent: Set[str]
+
+    def lexemes(self, text: str, start: int, stop: int, further: int) -> list[Lexeme]:
+        """All from one offset to another and a few further, END behind the last of the text."""
+        found: list[Lexeme] = []
+        beyond = 0
+        for word in self.words(text, start):
+            found.append(word)
+            beyond += word.type != END and word.start >= stop
+            if beyond > further:
+                break
+        return found
+
+    def words(self, text: str, start: int) -> Iterator[Lexeme]:
+        """All from an offset on, END behind the last: read as far as they are asked for."""
+        end = -1
+        for match in self.pattern.finditer(text, start):
+            type = match.lastgroup or STRANGE
+            if type in self.silent:
+                continue
+            begin, end = match.span()
+            yield Lexeme(type, match[0], begin, end, _begins_line(text, begin))
+        end = _code_end(text, start) if end < 0 else end
+        yield Lexeme(END, "", end, end, True)
+
+
+@dataclass(frozen=True, slots=True)
+class Holes:
+    """Terminals that stand for what is not there. texts: what each is written as."""
+
+    texts: Mapping[str, str]
+
+    def put(self, types: Iterable[str], at: int) -> tuple[Lexeme, ...]:
+        """Words of no width at an offset."""
+        return tuple(Lexeme(type, self.texts.get(type, ""), at, at) for type in types)
+
+
+def _begins_line(text: str, at: int) -> bool:
+    """Whether only blanks stand before an offset on its line."""
+    while at and text[at - 1] != "\n":
+        if not text[at - 1].isspace():
+            return False
+        at -= 1
+    return True
+
+
+def _code_end(text: str, at: int) -> int:
+    """Where the last word before an offset ends."""
+    while at and text[at - 1].isspace():
+        at -= 1
+    return at
+
+
+TAB: Final = 4
+_LINE: Final = re.compile(r"^([ \t]*)([A-Za-z_]\w*)([^\r\n]*)", re.MULTILINE)
+
+
+def column(text: str, at: int) -> int:
+    """How far a word stands from the left; -1 if it is not the first of its line."""
+    ahead = text[text.rfind("\n", 0, at) + 1 : at]
+    return -1 if ahead.strip() else len(ahead.expandtabs(TAB))
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """First words of lines, in lower case, and what they do to blocks.
+
+    openers: → whether the rest of the line leaves a block open. closers: → the opener that each
+    closes. clauses: those that stand as far from the left as the opener. before: those that may
+    stand before an opener. code: a line up to its comment.
+    """
+
+    openers: Mapping[str, re.Pattern[str]]
+    closers: Mapping[str, str]
+    clauses: Set[str]
+    before: Set[str]
+    code: re.Pattern[str]
+
+    def code_end(self, text: str, at: int) -> int:
+        """Where the code before an offset ends: behind it are blanks and comments only."""
+        while True:
+            begin = text.rfind("\n", 0, at) + 1
+            line = self.code.match(text[begin:at])
+            code = line[0].rstrip() if line else ""
+            if code or not begin:
+                return begin + len(code)
+            at = begin - 1
+
+    def missing_end(self, text: str, begins: Sequence[int], at: int) -> int:
+        """Where the end of open blocks was forgotten, as far as indentation tells; else `at`.
+
+        begins: offsets of the blocks, the outermost first.
+        """
+        if not begins:
+            return self.code_end(text, at)
+        open_blocks: list[tuple[int, str]] = []
+        indented: set[int] = set()
+        for start, far, word, rest in _code_lines(text, begins[0], at):
+            if open_blocks and far > open_blocks[-1][0]:
+                indented.add(len(open_blocks))
+            if (closed := self.closers.get(word)) is not None:
+                kinds = [kind for _, kind in open_blocks]
+                if kinds[-1:] == [closed] and open_blocks[-1][0] == far:
+                    indented.discard(len(open_blocks))
+                    open_blocks.pop()
+                    continue
+                if (far, closed) in open_blocks and len(open_blocks) in indented:
+                    return self.code_end(text, start)
+                while open_blocks and open_blocks.pop()[1] != closed:
+                    pass
+                continue
+            outside = open_blocks and far <= open_blocks[-1][0] and len(open_blocks) in indented
+            if outside and word not in self.clauses:
+                return self.code_end(text, start)
+            if word in self.before:
+                word, _, rest = rest.strip().partition(" ")
+                word = word.lower()
+            if word in self.openers and self.openers[word].search(rest):
+                open_blocks.append((far, word))
+                indented.discard(len(open_blocks))
+        return self.code_end(text, at)
+
+
+def _code_lines(text: str, start: int, stop: int) -> Iterator[tuple[int, int, str, str]]:
+    """Offset, indentation, first word in lower case and the rest of each line of code."""
+    begin = text.rfind("\n", 0, start) + 1
+    for match in _LINE.finditer(text, begin):
+        if match.start(2) >= stop:
+            return
+        blank, word, rest = match.groups()
+        yield match.start(2), len(blank.expandtabs(TAB)), word.lower(), rest
+
 
 Types = tuple[str, ...]
 """Terminals in a row."""

@@ -1,16 +1,168 @@
-"""Runs: rows that are alike, in columns, never a Python object a row."""
+"""Runs: neighbouring rows that are alike, in columns, never a Python object a row.
+
+A field of a `Run` is a column or the value that all rows share. `Names` is a column of names made
+of a stem and a running number.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from itertools import groupby
 from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.base.arrays import Rows, Truths
-from assistant.languages.runs.names import Names
+from assistant.base.arrays import Ints, Rows, Truths
+from assistant.base.columns import Chosen, Decimal, Integer, Piece
+
+MOST_DIGITS: Final = 15
+"""Digits of a running number; of longer ones the digits stay with the stem."""
+_NUMBER: Final = re.compile(r"(?<![0-9])(?:0|[1-9][0-9]*)\Z", re.ASCII)
+
+
+def split_name(name: str) -> tuple[bytes, int]:
+    """Stem and number of a name as `Names` holds them, -1 for a name that is its stem."""
+    number = _NUMBER.search(name)
+    if number is None or len(number[0]) > MOST_DIGITS:
+        return name.encode("ascii"), -1
+    return name[: number.start()].encode("ascii"), int(number[0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Names:
+    """n names, each a stem and a number behind it; one of neither stands for no name.
+
+    stem: (n,) int32 rows of stems. number: (n,) int64, -1 for a name that is its stem.
+    """
+
+    stems: tuple[bytes, ...]
+    stem: NDArray[np.int32]
+    number: Ints
+
+    def __len__(self) -> int:
+        return len(self.stem)
+
+    def equal(self, other: Names) -> Truths:
+        """(n,) whether each name is that of the other column."""
+        if not len(self):
+            return np.empty(0, dtype=bool)
+        same = np.array([[a == b for b in other.stems] for a in self.stems], dtype=bool)
+        found: Truths = same[self.stem, other.stem] & (self.number == other.number)
+        return found
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Names):
+            return NotImplemented
+        return len(self) == len(other) and bool(self.equal(other).all())
+
+    def __hash__(self) -> int:
+        return hash((len(self), self.number[:1].tobytes()))
+
+    def pieces(self) -> list[Piece]:
+        """The names as they are printed."""
+        stems = Chosen(self.stem, self.stems)
+        if (self.number >= 0).all():
+            return [stems, Integer(self.number)]
+        missing = np.where(self.number < 0, np.nan, self.number)
+        return [stems, Decimal(missing, 0, missing=b"")]
+
+    def name(self, row: int) -> str:
+        """One name; for the few, never for all."""
+        number = int(self.number[row])
+        stem = self.stems[int(self.stem[row])].decode("ascii")
+        return f"{stem}{number}" if number >= 0 else stem
+
+    def rows(self, rows: slice | Rows | Truths) -> Names:
+        return Names(self.stems, self.stem[rows], self.number[rows])
+
+    def spread(self, rows: Rows, count: int) -> Names:
+        """So many names: these at their rows, none elsewhere."""
+        stem = np.full(count, len(self.stems), dtype=np.int32)
+        number = np.full(count, -1, dtype=np.int64)
+        stem[rows], number[rows] = self.stem, self.number
+        return Names((*self.stems, b""), stem, number)
+
+    @staticmethod
+    def of(names: Sequence[str]) -> Names:
+        table: dict[bytes, int] = {}
+        parts = [split_name(name) for name in names]
+        stem = [table.setdefault(text, len(table)) for text, _ in parts]
+        numbers = np.array([number for _, number in parts], dtype=np.int64)
+        return Names(tuple(table), np.array(stem, dtype=np.int32), numbers)
+
+    @staticmethod
+    def numbered(stem: bytes, numbers: Ints) -> Names:
+        """One stem followed by each number."""
+        return Names((stem,), np.zeros(len(numbers), dtype=np.int32), numbers)
+
+    @staticmethod
+    def none(count: int) -> Names:
+        """So many rows without a name."""
+        number = np.broadcast_to(np.int64(-1), (count,))
+        return Names((b"",), np.broadcast_to(np.int32(0), (count,)), number)
+
+    @staticmethod
+    def joined(parts: Sequence[Names]) -> Names:
+        """Several columns one behind the other."""
+        table: dict[bytes, int] = {}
+        stems = [np.empty(0, dtype=np.int32)]
+        for part in parts:
+            rows = np.array([table.setdefault(t, len(table)) for t in part.stems], dtype=np.int32)
+            stems.append(rows[part.stem] if len(part) else np.empty(0, dtype=np.int32))
+        numbers = [np.empty(0, dtype=np.int64), *(part.number for part in parts)]
+        return Names(tuple(table), np.concatenate(stems), np.concatenate(numbers))
+
+
+class NameIndex:
+    """Finds the rows of a column of names, in any case."""
+
+    def __init__(self, names: Names) -> None:
+        self._order = np.lexsort((names.number, names.stem))
+        self._numbers = names.number[self._order]
+        stems = names.stem[self._order]
+        bounds = np.searchsorted(stems, np.arange(len(names.stems) + 1))
+        self._slices: dict[bytes, list[slice]] = {}
+        for at, stem in enumerate(names.stems):
+            place = slice(int(bounds[at]), int(bounds[at + 1]))
+            self._slices.setdefault(stem.lower(), []).append(place)
+
+    def rows(self, names: Names) -> Rows:
+        """The row of each name, -1 if it is none."""
+        found = np.full(len(names), -1, dtype=np.intp)
+        for at, stem in enumerate(names.stems):
+            if stem.lower() not in self._slices:
+                continue
+            mine = np.flatnonzero(names.stem == at) if len(names.stems) > 1 else slice(None)
+            wanted = names.number[mine]
+            hits = np.full(len(wanted), -1, dtype=np.intp)
+            for place in self._slices[stem.lower()]:
+                rows = sorted_rows(self._numbers[place], wanted)
+                hits[rows >= 0] = self._order[place.start + rows[rows >= 0]]
+            found[mine] = hits
+        return found
+
+    def row(self, name: str) -> Rows:
+        """As `rows` of one name."""
+        return self.rows(Names.of([name] if name.isascii() else [""]))
+
+
+def sorted_rows(known: Ints, wanted: Ints) -> Rows:
+    """Where each number stands among sorted ones, -1 for one that does not."""
+    if not len(known):
+        return np.full(len(wanted), -1, dtype=np.intp)
+    at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+    return np.where(known[at] == wanted, at, -1)
+
+
+def rows_of(known: Ints, wanted: Ints) -> Rows:
+    """Where each number stands among others, -1 for one that does not."""
+    order = np.argsort(known, kind="stable")
+    at = sorted_rows(known[order], wanted)
+    return np.where(at >= 0, order[at] if len(order) else -1, -1)
+
 
 T = TypeVar("T")
 R = TypeVar("R", bound="Run")
@@ -202,3 +354,34 @@ def concatenated(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
         return np.concatenate(parts)
     start = (begins[0] - base.__array_interface__["data"][0]) // base.strides[0]
     return np.asarray(base[start : start + sum(map(len, parts))])
+
+
+Row = tuple[object, Any]
+"""What an item may be joined with others as: what those have in common, and the item's run or, of
+a single row, what it says.
+"""
+
+
+def gather_runs(
+    items: Sequence[T],
+    rows: Iterable[Row | None],
+    run: Callable[[list[Any]], Run],
+    node: Callable[[Sequence[T], Any], T],
+    fewest: int,
+) -> Iterator[T]:
+    """The items, neighbours that are alike as one item if they have enough rows.
+
+    rows: of each item, None for one that is joined with none. run: of single rows. node: the item
+    of several, with their run. fewest: rows that make a run; what is less comes as it is.
+    """
+    for _, pairs in groupby(zip(items, rows, strict=True), lambda pair: pair[1] and pair[1][0]):
+        stretch = list(pairs)
+        said = [row[1] for _, row in stretch if row is not None]
+        if len(said) < 2 or sum(len(x) if isinstance(x, Run) else 1 for x in said) < fewest:
+            yield from (item for item, _ in stretch)
+            continue
+        parts: list[Run] = []
+        for is_run, alike in groupby(said, lambda one: isinstance(one, Run)):
+            these = list(alike)
+            parts += these if is_run else [run(these)]
+        yield node([item for item, _ in stretch], joined_runs(parts))

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Rows, Truths
-from assistant.languages.runs.columns import Entries
-from assistant.languages.runs.names import NameIndex, Names
+from assistant.languages.runs.columns import Entries, NameIndex, Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Kind, Path

@@ -1,22 +1,69 @@
-"""Settings that hold until they are changed, at each line of a program, along every way to it.
+"""Dataflow of settings: speed, tool or frame in force at each line, along every path to it.
 
-Speed, tool or frame may be statements above the moves that they are of. Lines pass their settings
-on to those that may run after them, until nothing changes any more. Within a procedure what its
-caller has set is INHERITED; a procedure's own effect is worked out once, and used wherever it is
-called from. A language says what its lines do, see `Lines`; they are known by their places.
+Settings may be statements above the moves they belong to. Lines pass their settings on to the lines
+that may run after them, until nothing changes any more. Within a procedure the settings of its
+caller are INHERITED; the effect of a procedure is worked out once and used wherever it is called.
+An interrupt that is enabled may change settings between any two lines: its subroutine returns to
+the interrupted line with everything that it has set. A language states what its lines do, see
+`LineEffects`; lines are known by their indices. `UnknownSettings` explains why a setting is not
+known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, Final
 
-from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.places import ELSEWHERE, NO_LINES, LineSet
-from assistant.program.analysis.dataflow import Dataflow, postorder
+from assistant.languages.line_blocks import EXIT
+from assistant.program.analysis.dataflow import Dataflow, postorder, reachable
+from assistant.program.expressions import Reason
+
+ELSEWHERE: Final = -1
+"""A line of another program."""
+
+
+@dataclass(frozen=True, slots=True)
+class LineSet:
+    """Places of lines, and ELSEWHERE. bits: the last one for ELSEWHERE, the next for line 0."""
+
+    bits: int = 0
+
+    @staticmethod
+    def of(places: Iterable[int]) -> LineSet:
+        marks = bytearray()
+        for place in places:
+            byte, bit = divmod(place - ELSEWHERE, 8)
+            if byte >= len(marks):
+                marks.extend(bytes(byte + 1 - len(marks)))
+            marks[byte] |= 1 << bit
+        return LineSet(int.from_bytes(marks, "little"))
+
+    def __or__(self, other: LineSet) -> LineSet:
+        """Those of both; one of the two if it has them all, so that many lines share one set."""
+        bits = self.bits | other.bits
+        if bits == self.bits:
+            return self
+        return other if bits == other.bits else LineSet(bits)
+
+    def __sub__(self, other: LineSet) -> LineSet:
+        return LineSet(self.bits & ~other.bits)
+
+    def __bool__(self) -> bool:
+        return bool(self.bits)
+
+    def __iter__(self) -> Iterator[int]:
+        """In their order."""
+        said = bin(self.bits)[:1:-1]
+        at = said.find("1")
+        while at >= 0:
+            yield at + ELSEWHERE
+            at = said.find("1", at + 1)
+
+
+NO_LINES: Final = LineSet()
 
 
 class Unknown:
@@ -422,3 +469,182 @@ def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:
     """What is certain behind ways that end, one of which was taken. every: all have to end."""
     ending = [way for way in ways if way is not None]
     return reduce(joined_states, ending) if ending and not (every and None in ways) else None
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupt:
+    """Lines, by place: where what it calls begins, those that may switch it on, and that switch
+    it off for sure. answer: the procedure that it alone calls, if that is one.
+    """
+
+    called: frozenset[int]
+    on: frozenset[int]
+    off: frozenset[int]
+    answer: int | None = None
+
+
+def with_interrupts(
+    lines: LineEffects, interrupts: Sequence[Interrupt], elsewhere: frozenset[int]
+) -> LineEffects:
+    """The lines with what interrupts may set while each of them runs.
+
+    All that interrupts call is among `lost`. elsewhere: settings that interrupts of other programs
+    may set at any line.
+    """
+    if not interrupts and not elsewhere:
+        return lines
+    ways = _ProgramGraph(lines)
+    may_set: dict[int, dict[int, LineSet]] = {}
+    may_call: dict[int, list[int]] = {}
+    for at in ways.all if elsewhere else ():
+        may_set[at] = dict.fromkeys(elsewhere, LineSet.of([ELSEWHERE]))
+    for interrupt in interrupts:
+        if interrupt.answer is not None:
+            own = frozenset(lines.procedures[interrupt.answer])
+            for at in frozenset(ways.running(interrupt)) - own:
+                may_call.setdefault(at, []).append(interrupt.answer)
+            continue
+        changed = ways.settings(interrupt.called)
+        for at in ways.running(interrupt) if changed else ():
+            here = may_set.setdefault(at, {})
+            for setting, by in changed.items():
+                here[setting] = here.get(setting, NO_LINES) | by
+    steps = dict(lines.steps)
+    for at, here in may_set.items():
+        interrupted: Steps = tuple(MaySet(*one) for one in here.items())
+        steps[at] = (*steps.get(at, ()), *interrupted)
+    for at, called in may_call.items():
+        answered: Steps = tuple(Either(((Calls((one,)),), ())) for one in called)
+        steps[at] = (*steps.get(at, ()), *answered)
+    return replace(lines, steps=steps)
+
+
+class _ProgramGraph:
+    """The ways through all procedures, from calls into what they call as well."""
+
+    def __init__(self, lines: LineEffects) -> None:
+        self.lines = lines
+        self.all = [at for places in lines.procedures for at in places]
+        self._after: Mapping[int, Sequence[int]] = {
+            at: [to for to in ways if to != EXIT]
+            for following in lines.after
+            for at, ways in following.items()
+        }
+        self._before: dict[int, list[int]] = {}
+        for at in self._after:
+            for to in self._next(at):
+                self._before.setdefault(to, []).append(at)
+
+    def settings(self, starts: Iterable[int]) -> dict[int, LineSet]:
+        """What may be set from some lines on, each with the lines that set it."""
+        found: dict[int, set[int]] = {}
+        for at in reachable(starts, self._next):
+            steps = self.lines.steps.get(at, ())
+            unknown = (one for one in calls_in(steps) if isinstance(one, frozenset))
+            for setting in {one.setting for one in sets_in(steps)}.union(*unknown):
+                found.setdefault(setting, set()).add(at)
+        return {setting: LineSet.of(lines) for setting, lines in found.items()}
+
+    def running(self, interrupt: Interrupt) -> Iterable[int]:
+        """Lines that may run while an interrupt is on, and those that switch it on.
+
+        What is come to in ways that nobody knows may run at any time; if that switches it on, then
+        all may.
+        """
+        if not interrupt.on:
+            return ()
+        if self._come_to(interrupt.on, self.lines.lost):
+            return self.all
+        leading = reachable(interrupt.on, lambda at: self._before.get(at, ()))
+        on = {
+            at for at in self.all if at in interrupt.on or not leading.isdisjoint(self._callees(at))
+        }
+        starts = {to for at in on for to in self._after[at]} | self.lines.lost
+        off = interrupt.off - interrupt.on
+        return on | reachable(starts, lambda at: () if at in off else self._next(at))
+
+    def _come_to(self, places: frozenset[int], starts: Iterable[int]) -> bool:
+        """Whether any of some places can be come to."""
+        found: set[int] = reachable(starts, self._next)
+        return not places.isdisjoint(found)
+
+    def _next(self, at: int) -> Iterator[int]:
+        yield from self._after.get(at, ())
+        yield from self._callees(at)
+
+    def _callees(self, at: int) -> Iterator[int]:
+        for number in self.lines.called(at):
+            yield from self.lines.procedures[number][:1]
+
+
+MOST_NAMED_LINES: Final = 4
+"""Lines that a reason names; the rest is counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class SettingText:
+    """name: in a sentence. word: what sets it. say: its values in words."""
+
+    name: str
+    word: str
+    say: Callable[[Any], str]
+
+
+class UnknownSettings:
+    """Tells why settings are not known.
+
+    settings: by their numbers. where: what a line is called.
+    """
+
+    def __init__(
+        self, lines: LineEffects, settings: Sequence[SettingText], where: Callable[[int], str]
+    ) -> None:
+        self._lines, self._settings, self._where = lines, settings, where
+
+    def reason(self, state: State, used: Iterable[int]) -> Reason | None:
+        """Why the first unknown one of those that are used is not known; None if all are."""
+        for number in sorted(used):
+            if state[number].value is UNKNOWN:
+                return self._of_setting(number, state[number])
+        return None
+
+    def _of_setting(self, number: int, held: Held) -> Reason:
+        name, word = self._settings[number].name, self._settings[number].word
+        if held.interrupts:
+            own = [at for at in held.interrupts if at != ELSEWHERE]
+            by = f"by {self._list(own)}" if own else "in another program"
+            return Reason(
+                f"an interrupt may set the {name} at any time, {by}",
+                f"leave {word} out of what the interrupt calls, or switch the interrupt off and "
+                f"set {word} above the move",
+            )
+        lines = list(held.by)
+        made = {at: self._value(number, at) for at in lines}
+        computed = [at for at, value in made.items() if value is UNKNOWN]
+        if computed:
+            return Reason(
+                f"the {name} is worked out by the program, {self._list(computed)}",
+                f"give {word} a plain value",
+            )
+        values = list(dict.fromkeys(map(self._settings[number].say, made.values())))
+        if not values:
+            return Reason(
+                f"the {name} is what the caller has set, or another program",
+                f"set {word} above the move",
+            )
+        values += ["what was set before"] if len(values) == 1 else []
+        return Reason(
+            f"the {name} may be {' or '.join(values)} here, by {self._list(lines)}",
+            f"set {word} where the ways meet, below the label or the end of the block",
+        )
+
+    def _value(self, number: int, at: int) -> Any:
+        """What a line gives a setting."""
+        made = (one.value for one in sets_in(self._lines.steps[at]) if one.setting == number)
+        return next(made, UNKNOWN)
+
+    def _list(self, lines: Sequence[int]) -> str:
+        given = [self._where(at) for at in lines]
+        if len(given) > MOST_NAMED_LINES:
+            given = [*given[:MOST_NAMED_LINES], f"{len(given) - MOST_NAMED_LINES} more"]
+        return " and ".join([", ".join(given[:-1]), given[-1]]) if len(given) > 1 else given[0]

@@ -1,7 +1,9 @@
-"""The forms of procedures: one for each set of settings that they are called with.
+"""Forms of procedures: one for each set of settings that a procedure is called with.
 
-In programs whose settings are statements, see `flow`, a procedure moves as its caller has set.
-Where each move states its settings, such a procedure is written once for each way of calling it.
+In a program whose settings are statements, see `flow`, a procedure moves with the settings of its
+caller. Where each move states its settings, the procedure is written once for each set. Procedures
+are also divided at labels that are reached with different settings from above and by a jump: what
+follows such a label is read once for each.
 """
 
 from __future__ import annotations
@@ -231,3 +233,48 @@ class CalledForms:
 
 def _inherited(state: State) -> set[int]:
     return {k for k, held in enumerate(state) if held.is_inherited}
+
+
+def divided_flow(flow: Flow, whole: frozenset[int]) -> Flow:
+    """The flow with procedures divided at labels; the same one if there is nothing to divide.
+
+    whole: numbers of procedures that stay as they are.
+    """
+    refused = set(whole)
+    made = flow
+    while True:
+        cuts = set(made.cuts)
+        for number, places in enumerate(flow.lines.procedures):
+            more = set() if number in refused else _division_labels(made, number)
+            if more and not flow.lines.lost.union(more & flow.lines.inner).isdisjoint(places):
+                refused.add(number)  # what is read whole would have to be divided
+                cuts.difference_update(places)
+            else:
+                cuts |= more
+        if cuts == made.cuts:
+            return made
+        made = flow.cut(frozenset(cuts)) if cuts else flow
+
+
+def _division_labels(flow: Flow, number: int) -> set[int]:
+    """More labels to divide a procedure at: where ways differ, and where parts lead into others."""
+    lines = flow.lines
+    places, after = lines.procedures[number], lines.after[number]
+    ways: dict[int, list[State]] = {at: [flow.entry] for at in places[:1]}
+    for at in places:
+        behind = flow.after(at, flow.before[at])
+        if behind is None:
+            continue
+        for following in lines.labels.intersection(after[at]):
+            ways.setdefault(following, []).append(behind)
+    found = {at for at, states in ways.items() if at not in lines.inner and _differ(states)}
+    if number in flow.divided:
+        parts = flow.parts[number]
+        part = {at: k for k, inside in enumerate(parts) for at in inside}
+        led = {to for at in places for to in after[at] if part.get(to, part[at]) != part[at]}
+        found |= led.difference(inside[0] for inside in parts)
+    return found - flow.cuts
+
+
+def _differ(states: list[State]) -> bool:
+    return any(len({held.value for held in slot}) > 1 for slot in zip(*states, strict=True))

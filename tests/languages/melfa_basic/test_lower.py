@@ -10,9 +10,7 @@ from assistant import languages
 from assistant.base.diagnostics import Severity
 from assistant.compiler.joint_speeds import at_a_speed
 from assistant.compiler.proof import prove
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 from assistant.program.program import Program, Signal
 
 RAPID = languages.get("rapid")

@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
-from assistant.languages.recovery.lexemes import Stop
+from assistant.languages.recovery.syntax import Stop
 from tests.examples import drawn
 
 FIXTURES = FilePath(__file__).parent / "fixtures"

@@ -15,9 +15,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Severity
 from assistant.compiler import load, translate
 from assistant.compiler.filling import in_neutral_cell
-from assistant.languages.answers import (
-    Frames,
-)
+from assistant.languages.language_types import Frames
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Kind, Path, Speed

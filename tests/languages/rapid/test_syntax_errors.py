@@ -13,7 +13,7 @@ from assistant import languages
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.recovery.reading import MOST_FINDINGS
+from assistant.languages.recovery.reader import MOST_FINDINGS
 from tests.examples import drawn
 from tests.languages.rapid.mistakes import FURTHER
 

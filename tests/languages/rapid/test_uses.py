@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
-from assistant.languages.checks.slips import misspelt
+from assistant.languages.checks.names import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.by_construct import uses
 from assistant.languages.rapid.checks.module_view import Look, Task

@@ -7,10 +7,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints
-from assistant.languages.runs.columns import Entries, Run, Store, joined_runs
-from assistant.languages.runs.gathering import gather_runs
-from assistant.languages.runs.merging import merged_run_text
-from assistant.languages.runs.names import Names, rows_of
+from assistant.languages.runs.columns import (
+    Entries,
+    Names,
+    Run,
+    Store,
+    gather_runs,
+    joined_runs,
+    rows_of,
+)
+from assistant.languages.texts.line_text import merged_run_text
 
 
 @dataclass(frozen=True, slots=True, eq=False)

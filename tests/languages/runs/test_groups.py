@@ -7,9 +7,15 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.columns import Piece, Slots, rows_text
-from assistant.languages.runs.groups import FewestDecimals, Groups, decimals_needed
-from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import Marks, NameWords, numbered_names
+from assistant.languages.runs.columns import Names
+from assistant.languages.runs.row_text import (
+    FewestDecimals,
+    Groups,
+    Marks,
+    NameWords,
+    decimals_needed,
+    numbered_names,
+)
 
 SQUARE = Groups((3, 1, 2), b"[[", b"],[", b"]]", known=((b"9E9", 9e9),))
 ROUND = Groups((3, 1, 2), b"(", b")(", b")")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant.base.columns import rows_text
-from assistant.languages.runs.names import NameIndex, Names, rows_of, split_name
+from assistant.languages.runs.columns import NameIndex, Names, rows_of, split_name
 
 WRITTEN = ("p1", "p10", "P1", "q", "p1_2", "p007", "a0", "x1234567890123456", "p1", "home")
 

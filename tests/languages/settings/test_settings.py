@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import pytest
 
-from assistant.languages.line_graph import EXIT
-from assistant.languages.settings.divided_forms import divided_flow
+from assistant.languages.line_blocks import EXIT
 from assistant.languages.settings.flow import (
+    ELSEWHERE,
     INHERITED,
     UNKNOWN,
     Calls,
@@ -17,14 +17,15 @@ from assistant.languages.settings.flow import (
     Flow,
     Held,
     LineEffects,
+    LineSet,
     OrInherited,
     Sets,
+    SettingText,
     State,
     Steps,
+    UnknownSettings,
 )
-from assistant.languages.settings.forms import MOST_FORMS, CalledForms, PassLabels
-from assistant.languages.settings.places import ELSEWHERE, LineSet
-from assistant.languages.settings.unknown_settings import SettingText, UnknownSettings
+from assistant.languages.settings.forms import MOST_FORMS, CalledForms, PassLabels, divided_flow
 
 SPEED, TOOL = range(2)
 INITIAL: State = (Held(10.0), Held("flange"))

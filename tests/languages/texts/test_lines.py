@@ -13,12 +13,11 @@ from assistant.base.arrays import Ints
 from assistant.base.diagnostics import Refused, Rule, Severity, Span
 from assistant.base.source_text import SourceText
 from assistant.languages.line_blocks import NO_WORD, BlockWord
-from assistant.languages.line_steps import Change
 from assistant.languages.runs.columns import Run
-from assistant.languages.texts import changed_files, changed_lines, lines, words
-from assistant.languages.texts.laying_out_lines import lay_out
-from assistant.languages.texts.merged_lines import LineMerger, LinePart
-from assistant.languages.texts.numbering import Steps, renumbered, with_fitted_steps
+from assistant.languages.step_numbers import Change, Steps, renumbered, with_fitted_steps
+from assistant.languages.texts import line_text, words
+from assistant.languages.texts.line_merge import LineMerger, LinePart
+from assistant.languages.texts.line_text import lay_out
 
 BLOCKS = {"repeat": BlockWord("repeat", "loop"), "again": BlockWord(closes=("repeat",))}
 
@@ -52,14 +51,14 @@ def read(text: str) -> list[Line]:
     return found
 
 
-class Lines(lines.LinePrinter):
+class Lines(line_text.LinePrinter):
     table, number, blocks, most = Table, "numbers", True, 40
 
     def __init__(self, items: Sequence[Line]) -> None:
         self.items = items
 
-    def line(self, item: Line) -> changed_lines.Line:
-        return changed_lines.Line(item.number, item.statement, item.comment)
+    def line(self, item: Line) -> line_text.Line:
+        return line_text.Line(item.number, item.statement, item.comment)
 
     def word(self, code: str | None) -> BlockWord:
         return BLOCKS.get(code.split()[0], NO_WORD) if code else NO_WORD
@@ -130,9 +129,7 @@ TEXT = """\
 
 
 def changed(items: Sequence[Any]) -> str:
-    return changed_files.render_changed_file(
-        SourceText(TEXT, newline="\n"), read(TEXT), Lines(items)
-    )
+    return line_text.render_changed_file(SourceText(TEXT, newline="\n"), read(TEXT), Lines(items))
 
 
 def test_a_layout_indents_what_stands_in_blocks_and_keeps_comments_aligned() -> None:
@@ -144,7 +141,7 @@ def test_a_layout_indents_what_stands_in_blocks_and_keeps_comments_aligned() -> 
 
 def test_new_files_are_printed_with_their_blocks() -> None:
     new = [replace(item, comment=None, span=None) for item in read(TEXT)]
-    assert "".join(lines.print_items(Lines(new), "\n")) == (
+    assert "".join(line_text.print_items(Lines(new), "\n")) == (
         "10 start 1\n20 repeat 3\n30     turn 5\n40 again\n50 jump 20\n"
     )
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText
 from assistant.languages import Adapted, Language, Precision
-from assistant.languages.adapting import adapted
+from assistant.languages.legalisation import adapted
 from assistant.program.program import Program
 from assistant.robots import Robot
 

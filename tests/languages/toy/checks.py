@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from assistant.base.diagnostics import Diagnostic, Rule, has_errors
 from assistant.base.source_text import finding_in
+from assistant.languages.checks.names import repeated
 from assistant.languages.checks.registry import Check, Needs, findings
-from assistant.languages.checks.repeats import repeated
 from assistant.languages.line_blocks import ANY
 from assistant.program.geometry import BASE, FLANGE
 

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.languages.checks.damage import undamaged_findings
-from assistant.languages.checks.registry import Check, Needs, findings
+from assistant.languages.checks.registry import Check, Needs, findings, undamaged_findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import (
     flow,

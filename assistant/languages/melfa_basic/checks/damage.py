@@ -6,9 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from assistant.languages.checks import damage
-from assistant.languages.checks.damage import Damage
-from assistant.languages.checks.registry import Needs
+from assistant.languages.checks import registry
+from assistant.languages.checks.registry import Damage, Needs
 from assistant.languages.melfa_basic.tables.vocabulary import function, statements, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
@@ -44,7 +43,7 @@ DECLARING: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:
     """What is damaged in the files of a program, None for nothing."""
-    return damage.damage_of(trees, names_in)
+    return registry.damage_of(trees, names_in)
 
 
 def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:

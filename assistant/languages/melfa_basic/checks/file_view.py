@@ -9,10 +9,8 @@ from functools import cached_property
 from typing import Any, Final, TypeVar
 
 from assistant.base.diagnostics import Diagnostic, Rule, Span
-from assistant.languages.checks.damage import Damage
-from assistant.languages.checks.line_view import LineView
-from assistant.languages.checks.places import LineFormat
-from assistant.languages.checks.views import CachedResults, by_type
+from assistant.languages.checks.file_views import CachedResults, LineFormat, LineView, by_type
+from assistant.languages.checks.registry import Damage
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer

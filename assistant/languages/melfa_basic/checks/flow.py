@@ -8,11 +8,9 @@ from itertools import islice
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Rule
+from assistant.languages.checks.control_flow import Subroutines
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.subroutines import Subroutines
-from assistant.languages.line_blocks import Block, Blocks, Misfit
-from assistant.languages.line_graph import Graph
-from assistant.languages.line_steps import first_step, places_of_steps
+from assistant.languages.line_blocks import Block, Blocks, Graph, Misfit
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -20,6 +18,7 @@ from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blo
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
+from assistant.languages.step_numbers import first_step, places_of_steps
 
 NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""

@@ -9,8 +9,7 @@ import numpy as np
 from assistant.base.arrays import Floats, Ints, Truths
 from assistant.base.diagnostics import Rule, Span
 from assistant.languages.checks.moves import Follower, Moves
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import like_it
+from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.variables_of import known

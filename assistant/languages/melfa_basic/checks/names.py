@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from assistant.languages.checks.names import firsts, repeated
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.repeats import firsts, repeated
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary

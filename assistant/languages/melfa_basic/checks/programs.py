@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assistant.base.diagnostics import Rule
-from assistant.languages.checks.call_graph import call_chain, call_depth
+from assistant.languages.checks.control_flow import call_chain, call_depth
+from assistant.languages.checks.names import Keyed, firsts
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.repeats import Keyed, firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
 from assistant.languages.melfa_basic.checks.file_view import Look

@@ -13,10 +13,9 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Final, Literal, TypeAlias
 
-from assistant.languages.checks.name_sets import NameSet
+from assistant.languages.checks.names import NameSet
 from assistant.languages.checks.registry import Found
-from assistant.languages.line_graph import EXIT
-from assistant.languages.line_steps import first_step, places_of_steps
+from assistant.languages.line_blocks import EXIT
 from assistant.languages.melfa_basic.checks import flow_rules
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.flow import Part, parts
@@ -34,6 +33,7 @@ from assistant.languages.melfa_basic.tree.walk import (
     program_name,
     statements_in,
 )
+from assistant.languages.step_numbers import first_step, places_of_steps
 from assistant.program.analysis.dataflow import Dataflow, reachable
 
 Node: TypeAlias = tuple[int, int]

@@ -16,7 +16,7 @@ import numpy as np
 
 from assistant.base.arrays import Ints, Truths
 from assistant.base.source_text import with_line_feeds
-from assistant.languages.checks.name_sets import NameSet, repeated_rows
+from assistant.languages.checks.names import NameSet, repeated_rows
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.left_out import before_last_step
 from assistant.languages.melfa_basic.checks.variables_of import known, names_of
@@ -29,7 +29,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
     PositionRows,
     row_slice,
 )
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 
 Table = MoveRows | PositionRows
 

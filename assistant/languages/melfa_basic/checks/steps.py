@@ -6,9 +6,8 @@ import re
 from typing import Final
 
 from assistant.base.diagnostics import Span
+from assistant.languages.checks.names import repeated
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.repeats import repeated
-from assistant.languages.line_steps import places_of_steps
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.damage import steps_of
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -16,6 +15,7 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of
+from assistant.languages.step_numbers import places_of_steps
 
 _NUMBER: Final = re.compile(r"[ \t]*([0-9]+)")
 

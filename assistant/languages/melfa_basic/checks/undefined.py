@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.languages.checks.names import typing_distance
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.slips import typing_distance
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.variables_of import given_anywhere, known

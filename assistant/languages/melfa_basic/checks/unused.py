@@ -6,9 +6,8 @@ from collections.abc import Set
 
 import numpy as np
 
-from assistant.languages.checks.name_sets import NameSet
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import Listing
+from assistant.languages.checks.names import NameSet
+from assistant.languages.checks.registry import Found, Listing
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.uses import Use
@@ -17,7 +16,7 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 
 
 def twice(look: Look) -> Found:

@@ -8,9 +8,8 @@ from math import inf
 from typing import Any, Final
 
 from assistant.base.diagnostics import Severity
-from assistant.languages.checks.limits import Limits
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import alternatives
+from assistant.languages.checks.registry import Found, alternatives
+from assistant.languages.checks.values import Limits
 from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look

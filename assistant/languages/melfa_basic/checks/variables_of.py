@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from assistant.languages.checks.name_sets import NameSet
+from assistant.languages.checks.names import NameSet
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 
 
 @dataclass(slots=True)

@@ -6,12 +6,12 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages import line_steps
+from assistant.languages import step_numbers
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import retargeted
-from assistant.languages.texts.wrapping import wrapped_text
+from assistant.languages.texts.words import wrapped_text
 
 
 def bare(items: Sequence[s.Item]) -> list[s.Item]:
@@ -28,10 +28,10 @@ def numbered(
     that go again, with jumps to the number of the line below them.
     """
     kept, dropped = _without(items, as_steps)
-    if line_steps.steps_in(kept) > LAST_STEP:
+    if step_numbers.steps_in(kept) > LAST_STEP:
         return None
-    lines = list(line_steps.with_ascending_steps(kept, step, LAST_STEP))
-    places = {name: line_steps.first_step(lines[at]) for name, at in dropped.items()}
+    lines = list(step_numbers.with_ascending_steps(kept, step, LAST_STEP))
+    places = {name: step_numbers.first_step(lines[at]) for name, at in dropped.items()}
     return [retargeted(item, lambda to: places.get(str(to).upper()) or to) for item in lines]
 
 

@@ -9,9 +9,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import has_errors
-from assistant.languages.answers import (
-    Conversion,
-)
+from assistant.languages.language_types import Conversion
 from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.original_names import Memory

@@ -12,10 +12,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Findings
-from assistant.languages.answers import (
-    Adapted,
-)
-from assistant.languages.kept_reasons import DEPENDED_ON
+from assistant.languages.language_types import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.told.angles import with_angles_beside
 from assistant.languages.melfa_basic.lift.told.endings import with_endings
@@ -23,6 +20,7 @@ from assistant.languages.melfa_basic.lift.told.flags import with_flags
 from assistant.languages.melfa_basic.lift.told.kept import with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.vendor_statements import DEPENDED_ON
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable

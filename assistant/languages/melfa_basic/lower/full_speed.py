@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages.line_blocks import Blocks
-from assistant.languages.line_graph import EXIT, Graph
+from assistant.languages.line_blocks import EXIT, Blocks, Graph
 from assistant.languages.melfa_basic.lift.structure.blocks import Structure
 from assistant.languages.melfa_basic.lift.structure.regions import Region, regions
 from assistant.languages.melfa_basic.tree import syntax as s

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from assistant.base.diagnostics import Declared, Refused
-from assistant.languages.line_steps import with_ascending_steps
 from assistant.languages.melfa_basic.lift.files.program import settings_that_hold
 from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.depended import depended_on
@@ -25,6 +24,7 @@ from assistant.languages.melfa_basic.tables.variables import LETTERS, is_of_cont
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
+from assistant.languages.step_numbers import with_ascending_steps
 from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.passes.procedure_forms import notes_and_body
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Final
 
-from assistant.languages.abouts import abouts
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.words import RESERVED
+from assistant.languages.texts.words import abouts
 from assistant.program.editor_support import (
     Declaration,
     DeclaredKind,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from assistant.languages.contextual_lexer import ContextualLexer
+from assistant.languages.line_grammar import ContextualLexer
 from assistant.languages.melfa_basic.reading.grammar import firm, grammar, keywords
 
 _SPECIAL: Final = {

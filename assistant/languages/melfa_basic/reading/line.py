@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.reading.grammar import grammar
 from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.recovery.lexemes import Lexeme, Stop
+from assistant.languages.recovery.syntax import Lexeme, Stop
 
 BLANKS: Final = " \t\f\x1a"
 """What a line holds that holds nothing; the last one ends files of old systems."""

@@ -16,10 +16,15 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
+from assistant.languages.language_types import (
+    CommunicationLine,
+    ControllerConfiguration,
+    Texts,
+    file_named,
+)
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.variables import KEPT
-from assistant.languages.tasks import CommunicationLine, ControllerConfiguration, Texts, file_named
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
 

@@ -25,7 +25,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
     rows_at,
 )
 from assistant.languages.melfa_basic.tree.targets import exits_of
-from assistant.languages.recovery.lexemes import Stop
+from assistant.languages.recovery.syntax import Stop
 
 __all__ = ["parse", "statement"]
 

@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.texts.effects import Effects, NodeEffect, UnknownEffect
+from assistant.languages.vendor_statements import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import (
     Effect,
     EffectBuilder,

@@ -18,8 +18,8 @@ from dataclasses import dataclass, field
 from itertools import starmap
 from typing import Any, Final, cast
 
-from assistant.languages.ascii_names import ASCII_NAME, from_ascii, in_ascii
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
+from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
 from assistant.program.program import Signal, ValueType
 
 MARK: Final = "robot-assistant: "

@@ -25,16 +25,16 @@ from assistant.languages.melfa_basic.tree.columnar import (
     position_text,
 )
 from assistant.languages.melfa_basic.tree.line_tables import position_rows
-from assistant.languages.texts import lines
-from assistant.languages.texts.changed_lines import Line
-from assistant.languages.texts.laying_out import INDENT
+from assistant.languages.texts import line_text
+from assistant.languages.texts.layout import INDENT
+from assistant.languages.texts.line_text import Line
 from assistant.languages.texts.words import Word
 
 Code = tuple[str | None, s.Statement | None]
 """Label and statement."""
 
 
-class Lines(lines.LinePrinter):
+class Lines(line_text.LinePrinter):
     """The items of a file as its dialect writes them."""
 
     table, number = MoveRows, "numbers"

@@ -21,9 +21,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.texts.merged_data import DataMerger
-from assistant.languages.texts.merged_lines import LineMerger, LinePart
-from assistant.languages.texts.numbering import with_fitted_steps
+from assistant.languages.step_numbers import with_fitted_steps
+from assistant.languages.texts.line_merge import DataMerger, LineMerger, LinePart
 from assistant.program.rewriting import rewrite
 
 Spelling = Callable[[str], str]

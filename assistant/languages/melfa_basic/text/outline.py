@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
-from assistant.languages.answers import Numbering, Outline
+from assistant.languages.language_types import Numbering, Outline
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.header import END, MARK
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 from assistant.base.source_text import one_line
 from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDENCE, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.texts.laying_out import INDENT
-from assistant.languages.texts.templates import Templates
+from assistant.languages.texts.layout import INDENT
+from assistant.languages.texts.printed_trees import Templates
 
 SIGNS: Final = ("+", "-")
 SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})

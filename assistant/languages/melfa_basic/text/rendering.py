@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from assistant.languages.melfa_basic.text.lines import Lines
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.texts import changed_files
-from assistant.languages.texts.lines import print_items
+from assistant.languages.texts import line_text
+from assistant.languages.texts.line_text import print_items
 
 
 def render(file: s.File) -> str:
@@ -14,4 +14,4 @@ def render(file: s.File) -> str:
         return "".join(print_items(Lines(file), "\r\n"))
     if file.items is file.parsed:
         return file.source.text
-    return changed_files.render_changed_file(file.source, file.parsed, Lines(file))
+    return line_text.render_changed_file(file.source, file.parsed, Lines(file))

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.line_steps import steps_of
+from assistant.languages import step_numbers
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import retargeted, steps_named
-from assistant.languages.texts import numbering
-from assistant.languages.texts.numbering import UNNUMBERED, Steps
+from assistant.languages.step_numbers import UNNUMBERED, Steps, steps_of
 
 EMPTY: Final = "'"
 """The step that a blank line between others becomes: a bare one would end the program."""
@@ -34,7 +33,7 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
     Lines without a number get one, but for variable lines; so does a program without any.
     Raises Refused where that cannot be done.
     """
-    made = numbering.renumbered(_all_steps(file.items), first, step, STEPS, file.source)
+    made = step_numbers.renumbered(_all_steps(file.items), first, step, STEPS, file.source)
     kept = len(made) == len(file.items) and all(
         a is b for a, b in zip(made, file.items, strict=True)
     )

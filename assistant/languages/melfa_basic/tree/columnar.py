@@ -18,11 +18,9 @@ import numpy as np
 from assistant.base.arrays import Floats, Ints, Rows
 from assistant.base.columns import Chosen, Decimal, Integer, Offsets, Piece, Slots, rows_text
 from assistant.base.diagnostics import Span
-from assistant.languages.runs.columns import Run
-from assistant.languages.runs.groups import Groups
-from assistant.languages.runs.groups import decimals_needed as fewest_places
-from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import Marks, after_digits, in_parts, numbered_names
+from assistant.languages.runs.columns import Names, Run
+from assistant.languages.runs.row_text import Groups, Marks, after_digits, in_parts, numbered_names
+from assistant.languages.runs.row_text import decimals_needed as fewest_places
 
 KEYWORDS: Final = ("Mov", "Mvs", "Mvr")
 MOV, MVS, MVR = range(3)

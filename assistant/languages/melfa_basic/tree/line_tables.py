@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
     MoveRows,
     PositionRows,
 )
-from assistant.languages.runs import gathering as alike
+from assistant.languages.runs import columns as alike
 
 _NUMBERED: Final = re.compile(r"([A-Za-z][A-Za-z_]*)(0|[1-9][0-9]{0,8})")
 

@@ -6,9 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages.answers import (
-    Part,
-)
+from assistant.languages.language_types import Part
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 

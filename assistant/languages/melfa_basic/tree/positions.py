@@ -16,8 +16,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
 from assistant.languages.melfa_basic.tree.walk import literal
-from assistant.languages.runs.columns import joined_runs
-from assistant.languages.runs.names import sorted_rows
+from assistant.languages.runs.columns import joined_runs, sorted_rows
 from assistant.program import expressions as e
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
 from assistant.program.motion import UNSTATED, configuration_of

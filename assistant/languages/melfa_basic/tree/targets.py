@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeVar
 
-from assistant.languages import line_graph
-from assistant.languages.line_blocks import Blocks
-from assistant.languages.line_graph import ON, Exits, Graph
-from assistant.languages.line_steps import Change, cut_at, first_step
+from assistant.languages import line_blocks
+from assistant.languages.line_blocks import ON, Blocks, Exits, Graph
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.step_numbers import Change, cut_at, first_step
 from assistant.program.rewriting import rewrite
 
 T = TypeVar("T", s.Item, s.Entry)
@@ -68,7 +67,7 @@ def graph_of(
         place = target.place
         return known.get(place) if isinstance(place, int) else labels.get(place.upper())
 
-    return line_graph.graph_of(places, blocks, lambda at: exits_of(statement_of(code[at])), find)
+    return line_blocks.graph_of(places, blocks, lambda at: exits_of(statement_of(code[at])), find)
 
 
 def targets_in(items: Iterable[object]) -> Iterator[s.Target]:

@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import Final, TypeVar
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.walking import Walk
+from assistant.languages.nodes import Walk
 
 N = TypeVar("N")
 

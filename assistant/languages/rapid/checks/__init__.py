@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, has_errors
-from assistant.languages.checks.damage import undamaged_findings
-from assistant.languages.checks.registry import Check, Needs, findings
+from assistant.languages.checks.registry import Check, Needs, findings, undamaged_findings
 from assistant.languages.rapid.checks import (
     arcs,
     by_construct,

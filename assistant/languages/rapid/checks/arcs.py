@@ -9,8 +9,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.languages.checks.moves import Follower, Moves, Point
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import like_it
+from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
@@ -18,8 +17,7 @@ from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.gather import literal_target
 from assistant.languages.rapid.tree.runs import CIRCULAR, LINEAR, MotionNames, TargetRun
 from assistant.languages.rapid.tree.walk import lists
-from assistant.languages.runs.columns import Entries
-from assistant.languages.runs.names import NameIndex, Names
+from assistant.languages.runs.columns import Entries, NameIndex, Names
 from assistant.program.geometry import ArcMeasures
 
 LEAST_APART: Final = 0.1

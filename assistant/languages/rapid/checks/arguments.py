@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from assistant.base.diagnostics import Rule
+from assistant.languages.checks.names import misspelt
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.tables.signatures import signature

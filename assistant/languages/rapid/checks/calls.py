@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final
 
+from assistant.languages.checks.names import misspelt
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.arguments import bind, call_of, signature_of

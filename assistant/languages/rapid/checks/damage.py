@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-from assistant.languages.checks import damage
-from assistant.languages.checks.damage import Damage
+from assistant.languages.checks import registry
+from assistant.languages.checks.registry import Damage
 from assistant.languages.rapid.tables.predefined import taken
 from assistant.languages.rapid.tables.words import RESERVED
 from assistant.languages.rapid.tree import syntax as s
@@ -25,7 +25,7 @@ def damage_of(trees: Sequence[s.File]) -> Damage | None:
     The lines around a damaged one are damaged as well, and so are names that a blank may have
     parted in two.
     """
-    return damage.damage_of(
+    return registry.damage_of(
         trees, _names, hidden=_parted, near=1, most_lines=MOST_LINES, named_lines=1
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from assistant.base.diagnostics import Severity
-from assistant.languages.checks.reach import Reachability
+from assistant.languages.checks.control_flow import Reachability
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from assistant.languages.checks.kinds import Kind, Kinds, Operators
-from assistant.languages.checks.symbols import Declaration
-from assistant.languages.named_types import NamedTypes, Type
+from assistant.languages.checks.names import Declaration
+from assistant.languages.checks.values import Kind, Kinds, Operators
 from assistant.languages.rapid.checks.module_view import Declared, Look
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.signatures import NamedTypes, Type
 from assistant.program import expressions as e
 
 NUMBER: Final = "number"

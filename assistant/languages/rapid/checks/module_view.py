@@ -9,8 +9,8 @@ from itertools import takewhile
 from typing import Any, Final, TypeVar, cast
 
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
-from assistant.languages.checks.symbols import Declaration, Symbols, find_declaration
-from assistant.languages.checks.views import CachedResults, by_type
+from assistant.languages.checks.file_views import CachedResults, by_type
+from assistant.languages.checks.names import Declaration, Symbols, find_declaration
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s

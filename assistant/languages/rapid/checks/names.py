@@ -7,8 +7,8 @@ from itertools import chain
 from typing import Any, Final
 
 from assistant.base.diagnostics import Severity
+from assistant.languages.checks.names import repeated
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import (

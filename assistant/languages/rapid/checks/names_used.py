@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from assistant.base.diagnostics import Severity
+from assistant.languages.checks.names import misspelt
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.module_view import VALUELESS

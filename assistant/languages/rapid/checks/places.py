@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final, TypeVar
 
-from assistant.languages.checks.views import by_type
+from assistant.languages.checks.file_views import by_type
 from assistant.languages.rapid.checks.kinds import Scope, Types
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s

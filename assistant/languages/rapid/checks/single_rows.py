@@ -19,14 +19,14 @@ import numpy as np
 
 from assistant.base.arrays import Truths
 from assistant.base.diagnostics import Span
-from assistant.languages.checks.name_sets import NameSet, repeated_rows
+from assistant.languages.checks.names import NameSet, repeated_rows
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import PREDEFINED, nearest
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, map_lists, nodes
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 
 Fit = Literal["plain", "unknown", "odd"]
 """What a name is where a move has it: data of the right kind, no data of the given modules, or

@@ -10,8 +10,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import Rule, Severity
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import like_it
+from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.kinds import Types

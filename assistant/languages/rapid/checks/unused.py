@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 
 from assistant.base.diagnostics import Rule
-from assistant.languages.checks.name_sets import NameSet
-from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import Listing
+from assistant.languages.checks.names import NameSet
+from assistant.languages.checks.registry import Found, Listing
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.base.diagnostics import Rule
-from assistant.languages.checks.kinds import Kind, Sizes, Unfit
 from assistant.languages.checks.registry import Found
+from assistant.languages.checks.values import Kind, Sizes, Unfit
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import LOGICAL, OPERATORS, SIGNALS, Scope
 from assistant.languages.rapid.tables import predefined

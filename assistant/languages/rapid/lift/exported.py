@@ -16,9 +16,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Findings
-from assistant.languages.answers import (
-    Adapted,
-)
+from assistant.languages.language_types import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.dates import with_others_dates

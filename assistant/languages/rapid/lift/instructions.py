@@ -7,7 +7,6 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.patterns import Called, Read, Slot
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.tables.hands import hand_of
@@ -24,6 +23,7 @@ from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.vendor_statements import INTERRUPTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed

@@ -13,7 +13,7 @@ from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import NameIndex, Names
+from assistant.languages.runs.columns import NameIndex, Names
 from assistant.program import expressions as e
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite

@@ -18,8 +18,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.records import target
-from assistant.languages.runs.columns import joined_runs
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names, joined_runs
 from assistant.languages.runs.paths import (
     NamedTargets,
     PathRows,

@@ -8,9 +8,7 @@ from typing import Any, Final, TypeGuard
 
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import starts_of
-from assistant.languages.answers import (
-    Adapted,
-)
+from assistant.languages.language_types import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain import Plain, plain
 from assistant.languages.rapid.lift.plain.unread import LEFT_OUT

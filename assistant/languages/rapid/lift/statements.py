@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Final
 
 from assistant.base.diagnostics import Refused, span_over
-from assistant.languages.kept_reasons import INTERRUPTS
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import REASONS, Meaning, instruction
 from assistant.languages.rapid.lift.paths import PathLift
@@ -19,6 +18,7 @@ from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
+from assistant.languages.vendor_statements import INTERRUPTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.loops import ascends

@@ -23,8 +23,7 @@ from assistant.languages.rapid.tree.runs import (
     moves_text,
     targets_text,
 )
-from assistant.languages.runs.columns import Entries
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Entries, Names
 from assistant.languages.runs.paths import setting_codes
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e

@@ -8,10 +8,10 @@ from dataclasses import replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.abouts import abouts
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.tables import predefined, signatures
 from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
+from assistant.languages.texts.words import abouts
 from assistant.program.editor_support import (
     Declaration,
     DeclaredKind,

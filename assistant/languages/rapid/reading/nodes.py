@@ -10,11 +10,11 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages import nodes
+from assistant.languages.grammar import number_of
 from assistant.languages.nodes import Children, Place, row, without_place
 from assistant.languages.rapid.reading.rows import RunNode, Runs
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
-from assistant.languages.shortened import number_of
 
 _PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')

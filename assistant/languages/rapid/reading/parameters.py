@@ -17,13 +17,18 @@ from typing import Final
 
 import numpy as np
 
+from assistant.languages.language_types import (
+    ControllerConfiguration,
+    Texts,
+    catalogue_name,
+    file_named,
+)
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parameter_rows import all_rows, is_known, rows_of
 from assistant.languages.rapid.reading.signals import configured
 from assistant.languages.rapid.tables.processes import BURNS
 from assistant.languages.rapid.tables.states import STATES
 from assistant.languages.rapid.tree.external_axes import AXES, place_of
-from assistant.languages.tasks import ControllerConfiguration, Texts, catalogue_name, file_named
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
 from assistant.program.undeclared_names import SuppliedValue, WantedKind

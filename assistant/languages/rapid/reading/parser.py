@@ -9,14 +9,14 @@ from typing import Any, Final, Literal
 from assistant.base.budgets import without_gc
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText, with_line_feeds
+from assistant.languages.grammar import RunInTheWay, Shortened
 from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
 from assistant.languages.rapid.reading.rows import RunNode, Runs, find_runs
 from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
 from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode, TargetRunNode
-from assistant.languages.runs.reading import Found
-from assistant.languages.shortened import RunInTheWay, Shortened
+from assistant.languages.runs.row_text import Found
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:

@@ -30,10 +30,9 @@ from assistant.languages.rapid.tree.runs import (
     MoveRun,
     TargetRun,
 )
-from assistant.languages.runs.columns import Store
-from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import MOST, Found, Marks, entries, line_spans, stretches
-from assistant.languages.runs.reading import NameWords as Spelling
+from assistant.languages.runs.columns import Names, Store
+from assistant.languages.runs.row_text import MOST, Found, Marks, entries, line_spans, stretches
+from assistant.languages.runs.row_text import NameWords as Spelling
 
 _B = r"[ \t]"
 _NAME = r"[A-Za-z][A-Za-z0-9_]*+"

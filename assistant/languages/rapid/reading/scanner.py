@@ -8,8 +8,8 @@ from functools import cache
 from typing import Final
 
 from assistant.base.source_text import with_line_feeds
+from assistant.languages.grammar import WordScanner, terminals_pattern
 from assistant.languages.rapid.reading.grammar import grammar
-from assistant.languages.scanning import WordScanner, terminals_pattern
 from assistant.languages.texts.words import Word
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})

@@ -13,12 +13,12 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
+from assistant.languages.language_types import SharedData
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.languages.tasks import SharedData
 
 _LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": "C"}
 """By type: the letter of variables of all programs."""

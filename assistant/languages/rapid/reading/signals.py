@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, Literal
 
+from assistant.languages.language_types import ControllerConfiguration
 from assistant.languages.rapid.reading.parameter_rows import is_known, rows_of
-from assistant.languages.tasks import ControllerConfiguration
 from assistant.program.program import Signal
 
 Kind = Literal["digital", "analog", "group"]

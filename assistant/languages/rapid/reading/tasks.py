@@ -12,7 +12,12 @@ from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.languages.tasks import ControllerConfiguration, SharedData, TaskLoading, Texts
+from assistant.languages.language_types import (
+    ControllerConfiguration,
+    SharedData,
+    TaskLoading,
+    Texts,
+)
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"

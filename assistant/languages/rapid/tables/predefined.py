@@ -13,8 +13,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
-from assistant.languages.named_types import Type
 from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.signatures import Type
 
 WORDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)

@@ -9,15 +9,15 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import words_of
+from assistant.languages.nodes import Walk
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.standard import CALLING, JUMPING, MOVING, NAMING, WAITING
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 from assistant.languages.signatures import Parameter, Signature
-from assistant.languages.texts.effects import Effects, NodeEffect, UnknownEffect
-from assistant.languages.walking import Walk
+from assistant.languages.vendor_statements import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import Effect, EffectBuilder, VendorTextKind, unknown_effect
 
 _SPEED: Final = "speeddata"

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.ascii_names import ASCII_NAME, from_ascii, in_ascii
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
 from assistant.program.program import Program, Signal
 
 _ITEM: Final = re.compile(

@@ -13,7 +13,7 @@ from difflib import SequenceMatcher
 from typing import Any
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.texts import merging
+from assistant.languages.texts import tree_merge
 
 Key = tuple[str, str]
 
@@ -26,7 +26,7 @@ def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
     if not all(len(file.modules) == 1 for file in (tree, before, after)):
         return after
     (module,), (old,), (new,) = tree.modules, before.modules, after.modules
-    merged = merging.merged_by_key(
+    merged = tree_merge.merged_by_key(
         module.items, old.items, new.items, _key, changed=_routine, place=_place
     )
     if merged is None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.languages.answers import Outline
+from assistant.languages.language_types import Outline
 from assistant.languages.rapid.text.header import is_item
 
 _COMMENT: Final = re.compile(r"(?: *!.*\n)*")

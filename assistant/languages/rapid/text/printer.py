@@ -10,8 +10,7 @@ from assistant.base.source_text import LINE_ENDS, one_line
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import moves_text, targets_text
-from assistant.languages.texts.printed_blocks import Block
-from assistant.languages.texts.templates import BlockPrinter, Templates, joined_texts
+from assistant.languages.texts.printed_trees import Block, BlockPrinter, Templates, joined_texts
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"

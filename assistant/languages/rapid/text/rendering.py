@@ -11,7 +11,7 @@ from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import plain
-from assistant.languages.texts import changed_runs, lossless
+from assistant.languages.texts import lossless
 from assistant.languages.texts.lossless import Block, Extent, Sketch
 from assistant.languages.texts.words import Word
 
@@ -44,7 +44,7 @@ def render(file: s.File, origin: s.Origin) -> str:
     return new + rest if new else re.sub(r"^[ \t]*\r?\n", "", rest)
 
 
-class Layout(changed_runs.RunLayout):
+class Layout(lossless.RunLayout):
     """RAPID: statements end with `;`, comments with their line."""
 
     spelled = frozenset(("string", "number"))
@@ -66,7 +66,7 @@ class Layout(changed_runs.RunLayout):
             case s.File():
                 header = () if node.header is None else (f"%%%{node.header}%%%\n",)
                 return (*header, Block(node.parts, 0))
-            case changed_runs.RunRow(text=text):
+            case lossless.RunRow(text=text):
                 return (text,)
         return PRINTER.sketch(node)
 

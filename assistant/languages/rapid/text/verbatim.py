@@ -8,12 +8,12 @@ from functools import partial
 from typing import Final, Literal, TypeVar
 
 from assistant.base.diagnostics import Refused
+from assistant.languages import vendor_statements
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parser import parse_items, parse_statements
 from assistant.languages.rapid.text.printer import print_nodes
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.texts import kept_texts
-from assistant.languages.texts.kept_texts import ParsedTexts
+from assistant.languages.vendor_statements import ParsedTexts
 
 T = TypeVar("T")
 Kind = Literal["items", "statements", "handlers"]
@@ -21,7 +21,7 @@ Kind = Literal["items", "statements", "handlers"]
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
 _TEXTS: Final = ParsedTexts(rules.NOT_RAPID)
-foreign: Final = partial(kept_texts.foreign_text_fields, language="RAPID")
+foreign: Final = partial(vendor_statements.foreign_text_fields, language="RAPID")
 
 
 def items(text: str) -> tuple[s.Item, ...]:

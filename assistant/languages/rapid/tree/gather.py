@@ -29,7 +29,7 @@ from assistant.languages.rapid.tree.runs import (
     MoveRun,
     TargetRun,
 )
-from assistant.languages.runs import gathering as alike
+from assistant.languages.runs import columns as alike
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 

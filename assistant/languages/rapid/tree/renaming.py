@@ -9,7 +9,7 @@ from typing import Any
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import MotionNames
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Names
 from assistant.program.rewriting import rewrite
 
 

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from assistant.base.arrays import Floats
 from assistant.base.columns import Chosen, Piece, rows_text
 from assistant.languages.rapid.tables.words import UNUSED
-from assistant.languages.runs.columns import Entries, Run
-from assistant.languages.runs.groups import FewestDecimals, Groups
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.columns import Entries, Names, Run
+from assistant.languages.runs.row_text import FewestDecimals, Groups
 
 FEWEST: Final = 8
 """Rows that make a run; fewer are cheap as ordinary nodes."""

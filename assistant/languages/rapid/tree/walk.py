@@ -7,12 +7,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages.answers import (
-    Part,
-)
+from assistant.languages.language_types import Part
+from assistant.languages.nodes import Walk
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.triggers import set_up
-from assistant.languages.walking import Walk
 
 ERRNO: Final = "errno"
 """The variable in lower case that holds the number of the error."""

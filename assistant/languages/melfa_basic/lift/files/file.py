@@ -28,9 +28,8 @@ from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.walk import program_name, statements_in
-from assistant.languages.settings.divided_forms import divided_flow
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
-from assistant.languages.settings.forms import CalledForms, Form
+from assistant.languages.settings.forms import CalledForms, Form, divided_flow
 from assistant.program.passes import procedure_forms
 from assistant.program.program import (
     Declaration,

@@ -40,9 +40,9 @@ from assistant.languages.settings.flow import (
     Sets,
     Steps,
     calls_in,
+    with_interrupts,
 )
 from assistant.languages.settings.forms import CalledForms
-from assistant.languages.settings.interrupts import with_interrupts
 from assistant.program.program import identifier
 
 NONE: Final = frozenset[str]()

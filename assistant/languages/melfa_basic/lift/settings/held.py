@@ -16,8 +16,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes
-from assistant.languages.settings.flow import UNKNOWN, Computed, Held, State
-from assistant.languages.settings.unknown_settings import SettingText
+from assistant.languages.settings.flow import UNKNOWN, Computed, Held, SettingText, State
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import FINE, Blend
 

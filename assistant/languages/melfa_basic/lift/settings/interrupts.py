@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.lift.structure.regions import place_name
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.walk import literal, statements_in
-from assistant.languages.settings.interrupts import Interrupt
+from assistant.languages.settings.flow import Interrupt
 
 _ALL: Final = 0
 """The number by which `Act` switches all."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from assistant.languages import kept_reasons
+from assistant.languages import vendor_statements
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import place_name
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
@@ -32,7 +32,7 @@ def define(reader: Statements, node: s.DefAct) -> list[p.Statement]:
         ]
     called = _answering(reader, node)
     if called is None:
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     over = e.Number(1) if node.keyword == "GoTo" else None
     return [p.Interrupt(_name(reader, node.number), condition, p.Call(called), over)]
 
@@ -49,14 +49,14 @@ def _answering(reader: Statements, node: s.DefAct) -> str | None:
 def switch(reader: Statements, node: s.Command) -> list[p.Statement]:
     (given,) = node.arguments
     if not isinstance(given, s.Binary):
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     state = literal(given.right)
     if state not in (0, 1):
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     switched: p.SwitchInterrupt | p.SwitchInterrupts
     if literal(given.left) == ALL:
         if not reader.answers and None in _defined(reader).values():
-            raise Unliftable(kept_reasons.INTERRUPTS)
+            raise Unliftable(vendor_statements.INTERRUPTS)
         switched = p.SwitchInterrupts("on" if state else "off")
     else:
         switched = p.SwitchInterrupt(_name(reader, given.left), "on" if state else "off")
@@ -76,12 +76,12 @@ def _defined(reader: Statements) -> dict[float | None, str | None]:
 def _name(reader: Statements, node: s.Expression) -> str:
     number = literal(node)
     if number is None:
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     known = reader.symbols.header.names["interrupt"].get(f"{number:g}")
     if known is None and _defined(reader).get(number) is not None:
         known = f"act_{number:g}"
     if known is None:
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     return known
 
 
@@ -90,11 +90,11 @@ def _called(reader: Statements, call: s.Jump | s.Call) -> str:
     if isinstance(call, s.Jump):
         number = reader.by_label.get(place_name(call.target))
         if number is None:
-            raise Unliftable(kept_reasons.INTERRUPTS)
+            raise Unliftable(vendor_statements.INTERRUPTS)
         return reader.routines[number].name
     routine = reader.symbols.routines.get(call.function.key)
     if routine is None:
-        raise Unliftable(kept_reasons.INTERRUPTS)
+        raise Unliftable(vendor_statements.INTERRUPTS)
     return routine.name
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Final
 
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
-from assistant.languages import kept_reasons
+from assistant.languages import vendor_statements
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
 from assistant.languages.melfa_basic.lift.settings.followed import assignment, followed
 from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
@@ -41,9 +41,8 @@ from assistant.languages.melfa_basic.tree.walk import (
     statements_in,
 )
 from assistant.languages.patterns import Called, Reading
-from assistant.languages.settings.flow import UNKNOWN
+from assistant.languages.settings.flow import UNKNOWN, UnknownSettings
 from assistant.languages.settings.forms import Form
-from assistant.languages.settings.unknown_settings import UnknownSettings
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
@@ -149,7 +148,7 @@ class Statements:
                 given = assignment(node, effect[1], self.followed, self.expressions)
                 return [] if given is None else [given]
             if self.at in self.kept:
-                raise Unliftable(kept_reasons.DEPENDED_ON)
+                raise Unliftable(vendor_statements.DEPENDED_ON)
             if effect[1] is not UNKNOWN or isinstance(node, s.Command):
                 return []  # how the moves that follow are made
         lift = self.lifts.get(type(node))
@@ -179,7 +178,7 @@ class Statements:
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if defines and told is not None:
-                reason = kept_reasons.DEPENDED_ON
+                reason = vendor_statements.DEPENDED_ON
             stood = self.runs.previous if told and isinstance(node, s.Motion) else None
             kept = self.opaque(node, reason, told or [])
             self.runs.previous = stood  # where others have the robot as well
@@ -196,7 +195,7 @@ class Statements:
         self.runs.arc_pending = False
         self.note_dependence(statement)
         self.note_names(statement)
-        if found is kept_reasons.SETTINGS_DIFFER and self.form is not None:
+        if found is vendor_statements.SETTINGS_DIFFER and self.form is not None:
             state = self.called.at(self.at, self.form)
             found = self.unknown.reason(state, depends(statement)) or found
         dialect = self.symbols.dialect
@@ -307,7 +306,9 @@ class Statements:
         if not self.region.is_first:
             if self.expressions.m.telling and self.region.function is None:
                 return [p.Call(ENDED)]
-            raise Unliftable(kept_reasons.ENDS_CYCLE if self.main else kept_reasons.NOT_FIRST)
+            raise Unliftable(
+                vendor_statements.ENDS_CYCLE if self.main else vendor_statements.NOT_FIRST
+            )
         return [p.Return()]
 
     def returned(self, _: s.Command) -> list[p.Statement]:

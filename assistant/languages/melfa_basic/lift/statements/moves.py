@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.kept_reasons import SETTINGS_DIFFER
 from assistant.languages.melfa_basic.lift.settings.followed import Followed, named
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, JOINT, TCP, TOOL
@@ -23,6 +22,7 @@ from assistant.languages.melfa_basic.lift.values.reasons import CIRCLE, TYPE
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import Computed
+from assistant.languages.vendor_statements import SETTINGS_DIFFER
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import FINE, Speed

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages import kept_reasons
+from assistant.languages import vendor_statements
 from assistant.languages.melfa_basic.lift.settings.followed import followed, named
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TCP, TOOL, set_by
 from assistant.languages.melfa_basic.lift.statements import waits
@@ -199,7 +199,7 @@ class Reader(Control):
         if at in self.kept and not isinstance(node, s.If):
             told = self.expressions.told(lambda: self.simple(node))
             lost = told is None and set_by(node) in self.followed
-            reason = None if lost else kept_reasons.DEPENDED_ON
+            reason = None if lost else vendor_statements.DEPENDED_ON
             lifted: list[p.Statement] = [self.opaque(node, reason, told or ())]
         else:
             lifted = self.or_text(node, lambda: self.simple(node), self.refused.get(at))

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, S
 from dataclasses import dataclass, replace
 from typing import Final
 
-from assistant.languages.line_graph import Exits
+from assistant.languages.line_blocks import Exits
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of, statement_of

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
-from assistant.languages.kept_reasons import CONTROLLER_STATE, SETTINGS_DIFFER
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
 from assistant.languages.melfa_basic.lift.values.elementwise import (
     built,
@@ -55,6 +54,7 @@ from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.vendor_statements import CONTROLLER_STATE, SETTINGS_DIFFER
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.rewriting import records

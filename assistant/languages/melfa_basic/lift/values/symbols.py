@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.kept_reasons import CONTROLLER_STATE
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables.poses import plain_pose
@@ -15,6 +14,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions, joints_of, target_of
+from assistant.languages.vendor_statements import CONTROLLER_STATE
 from assistant.program import expressions as e
 from assistant.program.analysis.io_use import AddressedSignals
 from assistant.program.geometry import BASE, FLANGE, Target

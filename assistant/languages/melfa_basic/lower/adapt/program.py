@@ -8,11 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Declared, Diagnostic, Findings, Span, has_errors
-from assistant.languages.answers import (
-    Adapted,
-)
 from assistant.languages.computed_targets import with_computed_targets
-from assistant.languages.line_steps import steps_in
+from assistant.languages.language_types import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.channels import with_channels
 from assistant.languages.melfa_basic.lower.adapt.long_conditions import with_short_conditions
@@ -26,6 +23,7 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP,
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.step_numbers import steps_in
 from assistant.program.analysis.io_use import with_one_name
 from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.analysis.uses import shared_between_units

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import plain_verbatim
 from assistant.languages.melfa_basic.lower.statements import opaque_line
@@ -17,7 +18,6 @@ from assistant.languages.melfa_basic.tables.capabilities import motions, positio
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import printer
-from assistant.languages.positions import PartLegaliser
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE

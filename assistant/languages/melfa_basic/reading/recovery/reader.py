@@ -15,8 +15,7 @@ from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, 
 from assistant.languages.melfa_basic.tables.vocabulary import statement
 from assistant.languages.melfa_basic.tables.words import spelled
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.recovery.line_syntax import LineSyntax, Missing, Phrase
-from assistant.languages.recovery.lines import LineReader
+from assistant.languages.recovery.line_repairs import LineReader, LineSyntax, Missing, Phrase
 
 _MISSING, _UNCLEAR, _TEXT = 4, 5, 6
 """Costs of what is put in: how sure it is that it is meant."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from assistant.languages.melfa_basic.text.lines import Lines
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.texts import laying_out_lines
+from assistant.languages.texts import line_text
 
 
 def lay_out(file: s.File) -> str:
@@ -24,4 +24,4 @@ def lay_out(file: s.File) -> str:
     Line ends become the ones that most lines have.
     """
     assert file.source is not None
-    return laying_out_lines.lay_out(file.source, Lines(file))
+    return line_text.lay_out(file.source, Lines(file))

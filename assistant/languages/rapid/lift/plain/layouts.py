@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.languages.named_types import MOST_ALIASES, Type
 from assistant.languages.rapid.tables.predefined import types as predefined
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.signatures import MOST_ALIASES, Type
 
 Path = tuple[str, ...]
 """Names of components in lower case, the outermost first; empty of the whole."""

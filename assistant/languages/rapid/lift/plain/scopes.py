@@ -19,7 +19,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.external_axes import AXES
 from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.languages.runs.names import NameIndex
+from assistant.languages.runs.columns import NameIndex
 from assistant.languages.signatures import Parameter, Slot
 from assistant.program.program import TakenNames, identifier
 

@@ -20,7 +20,7 @@ from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes
-from assistant.languages.runs.names import NameIndex
+from assistant.languages.runs.columns import NameIndex
 from assistant.program.rewriting import rewrite
 
 _BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.diagnostics import Declared, Span
-from assistant.languages.positions import PartLegaliser
+from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
 from assistant.languages.rapid.tables.capabilities import CORNERS
 from assistant.languages.rapid.tables.motions import (

@@ -6,10 +6,8 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Findings, Refused, has_errors
-from assistant.languages.answers import (
-    Adapted,
-)
-from assistant.languages.positions import PartLegaliser
+from assistant.languages.language_types import Adapted
+from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.dates import with_own_dates

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from assistant.base.diagnostics import Declared, Refused, has_errors
-from assistant.languages.positions import PartLegaliser
+from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.expressions import frame_name, lift, negative, tool_name
 from assistant.languages.rapid.lift.statements import statements_of

@@ -10,11 +10,17 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
 from assistant.languages.rapid.reading.scanner import SILENT, scanner, table_words
-from assistant.languages.recovery.layout import Layout
-from assistant.languages.recovery.lexemes import Holes, Scanner
-from assistant.languages.recovery.reading import Reader
-from assistant.languages.recovery.syntax import Blocks, Changes, HalfHead, Syntax
-from assistant.languages.recovery.wording import TerminalGroup, Wording
+from assistant.languages.recovery.mistakes import TerminalGroup, Wording
+from assistant.languages.recovery.reader import Reader
+from assistant.languages.recovery.syntax import (
+    Blocks,
+    Changes,
+    HalfHead,
+    Holes,
+    Layout,
+    Scanner,
+    Syntax,
+)
 
 _FLAGS: Final = re.IGNORECASE | re.MULTILINE
 

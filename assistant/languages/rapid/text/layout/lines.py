@@ -25,13 +25,13 @@ from typing import Final
 
 from assistant.languages.rapid.text.layout.segments import CUTTER
 from assistant.languages.rapid.text.layout.spacing import Spacing
-from assistant.languages.texts import laying_out
+from assistant.languages.texts import layout
 from assistant.languages.texts.words import Word
 
 
 def lay_out(text: str) -> str:
     """The text in the one layout, for any text that the grammar takes; idempotent."""
-    return laying_out.lay_out(text, list(CUTTER.segments(text)), STYLE)
+    return layout.lay_out(text, list(CUTTER.segments(text)), STYLE)
 
 
 def _rows(table: str, indent: str, newline: str) -> str:
@@ -52,7 +52,7 @@ def _spelt(word: Word) -> str:
     return word.text
 
 
-STYLE: Final = laying_out.Style(
+STYLE: Final = layout.Style(
     Spacing,
     _spelt,
     _rows,

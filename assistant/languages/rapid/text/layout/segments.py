@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.languages.rapid.text.layout.tokens import tokens
-from assistant.languages.texts.segments import Cutter
+from assistant.languages.texts.layout import Cutter
 
 _OPENS: Final = frozenset({"module", "record", "proc", "func", "trap", "for", "while", "test"})
 _DIVIDES: Final = frozenset(

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-from assistant.languages.texts import laying_out
-from assistant.languages.texts.laying_out import Segment
+from assistant.languages.texts import layout
+from assistant.languages.texts.layout import Segment
 from assistant.languages.texts.words import Word
 
 Role = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
@@ -23,7 +23,7 @@ _BETWEEN_OPERANDS: Final = frozenset({"and", "or", "xor", "div", "mod"})
 _VALUES: Final = frozenset({"true", "false"})
 
 
-class Spacing(laying_out.Spacing):
+class Spacing(layout.Spacing):
     """The tokens of one segment, in order, without its line ends and comments."""
 
     def __init__(self, segment: Segment) -> None:

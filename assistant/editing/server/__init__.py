@@ -1,1 +1,0 @@
-"""The service as a language server; its library is loaded with it."""
