@@ -15,12 +15,17 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.gateways import OPTION, Gateways
-from assistant.languages.rapid.lift.instructions import Meaning
-from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
-from assistant.languages.rapid.lift.socket_states import States
-from assistant.languages.rapid.lift.told.calls import call_of
-from assistant.languages.rapid.lift.told.one_way import one_way
+from assistant.languages.rapid.lift.gateways import GATEWAY_OPTION, Gateways
+from assistant.languages.rapid.lift.instructions import NameResolver
+from assistant.languages.rapid.lift.kept_calls import (
+    NotExpressible,
+    Replacement,
+    VendorCall,
+    with_lowered_calls,
+)
+from assistant.languages.rapid.lift.socket_states import SocketStates
+from assistant.languages.rapid.lift.told.calls import instruction_of
+from assistant.languages.rapid.lift.told.one_way import file_modes
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
@@ -30,26 +35,26 @@ from assistant.program import undeclared_names
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite, with_vendor_statements_replaced
 
-TYPES: Final = frozenset(("iodev", "socketdev"))
+CHANNEL_TYPES: Final = frozenset(("iodev", "socketdev"))
 SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)
 MODES: Final[Mapping[str, p.ChannelMode]] = {"read": "read", "write": "write", "append": "append"}
-USUAL_TIME: Final = 60.0
+DEFAULT_TIMEOUT: Final = 60.0
 r"""Seconds that a socket waits without `\Time` (reference manual: SocketAccept, SocketConnect)."""
 FOR_EVER: Final = "wait_max"
-END: Final = re.compile(r"\r\n?\Z|\n\Z")
+LINE_END: Final = re.compile(r"\r\n?\Z|\n\Z")
 """The end of a line behind a text."""
 
-BYTES: Final = e.Reason(
+BYTES_REASON: Final = e.Reason(
     "bytes are read or written, and other controllers have texts of lines alone",
     "send and receive texts that end with a carriage return",
 )
-BOTH_WAYS: Final = e.Reason(
+GATEWAY_REASON: Final = e.Reason(
     "bytes go over this socket as well, by way of a gateway", "send and receive bytes alone there"
 )
-BOTH: Final = e.Reason(
+READ_AND_WRITE_REASON: Final = e.Reason(
     "the file is open for both reading and writing", r"open it with \Read, \Write or \Append"
 )
-NO_PORT: Final = e.Reason(
+NO_PORT_REASON: Final = e.Reason(
     "which port the socket listens at is not said by one SocketBind",
     "bind each socket that listens in one place",
 )
@@ -57,22 +62,22 @@ NO_PORT: Final = e.Reason(
 
 def with_channels(program: Program, findings: Findings) -> Program:
     """The program with channels for what it opens, writes, reads and closes."""
-    ports, modes = _ports(program), one_way(program)
-    states, gateways = States(program), Gateways(program)
+    ports, modes = _bound_ports(program), file_modes(program)
+    states, gateways = SocketStates(program), Gateways(program)
 
-    def said(call: KeptCall, node: p.Statement) -> Said:
+    def said(call: VendorCall, node: p.Statement) -> Replacement:
         word = call.word
         names = [name_of(one) for one in call.call.given]
         if word in PREPARING:
             call.name(0)
             with findings.at(node.span):
-                loss, cure = LEFT
+                loss, cure = OMITTED_LOSS
                 findings.append(rules.LEFT_OUT(what=call.call.word, loss=loss, cure=cure))
             yield from states.behind(word, names)
             return
-        accepts, by_gateway = word == "socketaccept", OPTION in call.call.options
+        accepts, by_gateway = word == "socketaccept", GATEWAY_OPTION in call.call.options
         if word in OF_TEXTS and not by_gateway and names[0].lower() in gateways.sockets:
-            raise Unsaid(BOTH_WAYS)
+            raise NotExpressible(GATEWAY_REASON)
         made: tuple[p.Statement, ...]
         if accepts:
             made = tuple(_accept(call, ports))
@@ -83,7 +88,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
                 with findings.at(node.span):
                     findings.append(rules.OPENED_ANEW(name=call.name(1)))
         else:
-            made = tuple(_SAID[word](call))
+            made = tuple(_LOWERINGS[word](call))
         if word in ("socketaccept", "socketconnect"):
             made += (*gateways.greeting(call.name(int(accepts))),)
         made += (*states.behind(word, names),)
@@ -97,8 +102,8 @@ def with_channels(program: Program, findings: Findings) -> Program:
                 ))  # fmt: skip
         yield from made
 
-    instructions = {*_SAID, *PREPARING, "socketaccept", "open"}
-    made = with_calls(program, instructions, READING, said)
+    instructions = {*_LOWERINGS, *PREPARING, "socketaccept", "open"}
+    made = with_lowered_calls(program, instructions, READING, said)
     if made is program or not undeclared_names.channels(made):
         return program
     gateways.tell(made, findings)
@@ -106,7 +111,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
     made = states.asked(replace(made, variables=own))
     told = {name.lower() for name in undeclared_names.channels(made)}
     opened = {x.channel.lower() for x in made.statements() if isinstance(x, p.Attach)}
-    made = rewrite(made, lambda part: _asked(part, told))
+    made = rewrite(made, lambda part: _connection_test(part, told))
     return _without_handles(_without_unopened(made, opened))
 
 
@@ -127,35 +132,37 @@ def _without_unopened(program: Program, opened: set[str]) -> Program:
 def _without_handles(program: Program) -> Program:
     """Without the declarations of files and sockets, which channels have none of."""
     program = with_vendor_statements_replaced(
-        program, lambda node: () if _declares(node.text) else (node,)
+        program, lambda node: () if _declares_channel(node.text) else (node,)
     )
-    kept = tuple(one for one in program.declarations if not _declares(one.text))
+    kept = tuple(one for one in program.declarations if not _declares_channel(one.text))
     return replace(program, declarations=kept)
 
 
-def _declares(text: str) -> bool:
+def _declares_channel(text: str) -> bool:
     storage, _, type = verbatim.declares(text).partition(" ")
-    return storage == "VAR" and type in TYPES
+    return storage == "VAR" and type in CHANNEL_TYPES
 
 
-def _ports(program: Program) -> Mapping[str, e.Expression]:
+def _bound_ports(program: Program) -> Mapping[str, e.Expression]:
     """The port that a socket is bound to, by its lower-case name."""
     found: dict[str, e.Expression] = {}
     for procedure in program.procedures:
         for node in walk(procedure.body):
             if not isinstance(node, p.Opaque) or node.text[:10].lower() != "socketbind":
                 continue
-            match call_of(node):
+            match instruction_of(node):
                 case s.ProcedureCall(
                     arguments=(s.Positional(s.NameRef(name)), _, s.Positional(port))
                 ):
-                    value = _handed(Meaning().expression(port), procedure, program)
+                    value = _argument_of_all_calls(
+                        NameResolver().expression(port), procedure, program
+                    )
                     if found.setdefault(name.lower(), value) != value:
                         return {}
     return found
 
 
-def _handed(value: e.Expression, of: Procedure, program: Program) -> e.Expression:
+def _argument_of_all_calls(value: e.Expression, of: Procedure, program: Program) -> e.Expression:
     """What each call of a procedure gives for a parameter, if that is the same in all of them."""
     names = [one.name.lower() for one in of.parameters]
     if isinstance(value, e.Name) and value.name.lower() in names:
@@ -167,7 +174,7 @@ def _handed(value: e.Expression, of: Procedure, program: Program) -> e.Expressio
     return value
 
 
-def _asked(part: Any, known: set[str]) -> Any:
+def _connection_test(part: Any, known: set[str]) -> Any:
     """`SocketGetStatus(s) = SOCKET_CONNECTED` of a channel; any other expression as it is."""
     match part:
         case e.Binary(
@@ -185,12 +192,12 @@ def _asked(part: Any, known: set[str]) -> Any:
 # ------------------------------------------------------------------------- opening, closing
 
 
-def _open(q: KeptCall, one_way: Mapping[str, p.ChannelMode]) -> Said:
+def _open(q: VendorCall, one_way: Mapping[str, p.ChannelMode]) -> Replacement:
     """one_way: what is done with files that are opened for nothing."""
     channel = q.name(1)
     of, file = q.given(0), q.option("file")
     if not q.only("file", "read", "write", "append", "bin") or of is None:
-        raise Unsaid
+        raise NotExpressible
     serial = SERIAL.fullmatch(of.value) if isinstance(of, e.Text) and file is None else None
     if serial is not None:
         yield p.Attach(channel, "serial", (e.Number(int(serial[1])),))
@@ -199,7 +206,7 @@ def _open(q: KeptCall, one_way: Mapping[str, p.ChannelMode]) -> Said:
     if not modes and channel.lower() in one_way:
         modes = [one_way[channel.lower()]]
     if len(modes) != 1:
-        raise Unsaid(BOTH)
+        raise NotExpressible(READ_AND_WRITE_REASON)
     if isinstance(of, e.Text) and isinstance(file, e.Text):
         place: e.Expression = e.Text(f"{of.value}/{file.value}")
     else:
@@ -207,40 +214,40 @@ def _open(q: KeptCall, one_way: Mapping[str, p.ChannelMode]) -> Said:
     yield p.Attach(channel, "file", (place,), modes[0])
 
 
-def _close(q: KeptCall) -> Said:
+def _close(q: VendorCall) -> Replacement:
     if not q.only():
-        raise Unsaid
+        raise NotExpressible
     yield p.Detach(q.name(0))
 
 
-def _accept(q: KeptCall, ports: Mapping[str, e.Expression]) -> Said:
+def _accept(q: VendorCall, ports: Mapping[str, e.Expression]) -> Replacement:
     server, channel = q.name(0), q.name(1)
     if not q.only("time", "clientaddress"):
-        raise Unsaid
+        raise NotExpressible
     port = ports.get(server.lower())
     if port is None:
-        raise Unsaid(NO_PORT)
+        raise NotExpressible(NO_PORT_REASON)
     yield p.Attach(channel, "server", (port,))
-    yield p.WaitUntil(_connected(channel, 1), _time(q))
+    yield p.WaitUntil(_connected(channel, 1), _timeout(q))
 
 
-def _connect(q: KeptCall) -> Said:
+def _connect(q: VendorCall) -> Replacement:
     """Closes and opens it again while nobody is there."""
     channel, host, port = q.name(0), q.given(1), q.given(2)
     if not q.only("time") or host is None or port is None:
-        raise Unsaid
-    attach, most = p.Attach(channel, "client", (host, port)), _time(q)
-    again: list[p.Statement] = [p.Detach(channel), p.Wait(e.Number(PAUSE)), attach]
+        raise NotExpressible
+    attach, most = p.Attach(channel, "client", (host, port)), _timeout(q)
+    again: list[p.Statement] = [p.Detach(channel), p.Wait(e.Number(RETRY_PAUSE)), attach]
     if most is not None:
         timer = f"{channel}_time"
         yield p.StartTimer(timer)
         in_time = e.Binary("<", e.Elapsed(timer), most)
-        again.insert(0, p.WaitUntil(in_time, e.Number(PAUSE)))
+        again.insert(0, p.WaitUntil(in_time, e.Number(RETRY_PAUSE)))
     yield attach
     yield p.While(_connected(channel, 0), tuple(again))
 
 
-PAUSE: Final = 0.1
+RETRY_PAUSE: Final = 0.1
 """Seconds between one try and the next."""
 
 
@@ -248,33 +255,33 @@ def _connected(channel: str, value: int) -> e.Expression:
     return e.Binary("=", e.Apply("connected", (e.Text(channel),)), e.Number(value))
 
 
-def _time(q: KeptCall) -> e.Expression | None:
+def _timeout(q: VendorCall) -> e.Expression | None:
     """The longest time of a socket, None for ever."""
     node = q.call.options.get("time")
     if node is None:
-        return e.Number(USUAL_TIME)
+        return e.Number(DEFAULT_TIMEOUT)
     return None if name_of(node).lower() == FOR_EVER else q.value(node)
 
 
 # --------------------------------------------------------------------------------- writing
 
 
-def _write(q: KeptCall) -> Said:
+def _write(q: VendorCall) -> Replacement:
     channel, text = q.name(0), q.given(1)
     if text is None or not q.only("num", "dnum", "bool", "pos", "orient", "nonewline"):
-        raise Unsaid
+        raise NotExpressible
     kind: Any = "piece" if "nonewline" in q.call.options else "line"
     truth = q.option("bool")
     if truth is not None:
         yes, no = (p.Send(channel, kind, (text, e.Text(word))) for word in ("TRUE", "FALSE"))
         yield p.If((p.Branch(truth, (yes,)),), (no,))
         return
-    yield p.Send(channel, kind, (text, *_values(q)))
+    yield p.Send(channel, kind, (text, *_option_values(q)))
 
 
-def _values(q: KeptCall) -> Iterator[e.Expression]:
+def _option_values(q: VendorCall) -> Iterator[e.Expression]:
     """What an option adds to a text; a record in brackets."""
-    for option, parts in (("num", ()), ("dnum", ()), ("pos", "xyz"), ("orient", _TURN)):
+    for option, parts in (("num", ()), ("dnum", ()), ("pos", "xyz"), ("orient", _QUATERNION)):
         node = q.call.options.get(option)
         if node is None:
             continue
@@ -284,7 +291,7 @@ def _values(q: KeptCall) -> Iterator[e.Expression]:
         items = node.items if isinstance(node, s.AggregateNode) else None
         if items is None:
             if not isinstance(node, s.NameRef | s.Component | s.Element):
-                raise Unsaid
+                raise NotExpressible
             items = tuple(s.Component(node, part) for part in parts)
         for mark, item in zip(("[", *("," for _ in parts)), items, strict=False):
             yield e.Text(mark)
@@ -292,44 +299,44 @@ def _values(q: KeptCall) -> Iterator[e.Expression]:
         yield e.Text("]")
 
 
-_TURN: Final = ("q1", "q2", "q3", "q4")
+_QUATERNION: Final = ("q1", "q2", "q3", "q4")
 
 
-def _write_text(q: KeptCall) -> Said:
+def _write_text(q: VendorCall) -> Replacement:
     text = q.given(1)
     if text is None or not q.only():
-        raise Unsaid
-    yield _sent(q.name(0), text)
+        raise NotExpressible
+    yield _send_text(q.name(0), text)
 
 
-def _send(q: KeptCall) -> Said:
+def _send(q: VendorCall) -> Replacement:
     text = q.option("str")
-    if text is None or not q.only("str", OPTION):
-        raise Unsaid(BYTES)
-    yield _sent(q.name(0), text)
+    if text is None or not q.only("str", GATEWAY_OPTION):
+        raise NotExpressible(BYTES_REASON)
+    yield _send_text(q.name(0), text)
 
 
-def _sent(channel: str, text: e.Expression) -> p.Send:
+def _send_text(channel: str, text: e.Expression) -> p.Send:
     """A text that ends as lines do is a line, whatever ends those there."""
-    parts = [*_summed(text)]
+    parts = [*_text_terms(text)]
     match parts[-1]:
-        case e.Text(last) if END.search(last):
-            rest = END.sub("", last)
+        case e.Text(last) if LINE_END.search(last):
+            rest = LINE_END.sub("", last)
             given = [*parts[:-1], *((e.Text(rest),) if rest or len(parts) == 1 else ())]
             found = p.Send(channel, "line", tuple(given))
         case _:
             found = p.Send(channel, "piece", tuple(parts))
     for part in found.parts:
         if isinstance(part, e.Text) and not part.value.isprintable():
-            raise Unsaid(BYTES)
+            raise NotExpressible(BYTES_REASON)
     return found
 
 
-def _summed(text: e.Expression) -> Iterator[e.Expression]:
+def _text_terms(text: e.Expression) -> Iterator[e.Expression]:
     match text:
         case e.Binary("+", left, right):
-            yield from _summed(left)
-            yield from _summed(right)
+            yield from _text_terms(left)
+            yield from _text_terms(right)
         case _:
             yield text
 
@@ -337,17 +344,17 @@ def _summed(text: e.Expression) -> Iterator[e.Expression]:
 # --------------------------------------------------------------------------------- reading
 
 
-def _receive(q: KeptCall) -> Said:
+def _receive(q: VendorCall) -> Replacement:
     target = q.option("str")
-    if target is None or not q.only("str", "time", "readnoofbytes", OPTION):
-        raise Unsaid(BYTES)
+    if target is None or not q.only("str", "time", "readnoofbytes", GATEWAY_OPTION):
+        raise NotExpressible(BYTES_REASON)
     yield p.Assign(target, e.Apply("received", (e.Text(q.name(0)),)))
 
 
-def _read(function: str) -> Callable[[KeptCall], Said]:
-    def said(q: KeptCall) -> Said:
+def _reading(function: str) -> Callable[[VendorCall], Replacement]:
+    def said(q: VendorCall) -> Replacement:
         if q.answer is None or not q.only("delim", "removecr", "discardheaders", "time"):
-            raise Unsaid
+            raise NotExpressible
         yield p.Assign(q.answer, e.Apply(function, (e.Text(q.name(0)),)))
 
     return said
@@ -355,14 +362,14 @@ def _read(function: str) -> Callable[[KeptCall], Said]:
 
 PREPARING: Final = frozenset(("socketcreate", "socketbind", "socketlisten"))
 """Instructions behind which a socket may be used."""
-LEFT: Final = (
+OMITTED_LOSS: Final = (
     "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
     "none is needed, if nobody connects before that",
 )
 """What is lost of them, and what to do about it."""
 OF_TEXTS: Final = frozenset(("socketsend", "socketreceive"))
 READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
-_SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
+_LOWERINGS: Final[Mapping[str, Callable[[VendorCall], Replacement]]] = {
     "close": _close,
     "write": _write,
     "writestrbin": _write_text,
@@ -370,7 +377,7 @@ _SAID: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
     "socketsend": _send,
     "socketclose": _close,
     "socketreceive": _receive,
-    "readstr": _read("received"),
-    "readnum": _read("received_number"),
+    "readstr": _reading("received"),
+    "readnum": _reading("received_number"),
 }
 """By lower-case names of instructions and functions."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any, Final, TypeVar
 
-from assistant.languages.rapid.lift.expressions import lift
+from assistant.languages.rapid.lift.expressions import lift_expression
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
@@ -48,8 +48,8 @@ class DataLift:
         self.variables: dict[str, Variable] = {}
         self._held: set[int] = set()
         self._names: set[str] = set()
-        assigned = _assigned(modules)
-        self._extents = dict(_extents(modules))
+        assigned = _assigned_names(modules)
+        self._extents = dict(_constant_extents(modules))
         for module, self.start in zip(modules, starts, strict=True):
             for item in module.items:
                 if isinstance(item, s.Data) and item.name.lower() not in self._names:
@@ -75,10 +75,18 @@ class DataLift:
             self.tools[name] = tool
         elif type == "wobjdata" and (frame := frame_of(value)) and name.lower() != BASE:
             self.frames[name] = frame
-        elif type == "speeddata" and constant and (speed := _named(SPEEDS, item, self.speeds)):
+        elif (
+            type == "speeddata"
+            and constant
+            and (speed := _value_of_other_name(SPEEDS, item, self.speeds))
+        ):
             self.speeds[item.name.lower()] = speed
             self._spelled[item.name.lower()] = item.name
-        elif type == "zonedata" and constant and (blend := _named(BLENDS, item, self.blends)):
+        elif (
+            type == "zonedata"
+            and constant
+            and (blend := _value_of_other_name(BLENDS, item, self.blends))
+        ):
             self.blends[item.name.lower()] = blend
             self._spelled[item.name.lower()] = item.name
         elif type == "speeddata" and constant and shape(value) == "nnnn":
@@ -120,13 +128,13 @@ class DataLift:
         storage: Any = STORAGES.get(item.storage)  # none in a damaged text
         if storage is None or not all(isinstance(n, int) and n > 0 for n in size):
             return None
-        initial = None if item.value is None else lift(item.value, self.original)
+        initial = None if item.value is None else lift_expression(item.value, self.original)
         extents = tuple(n for n in size if isinstance(n, int))
         span = item.span and item.span.moved(self.start)
         return Variable(type, initial, extents, storage, item.scope == "LOCAL", span)
 
 
-def _named(table: ValueNames[T], item: s.Data, known: Mapping[str, T]) -> T | None:
+def _value_of_other_name(table: ValueNames[T], item: s.Data, known: Mapping[str, T]) -> T | None:
     """The value of data that have the one of other data, which are constant; None for others."""
     if not isinstance(item.value, s.NameRef):
         return None
@@ -134,7 +142,7 @@ def _named(table: ValueNames[T], item: s.Data, known: Mapping[str, T]) -> T | No
     return known.get(low, table.predefined.get(low))
 
 
-def _extents(modules: Sequence[s.Module]) -> Iterator[tuple[str, int]]:
+def _constant_extents(modules: Sequence[s.Module]) -> Iterator[tuple[str, int]]:
     """Constant whole numbers, which extents of arrays may be, by lower-case name."""
     for module in modules:
         for item in module.items:
@@ -156,7 +164,7 @@ def fixed_target(variable: Variable) -> Target | JointTarget | None:
     return None
 
 
-def _assigned(modules: Sequence[s.Module]) -> set[str]:
+def _assigned_names(modules: Sequence[s.Module]) -> set[str]:
     """Names of variables that a routine assigns to, lower case."""
     routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
     found: set[str] = set()

@@ -14,29 +14,29 @@ from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_procedures
 
-OWN: Final = "cdate"
-OTHERS: Final = "date_today"
-_PARTS: Final = ((1, 4), (6, 2), (9, 2))
+RAPID_DATE: Final = "cdate"
+NEUTRAL_DATE: Final = "date_today"
+_DATE_PARTS: Final = ((1, 4), (6, 2), (9, 2))
 """First character and length of year, month and day."""
 
 
-def with_others_dates(program: Program) -> Program:
+def with_neutral_dates(program: Program) -> Program:
     """The program with dates as other languages have them."""
-    return _exchanged(program, OWN, OTHERS, "-")
+    return _with_date_function(program, RAPID_DATE, NEUTRAL_DATE, "-")
 
 
 def with_own_dates(program: Program) -> Program:
     """The program with dates of RAPID."""
-    return _exchanged(program, OTHERS, OWN, "/")
+    return _with_date_function(program, NEUTRAL_DATE, RAPID_DATE, "/")
 
 
-def _exchanged(program: Program, old: str, new: str, between: str) -> Program:
+def _with_date_function(program: Program, old: str, new: str, between: str) -> Program:
     used = any(part.function.lower() == old for part in records_in_procedures(program, e.Apply))
     if not used or program.procedure(old) is not None:
         return program
-    pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _PARTS]
+    pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _DATE_PARTS]
     first, *others = pieces
-    made = reduce(_joined(between), others, first)
+    made = reduce(_joined_by(between), others, first)
 
     def visit(part: Any) -> Any:
         match part:
@@ -47,7 +47,7 @@ def _exchanged(program: Program, old: str, new: str, between: str) -> Program:
     return replace(program, procedures=rewrite(program.procedures, visit))
 
 
-def _joined(between: str) -> Any:
+def _joined_by(between: str) -> Any:
     def join(left: e.Expression, right: e.Expression) -> e.Expression:
         return e.Binary("+", e.Binary("+", left, e.Text(between)), right)
 

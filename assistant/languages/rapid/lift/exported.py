@@ -19,41 +19,45 @@ from assistant.base.diagnostics import Diagnostic, Findings
 from assistant.languages.language_types import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
-from assistant.languages.rapid.lift.dates import with_others_dates
-from assistant.languages.rapid.lift.extents import with_extents
-from assistant.languages.rapid.lift.instructions import Meaning
-from assistant.languages.rapid.lift.modules import as_one
-from assistant.languages.rapid.lift.operator import with_operator
-from assistant.languages.rapid.lift.places import with_active
-from assistant.languages.rapid.lift.plain.library import PART, TAKES
-from assistant.languages.rapid.lift.plain_data import with_plain_data, without_marks
+from assistant.languages.rapid.lift.dates import with_neutral_dates
+from assistant.languages.rapid.lift.extents import with_known_extents
+from assistant.languages.rapid.lift.instructions import NameResolver
+from assistant.languages.rapid.lift.modules import as_one_unit
+from assistant.languages.rapid.lift.operator import with_operator_dialogs
+from assistant.languages.rapid.lift.places import with_active_tool_frame
+from assistant.languages.rapid.lift.plain.library import QUATERNION_PART, TEST_AND_SET
+from assistant.languages.rapid.lift.plain_data import with_flat_data, without_omission_marks
 from assistant.languages.rapid.lift.statements import lift_of, opaque
 from assistant.languages.rapid.lift.stopwatches import with_stopwatches
 from assistant.languages.rapid.lift.told.aliases import with_aliases
-from assistant.languages.rapid.lift.told.calls import call_of, is_text, lifted
+from assistant.languages.rapid.lift.told.calls import instruction_of, is_vendor_text, lifted_call
 from assistant.languages.rapid.lift.told.declarations import with_needed_declarations
 from assistant.languages.rapid.lift.told.errors import with_errors
 from assistant.languages.rapid.lift.told.held import with_held_moves
 from assistant.languages.rapid.lift.told.interrupts import (
     BROKEN_OFF,
+    with_interrupt_wait_timers,
     with_interrupts,
-    with_moves_broken_off,
-    with_own_waits,
+    with_moves_ended_by_interrupts,
 )
 from assistant.languages.rapid.lift.told.left_out import (
-    INSTRUCTIONS,
-    NO_AXES,
+    NO_EXTERNAL_AXES,
+    OMITTED_INSTRUCTIONS,
     Loss,
     has_external_axes,
 )
-from assistant.languages.rapid.lift.told.limits import with_limit, with_limited_speeds
-from assistant.languages.rapid.lift.told.meeting import DUE, shared, task_lists
-from assistant.languages.rapid.lift.told.outputs import switched
-from assistant.languages.rapid.lift.told.processes import beads, spot_programs, weld_speeds
-from assistant.languages.rapid.lift.told.statements import BETWEEN, Telling, told
+from assistant.languages.rapid.lift.told.limits import with_limited_speeds, with_speed_limit
+from assistant.languages.rapid.lift.told.meeting import SYNC_DUE, sync_counter, task_lists
+from assistant.languages.rapid.lift.told.outputs import switched_outputs
+from assistant.languages.rapid.lift.told.processes import bead_numbers, spot_programs, weld_speeds
+from assistant.languages.rapid.lift.told.statements import (
+    TEST_AND_SET_LOSS,
+    VendorLowering,
+    lowered_instruction,
+)
 from assistant.languages.rapid.lift.told.timed import with_timed_moves
-from assistant.languages.rapid.lift.triggers import REASONS, Triggers
-from assistant.languages.rapid.lift.ways import options, steps
+from assistant.languages.rapid.lift.triggers import TRIGGER_REASONS, TriggerReader
+from assistant.languages.rapid.lift.ways import option_names, vendor_steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.predefined import error_numbers
 from assistant.languages.rapid.tables.processes import DATA
@@ -82,7 +86,7 @@ from assistant.program.vendor_statements import effect_of
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-NOTHING: Final = {
+INERT_INSTRUCTIONS: Final = {
     "confj", "confj on", "confl", "confl on", "singarea", "singarea off", "gripload load0",
     "cornerpathwarning true", "cornerpathwarning false",
 }  # fmt: skip
@@ -91,114 +95,116 @@ NOTHING: Final = {
 With their options and arguments, in lower case (RAPID reference manual: ConfJ, ConfL, SingArea,
 GripLoad)."""
 
-FIRST_BOOKED: Final = 101
+FIRST_BOOKED_ERROR: Final = 101
 """The first number of an error of the program's own: it may raise 1 to 90 itself (RAISE)."""
 IN_CORNER: Final = e.Reason(
     "the robot may be in a corner there, and would stop in it", "write `fine` for the moves before"
 )
 
-_ENDED: Final = {
+_DISPLACEMENT_ENDS: Final = {
     "pdispoff": re.compile(r"\bPDisp(?:On|Set|Add)\b", re.IGNORECASE),
     "eoffsoff": re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE),
 }
 """What ends displacements of targets, and of external axes, with the words that begin them."""
-IDLE: Final = DATA | {"tasks", "syncident", "errnum", "intnum", *SIGNALS}
+IDLE_TYPES: Final = DATA | {"tasks", "syncident", "errnum", "intnum", *SIGNALS}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
-NEAR: Final = frozenset(("inpos20", "inpos50", "inpos100"))
+NEAR_STOP_POINTS: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
 
 
-def exported(program: Program, arm: Robot | None) -> Adapted:
+def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     """The program for another language. arm: that will run it, None if it is not known."""
     findings = Findings()
-    plain = with_plain_data(program)
+    plain = with_flat_data(program)
     findings += plain.findings
-    program = as_one(without_marks(plain.program))
-    program = with_stopwatches(with_extents(program), findings)
-    if tables := _tables(program):
+    program = as_one_unit(without_omission_marks(plain.program))
+    program = with_stopwatches(with_known_extents(program), findings)
+    if tables := _frame_tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
-    program = _with_outputs_on_way(program)
-    if any(map(is_text, records_in_procedures(program, p.Opaque, e.Verbatim))):
-        program, limit = with_limit(program)
+    program = _with_move_triggers(program)
+    if any(map(is_vendor_text, records_in_procedures(program, p.Opaque, e.Verbatim))):
+        program, limit = with_speed_limit(program)
         program = with_held_moves(with_aliases(program), findings)
         program = with_interrupts(program, findings)
-        program = _with_other_words(program, findings)
+        program = _with_neutral_statements(program, findings)
         handled = with_errors(program, lift_of(program), findings)
-        program = program if handled is program else _with_other_words(handled, findings)
-        program = with_timed_moves(with_own_waits(program), arm, findings)
-        program = with_channels(with_operator(program, findings), findings)
+        program = program if handled is program else _with_neutral_statements(handled, findings)
+        program = with_timed_moves(with_interrupt_wait_timers(program), arm, findings)
+        program = with_channels(with_operator_dialogs(program, findings), findings)
         program = with_vendor_statements_replaced(
-            program, lambda node: (_without_near(node, findings),)
+            program, lambda node: (_without_near_stop(node, findings),)
         )
         if arm is not None:
-            program = with_open_lines(program, steps)
-        stop = _always_stopping(findings)
-        after = _after_kept(findings)
-        program = with_stops(program, steps, _besides_standing, IN_CORNER, stop, after)
-        nothing = NOTHING | {word for word, moves in _ENDED.items() if not _says(program, moves)}
-        losses = dict(INSTRUCTIONS)
+            program = with_open_lines(program, vendor_steps)
+        stop = _reporting_stop(findings)
+        after = _reporting_omitted_wait(findings)
+        program = with_stops(program, vendor_steps, _without_standstill, IN_CORNER, stop, after)
+        nothing = INERT_INSTRUCTIONS | {
+            word for word, moves in _DISPLACEMENT_ENDS.items() if not _has_words(program, moves)
+        }
+        losses = dict(OMITTED_INSTRUCTIONS)
         if "eoffsoff" not in nothing and not has_external_axes(program):
-            losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_AXES)
-        program = with_moves_broken_off(program)
-        booked = _booked(program)
+            losses |= dict.fromkeys(("eoffsset", "eoffson", "eoffsoff"), NO_EXTERNAL_AXES)
+        program = with_moves_ended_by_interrupts(program)
+        booked = _booked_errors(program)
         program = with_vendor_statements_replaced(
-            program, lambda node: _told(node, nothing, losses, findings, booked)
+            program, lambda node: _without_omitted(node, nothing, losses, findings, booked)
         )
         program = with_limited_speeds(program, limit)  # once all that moves is a move
-        program, early = with_active(program)
+        program, early = with_active_tool_frame(program)
         findings += [rules.BEFORE_MOVES(span=span) for span in dict.fromkeys(early)]
-    program = _without_unused(with_needed_declarations(program, findings))
+    program = _without_idle_declarations(with_needed_declarations(program, findings))
     types = {
         key: (known.name, VALUE_OF_TYPE[known.type])
         for key, known in predefined().items()
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
-    findings += _numbered(program)
-    program = with_constants(with_others_dates(program), {**ELSEWHERE, **error_numbers()})
+    findings += _error_number_findings(program)
+    program = with_constants(with_neutral_dates(program), {**ELSEWHERE, **error_numbers()})
     program = with_read_angles(with_predefined(program, types))
-    findings += _signs(program)
-    findings += _states(program)
-    findings += _taken(program)
+    findings += _quaternion_findings(program)
+    findings += _cell_state_findings(program)
+    findings += _test_and_set_findings(program)
     return Adapted(program, tuple(findings))
 
 
-def _signs(program: Program) -> Iterator[Diagnostic]:
+def _quaternion_findings(program: Program) -> Iterator[Diagnostic]:
     """Quaternions that are read where there are angles alone."""
     for statement, parts in statements_with(program, e.Apply):
-        if statement.span is not None and any(part.function == PART for part in parts):
+        if statement.span is not None and any(part.function == QUATERNION_PART for part in parts):
             yield rules.SIGNS(span=statement.span)
 
 
-def _taken(program: Program) -> Iterator[Diagnostic]:
+def _test_and_set_findings(program: Program) -> Iterator[Diagnostic]:
     """Warn where a truth is tested and set in more than one step."""
     for statement, parts in statements_with(program, e.Apply):
-        if statement.span is not None and any(part.function == TAKES for part in parts):
-            loss, cure = BETWEEN
+        if statement.span is not None and any(part.function == TEST_AND_SET for part in parts):
+            loss, cure = TEST_AND_SET_LOSS
             yield rules.LEFT_OUT(
                 what="the one step of TestAndSet", loss=loss, cure=cure, span=statement.span
             )
 
 
-def _numbered(program: Program) -> Iterator[Diagnostic]:
+def _error_number_findings(program: Program) -> Iterator[Diagnostic]:
     """Warn where the number of an error is used."""
     numbers = error_numbers()
     for statement, parts in statements_with(program, e.Name):
         named = [part.name for part in parts if part.name.lower() in numbers]
         if statement.span is not None:
             for name in dict.fromkeys(named):
-                loss, cure = _COUNTED
+                loss, cure = _ERROR_NUMBER_LOSS
                 yield rules.LEFT_OUT(
                     what=f"the number of {name.upper()}", loss=loss, cure=cure, span=statement.span
                 )
 
 
-_COUNTED: Final = (
+_ERROR_NUMBER_LOSS: Final = (
     "no manual states it, and another controller has no such error: it is counted here",
     "compare it with the names of errors alone",
 )
 
 
-def _states(program: Program) -> Iterator[Diagnostic]:
+def _cell_state_findings(program: Program) -> Iterator[Diagnostic]:
     """Where the cell says what the controller would tell of itself."""
     if not any(name.lower() in STATE_OF for name in program.variables):
         return
@@ -209,9 +215,9 @@ def _states(program: Program) -> Iterator[Diagnostic]:
                 yield rules.STATED(name=name, span=statement.span)
 
 
-def _key(call: s.ProcedureCall) -> str:
+def _instruction_key(call: s.ProcedureCall) -> str:
     """Name, options and plain arguments, as the tables have them."""
-    words = [str(call.name), *options(call.arguments)]
+    words = [str(call.name), *option_names(call.arguments)]
     for argument in call.arguments:
         match argument:
             case s.Positional(s.NameRef(name), None):
@@ -221,7 +227,7 @@ def _key(call: s.ProcedureCall) -> str:
     return " ".join(words).lower()
 
 
-def _with_outputs_on_way(program: Program) -> Program:
+def _with_move_triggers(program: Program) -> Program:
     """The program with what moves set on their way that plain data and named rows have cleared."""
     if not any("trigg" in node.text.lower() for node in records_in_procedures(program, p.Opaque)):
         return program
@@ -234,31 +240,33 @@ def _with_outputs_on_way(program: Program) -> Program:
         if one.storage == "constant" and isinstance(one.initial, e.Number)
     }
     numbers = {name: value for name, value in numbers.items() if name not in inner}
-    meaning = Meaning(speeds=speeds, blends=blends, numbers=numbers)
+    meaning = NameResolver(speeds=speeds, blends=blends, numbers=numbers)
     own = {procedure.name.lower() for procedure in program.procedures}
     own = own.union(*(effect_of(one).writes for one in program.declarations))
-    understood = Triggers(meaning, own.__contains__)
+    understood = TriggerReader(meaning, own.__contains__)
     program, used = with_triggers(
-        program, understood.told, FUNCTIONS.__contains__, REASONS, chosen=True
+        program, understood.told, FUNCTIONS.__contains__, TRIGGER_REASONS, chosen=True
     )
     return replace(program, signals=with_used_signals(program.signals, [*used, *meaning.used]))
 
 
-def _with_other_words(program: Program, findings: Findings) -> Program:
+def _with_neutral_statements(program: Program, findings: Findings) -> Program:
     """The program with other statements for the instructions that RAPID alone has."""
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     blends = {name.lower(): blend for name, blend in program.blends.items()}
-    meaning = Meaning(speeds=speeds, blends=blends)
-    displaced = _says(program, _ENDED["eoffsoff"])
-    telling = Telling(
-        program, findings, meaning, switched(program), displaced,
+    meaning = NameResolver(speeds=speeds, blends=blends)
+    displaced = _has_words(program, _DISPLACEMENT_ENDS["eoffsoff"])
+    telling = VendorLowering(
+        program, findings, meaning, switched_outputs(program), displaced,
         weld_speeds(program), task_lists(program),
-        cache(lambda: spot_programs(program)), cache(lambda: beads(program)),
+        cache(lambda: spot_programs(program)), cache(lambda: bead_numbers(program)),
     )  # fmt: skip
-    program = with_vendor_statements_replaced(program, lambda node: told(telling, node))
-    counted = dict(map(shared, telling.points))
+    program = with_vendor_statements_replaced(
+        program, lambda node: lowered_instruction(telling, node)
+    )
+    counted = dict(map(sync_counter, telling.points))
     if counted:
-        counted[DUE] = Variable("number")
+        counted[SYNC_DUE] = Variable("number")
     return replace(
         program,
         signals=with_used_signals(program.signals, meaning.used),
@@ -266,9 +274,9 @@ def _with_other_words(program: Program, findings: Findings) -> Program:
     )
 
 
-def _without_unused(program: Program) -> Program:
+def _without_idle_declarations(program: Program) -> Program:
     """The program without data of its own kinds that nothing is left of to take them."""
-    idle = {id(one) for one in program.declarations if _is_idle(one)}
+    idle = {id(one) for one in program.declarations if _is_idle_declaration(one)}
     if not idle:
         return program
     named: set[str] = set()
@@ -280,43 +288,45 @@ def _without_unused(program: Program) -> Program:
             case e.Name(name) | p.SetSignal(name) | p.Trigger(name) | p.WaitSignal(name):
                 named.add(name.lower())
     for one in program.declarations:
-        if _is_routine(one):
+        if _is_routine_declaration(one):
             named |= effect_of(one).names
     left = (d for d in program.declarations if id(d) not in idle or effect_of(d).writes & named)
     return replace(program, declarations=tuple(left))
 
 
-def _is_idle(declaration: Declaration) -> bool:
+def _is_idle_declaration(declaration: Declaration) -> bool:
     """Whether it is of data that only instructions take which are said by other statements."""
     match verbatim.understood(verbatim.items, declaration.text):
         case (s.Data(type=type),):
-            return type.lower() in IDLE
+            return type.lower() in IDLE_TYPES
     return False
 
 
-def _is_routine(declaration: Declaration) -> bool:
+def _is_routine_declaration(declaration: Declaration) -> bool:
     match verbatim.understood(verbatim.items, declaration.text):
         case (s.Routine(),):
             return True
     return False
 
 
-def _says(program: Program, words: re.Pattern[str]) -> bool:
+def _has_words(program: Program, words: re.Pattern[str]) -> bool:
     """Whether a kept text of the program has one of some words."""
     texts = [one.text for one in program.statements() if isinstance(one, p.Opaque)]
     texts += [one.text for one in program.declarations]
     return any(map(words.search, texts))
 
 
-def _booked(program: Program) -> Mapping[str, int]:
+def _booked_errors(program: Program) -> Mapping[str, int]:
     """Numbers of the program's own errors that expressions ask for, by lower-case name."""
     used = {one.name.lower() for one in records(program.procedures) if isinstance(one, e.Name)}
-    names = (_own_error(call_of(node)) for node in records_in_procedures(program, p.Opaque))
+    names = (
+        _booked_error(instruction_of(node)) for node in records_in_procedures(program, p.Opaque)
+    )
     found = [name for name in dict.fromkeys(names) if name and name in used]
-    return {name: at for at, name in enumerate(found, FIRST_BOOKED)}
+    return {name: at for at, name in enumerate(found, FIRST_BOOKED_ERROR)}
 
 
-def _own_error(call: s.ProcedureCall | None) -> str:
+def _booked_error(call: s.ProcedureCall | None) -> str:
     """The variable in lower case that `BookErrNo` gives a number; empty for another call."""
     if call is not None and str(call.name).lower() == "bookerrno":
         match call.arguments:
@@ -325,7 +335,7 @@ def _own_error(call: s.ProcedureCall | None) -> str:
     return ""
 
 
-def _told(
+def _without_omitted(
     node: p.Opaque,
     nothing: Set[str],
     losses: Mapping[str, Loss],
@@ -333,9 +343,9 @@ def _told(
     booked: Mapping[str, int],
 ) -> Iterator[p.Statement]:
     """What another language is told of a text: nothing, or the text."""
-    call = call_of(node)
-    key = "" if call is None else _key(call)
-    if (own := _own_error(call)) in booked:
+    call = instruction_of(node)
+    key = "" if call is None else _instruction_key(call)
+    if (own := _booked_error(call)) in booked:
         yield p.Assign(e.Name(own), e.Number(booked[own]), span=node.span)
         return
     loss = losses.get(key) or losses.get(key.split(" ")[0])
@@ -348,7 +358,7 @@ def _told(
             findings.append(rules.LEFT_OUT(what=node.text.rstrip(";"), loss=loss[0], cure=loss[1]))
 
 
-def _after_kept(findings: Findings) -> Callable[[p.Opaque], None]:
+def _reporting_omitted_wait(findings: Findings) -> Callable[[p.Opaque], None]:
     """Report a wait that is left out, as a move before it may be one that stays as its text."""
 
     def after(wait: p.Opaque) -> None:
@@ -357,7 +367,7 @@ def _after_kept(findings: Findings) -> Callable[[p.Opaque], None]:
     return after
 
 
-def _always_stopping(findings: Findings) -> Callable[[p.MoveStatement], None]:
+def _reporting_stop(findings: Findings) -> Callable[[p.MoveStatement], None]:
     """Tells of moves that stop on all ways, as something waits for that on one of them."""
 
     def tell(move: p.MoveStatement) -> None:
@@ -366,21 +376,21 @@ def _always_stopping(findings: Findings) -> Callable[[p.MoveStatement], None]:
     return tell
 
 
-def _besides_standing(node: p.Opaque) -> Iterator[p.Statement]:
+def _without_standstill(node: p.Opaque) -> Iterator[p.Statement]:
     """What is left of a wait for the robot to stand still: the time to wait there."""
-    call = call_of(node)
+    call = instruction_of(node)
     if call is not None:
         plain = tuple(one for one in call.arguments if not isinstance(one, s.Option))
-        yield from lifted(replace(call, arguments=plain), node, Meaning())
+        yield from lifted_call(replace(call, arguments=plain), node, NameResolver())
 
 
-def _without_near(node: p.Opaque, findings: Findings) -> p.Statement:
+def _without_near_stop(node: p.Opaque, findings: Findings) -> p.Statement:
     r"""A move that states `\Inpos` as one that stops; any other text as it is."""
-    call = call_of(node)
+    call = instruction_of(node)
     if call is None or not any(map(_is_stop_point, call.arguments)):
         return node
     rest = tuple(one for one in call.arguments if not _is_stop_point(one))
-    for move in lifted(replace(call, arguments=rest), node, Meaning()):
+    for move in lifted_call(replace(call, arguments=rest), node, NameResolver()):
         if isinstance(move, p.MoveStatement):
             with findings.at(node.span):
                 findings.append(rules.LEFT_OUT(
@@ -394,7 +404,7 @@ def _without_near(node: p.Opaque, findings: Findings) -> p.Statement:
 def _is_stop_point(argument: s.Argument) -> bool:
     match argument:
         case s.Option(option, s.NameRef(name)):
-            return option.lower() == "inpos" and name.lower() in NEAR
+            return option.lower() == "inpos" and name.lower() in NEAR_STOP_POINTS
     return False
 
 
@@ -412,28 +422,30 @@ def _with_named_rows(node: p.Opaque, named: RowName) -> p.Statement:
                 return part if name is None else s.NameRef(name)
         return part
 
-    call = call_of(node)
+    call = instruction_of(node)
     changed = None if call is None else rewrite(call, change, ())
     if changed is None or changed is call:
         return node
-    return next(lifted(changed, node, Meaning()), replace(opaque(changed), span=node.span))
+    return next(
+        lifted_call(changed, node, NameResolver()), replace(opaque(changed), span=node.span)
+    )
 
 
-_ROW_OF: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {
+_ROW_READERS: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {
     "tooldata": tool_of,
     "wobjdata": frame_of,
 }
 
 
-def _tables(program: Program) -> Mapping[str, RowTable]:
+def _frame_tables(program: Program) -> Mapping[str, RowTable]:
     """Declared tables of tools and work objects, by lower-case name."""
     found = {}
     for declaration in program.declarations:
         match verbatim.understood(verbatim.items, declaration.text):
             case (
                 s.Data(type=type, name=str(name), dimensions=(_,), value=s.AggregateNode(values)),
-            ) if type.lower() in _ROW_OF:
-                rows = [_ROW_OF[type.lower()](numbers(value)) for value in values]
+            ) if type.lower() in _ROW_READERS:
+                rows = [_ROW_READERS[type.lower()](numbers(value)) for value in values]
                 known = [row for row in rows if row is not None]
                 if known and len(known) == len(rows):
                     found[name.lower()] = declaration, known

@@ -28,7 +28,7 @@ _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
 Original = Callable[[str], str]
 
 
-def lift(node: s.Expression, original: Original = str) -> e.Expression:
+def lift_expression(node: s.Expression, original: Original = str) -> e.Expression:
     """original: gives a shortened name back."""
     return Expressions(original).of(node)
 
@@ -85,7 +85,7 @@ class Expressions:
             case s.Prefix("NOT", operand):
                 return e.Unary("not", self.of(operand))
             case s.Prefix("-", operand):
-                return negative(self.of(operand))
+                return negated(self.of(operand))
             case s.Prefix("+", operand):
                 return self.of(operand)
             case s.Infix(operator, left, right) if operator in _OPERATORS:  # or mistaken, as `:=`
@@ -93,12 +93,12 @@ class Expressions:
                 return e.Binary(name_, self.of(left), self.of(right))  # type: ignore[arg-type]
             case s.FunctionCall():
                 return self._call(node)
-        return kept(node)
+        return verbatim_of(node)
 
     def _call(self, node: s.FunctionCall) -> e.Expression:
         call = called(node)
         if call is None:
-            return kept(node)
+            return verbatim_of(node)
         said: e.Expression | None = functions.ROWS.read(call, self.reading)
         if said is not None:
             return said
@@ -109,14 +109,14 @@ class Expressions:
                     return e.Apply(_OF_ARM[key], (self.of(value),))
         given = tuple(self.of(argument) for argument in call.given if argument is not None)
         if call.options or name in e.FUNCTIONS:
-            return kept(node)
+            return verbatim_of(node)
         if key in functions.READS and len(given) == 1:
             if not isinstance(given[0], e.Name):
-                return kept(node)
+                return verbatim_of(node)
             self.used.append((given[0].name, READ_BY[key]))
             return given[0]
         if key in functions.ROWS and key not in functions.NO_OTHER:
-            return kept(node)
+            return verbatim_of(node)
         return e.Apply(name, given)
 
     def oriented(self, target: s.Expression, value: s.Expression) -> e.Expression | None:
@@ -144,13 +144,13 @@ class Expressions:
         return meant(self.original(node.name)) if isinstance(node, s.NameRef) else None
 
 
-def kept(node: s.Expression) -> e.Verbatim:
+def verbatim_of(node: s.Expression) -> e.Verbatim:
     """An expression as its text."""
     text = printed(node)
     return e.Verbatim(LANGUAGE, text, effect=effects.of_nodes((node,), text))
 
 
-def negative(operand: e.Expression) -> e.Expression:
+def negated(operand: e.Expression) -> e.Expression:
     if isinstance(operand, e.Number):
         return e.Number(-operand.value if operand.value else operand.value)
     return e.Unary("-", operand)

@@ -12,11 +12,11 @@ from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_procedures
 
-Sizes = Mapping[str, tuple[int, ...]]
+ArraySizes = Mapping[str, tuple[int, ...]]
 """Extents of arrays by lower-case name, none where they are not known."""
 
 
-def with_extents(program: Program) -> Program:
+def with_known_extents(program: Program) -> Program:
     """The program with numbers for `Dim(array,1)`; of an array parameter it stays a call."""
     if not any(part.function.lower() == "dim" for part in records_in_procedures(program, e.Apply)):
         return program
@@ -25,13 +25,13 @@ def with_extents(program: Program) -> Program:
     for procedure in program.procedures:
         own: dict[str, tuple[int, ...]] = {q.name.lower(): () for q in procedure.parameters}
         own |= {name.lower(): v.size for name, v in procedure.variables.items()}
-        sizes: Sizes = {**shared, **own}
-        body = rewrite(procedure.body, lambda x: _number(x, sizes))  # noqa: B023
+        sizes: ArraySizes = {**shared, **own}
+        body = rewrite(procedure.body, lambda x: _extent_number(x, sizes))  # noqa: B023
         procedures.append(replace(procedure, body=body))
     return replace(program, procedures=tuple(procedures))
 
 
-def _number(x: Any, sizes: Sizes) -> Any:
+def _extent_number(x: Any, sizes: ArraySizes) -> Any:
     match x:
         case e.Apply(function, (array, e.Number(int(place)))) if function.lower() == "dim":
             name = next(names_in(array), "").lower()  # of a record that is taken apart any part

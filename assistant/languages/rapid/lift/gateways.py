@@ -11,14 +11,14 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.told.calls import GATEWAY, call_of
+from assistant.languages.rapid.lift.told.calls import GATEWAY, instruction_of
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import head, records
 
-OPTION: Final = GATEWAY
+GATEWAY_OPTION: Final = GATEWAY
 GREETING: Final = "GATEWAY 1"
 """Both say it when a line is open: the number is that of the words that they speak."""
 
@@ -30,7 +30,7 @@ class Gateways:
         self.sockets: set[str] = set()
         self._routines: set[str] = set()
         for one in program.procedures:
-            found = {name for node in walk(one.body) if (name := _socket(node))}
+            found = {name for node in walk(one.body) if (name := _gateway_socket(node))}
             if found:
                 self.sockets |= found
                 self._routines.add(one.name.lower())
@@ -63,11 +63,11 @@ class Gateways:
         return False
 
 
-def _socket(node: p.Statement) -> str:
+def _gateway_socket(node: p.Statement) -> str:
     """The socket that a text says something for a gateway to, in lower case; else nothing."""
-    if not isinstance(node, p.Opaque) or f"\\{OPTION}" not in node.text.lower():
+    if not isinstance(node, p.Opaque) or f"\\{GATEWAY_OPTION}" not in node.text.lower():
         return ""
-    match call_of(node):
+    match instruction_of(node):
         case s.ProcedureCall(arguments=(s.Positional(s.NameRef(name)), *_)):
             return name.lower()
     return ""

@@ -32,7 +32,7 @@ from assistant.program.program import Signal
 EMPTY: Final = MappingProxyType[str, Any]({})
 
 
-class Meaning:
+class NameResolver:
     """What the names in instructions stand for.
 
     original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
@@ -107,7 +107,7 @@ class Meaning:
             case s.NameRef(name):
                 return self.speed(name)
             case s.AggregateNode(items) if len(items) == len(SPEED_PARTS):
-                values = _values(node)
+                values = _aggregate_numbers(node)
                 return speed_of(values) if values else p.ComputedSpeed(*map(self._part, items))
         return None
 
@@ -120,11 +120,12 @@ class Meaning:
             case s.NameRef(name):
                 return self.blend(name)
             case s.AggregateNode((stop, *sizes)) if len(sizes) == len(ZONE_SIZES) and not (
-                isinstance(stop, s.BoolLiteral) and _values(s.AggregateNode(tuple(sizes)))
+                isinstance(stop, s.BoolLiteral)
+                and _aggregate_numbers(s.AggregateNode(tuple(sizes)))
             ):
                 return computed_zone(self.expression(stop), tuple(map(self._part, sizes)))
             case s.AggregateNode((s.BoolLiteral(fine), *sizes)):
-                values = _values(s.AggregateNode(tuple(sizes)))
+                values = _aggregate_numbers(s.AggregateNode(tuple(sizes)))
                 zone = zone_of(fine, values) if len(values) == 6 else None
                 return None if zone is None or (zone.radius is None and any(values)) else zone
         return None
@@ -141,13 +142,13 @@ class Meaning:
         return p.Motion(self.speed(speed), self.blend(zone), *named)
 
 
-def instruction(node: s.ProcedureCall, meaning: Meaning) -> p.Statement | None:
+def lift_instruction(node: s.ProcedureCall, meaning: NameResolver) -> p.Statement | None:
     """The statement that a call of an instruction is, None if there is none in this form."""
     call = called(node)
-    return None if call is None else of_call(call, meaning)
+    return None if call is None else lift_call(call, meaning)
 
 
-def of_call(call: Called[s.Expression], meaning: Meaning) -> p.Statement | None:
+def lift_call(call: Called[s.Expression], meaning: NameResolver) -> p.Statement | None:
     """The same of a call as the rows of tables have it."""
     said: p.Statement | None = ROWS.read(call, meaning.reading)
     return said
@@ -157,28 +158,28 @@ def _is_no_load(node: s.Expression) -> bool:
     return isinstance(node, s.NameRef) and node.name.lower() == "load0"
 
 
-def _values(node: s.Expression) -> list[float]:
+def _aggregate_numbers(node: s.Expression) -> list[float]:
     """The numbers in brackets, none if there is anything else in them."""
     items = node.items if isinstance(node, s.AggregateNode) else ()
     numbers = [literal_number(item) for item in items]
     return [] if None in numbers else [float(n) for n in numbers if n is not None]
 
 
-_INTERRUPTS: Final = (
+_INTERRUPT_INSTRUCTIONS: Final = (
     *("isignaldi", "isignaldo", "isignalgi", "isignalgo", "isignalai", "isignalao", "itimer"),
     *("idelete", "isleep", "iwatch", "ienable", "idisable", "ipers", "ierror", "triggint"),
 )
-_TOGETHER: Final = ("syncmoveon", "syncmoveoff", "syncmovesuspend", "syncmoveresume")
-_ARMS: Final = e.Reason(
+_SYNCHRONISED_MOVES: Final = ("syncmoveon", "syncmoveoff", "syncmovesuspend", "syncmoveresume")
+_SEVERAL_ARMS: Final = e.Reason(
     "arms of several tasks move together there, which no program of one arm does",
     "move them one after the other, each in its own program",
 )
-REASONS: Final[Mapping[str, e.Reason]] = {
+INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
     "pulsedo": e.Reason(
         r"without \High the pulse is the other value than that which the signal has",
         r"write `\High`, or set the signal, wait and set it back",
     ),
-    **dict.fromkeys(_INTERRUPTS, INTERRUPTS),
-    **dict.fromkeys(_TOGETHER, _ARMS),
+    **dict.fromkeys(_INTERRUPT_INSTRUCTIONS, INTERRUPTS),
+    **dict.fromkeys(_SYNCHRONISED_MOVES, _SEVERAL_ARMS),
 }
 """Why calls of instructions stay as their text, by lower-case name."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from assistant.languages.patterns import Called
-from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.instructions import NameResolver
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called, name_of
@@ -16,11 +16,11 @@ from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
 
-Said: TypeAlias = Iterator[p.Statement]
+Replacement: TypeAlias = Iterator[p.Statement]
 
 
 @dataclass(frozen=True, slots=True)
-class KeptCall:
+class VendorCall:
     """call: of an instruction or a function. answer: of a function, where its result goes.
 
     sizes: the extents of arrays, by lower-case name.
@@ -44,7 +44,7 @@ class KeptCall:
         node = self.call.given[at] if at < len(self.call.given) else None
         found = name_of(node)
         if not found:
-            raise Unsaid
+            raise NotExpressible
         return found
 
     def option(self, name: str) -> e.Expression | None:
@@ -56,7 +56,7 @@ class KeptCall:
         return set(self.call.options) <= set(names)
 
 
-class Unsaid(Exception):
+class NotExpressible(Exception):
     """A call that has no other words in this form."""
 
     def __init__(self, reason: e.Reason | None = None) -> None:
@@ -64,30 +64,33 @@ class Unsaid(Exception):
         self.reason = reason
 
 
-Saying: TypeAlias = Callable[[KeptCall, p.Statement], Said]
+CallLowering: TypeAlias = Callable[[VendorCall, p.Statement], Replacement]
 
 
-def with_calls(
-    program: Program, instructions: Collection[str], functions: Collection[str], saying: Saying
+def with_lowered_calls(
+    program: Program,
+    instructions: Collection[str],
+    functions: Collection[str],
+    saying: CallLowering,
 ) -> Program:
     """The program with what is said of some of its calls; they stay where that raises Unsaid.
 
     instructions, functions: lower-case names; of functions those whose result is assigned.
     """
-    sizes = _sizes(program)
+    sizes = _array_sizes(program)
 
     def body(statements: Body) -> Body:
         return tuple(part for node in statements for part in said(node))
 
-    def said(node: p.Statement) -> Said:
-        call = _kept_call(node, instructions, functions)
+    def said(node: p.Statement) -> Replacement:
+        call = _vendor_call(node, instructions, functions)
         if call is None:
             yield map_bodies(node, body)
             return
         call = replace(call, sizes=sizes)
         try:
             made = tuple(saying(call, node))
-        except Unsaid as unsaid:
+        except NotExpressible as unsaid:
             if isinstance(node, p.Opaque) and unsaid.reason is not None:
                 node = replace(node, reason=unsaid.reason)
             yield node
@@ -98,7 +101,7 @@ def with_calls(
     return replace(program, procedures=procedures)
 
 
-def _sizes(program: Program) -> Mapping[str, tuple[int, ...]]:
+def _array_sizes(program: Program) -> Mapping[str, tuple[int, ...]]:
     """The extents of arrays; of a name that several arrays have only where these are equal."""
     found: dict[str, set[tuple[int, ...]]] = {}
     for table in (program.variables, *(q.variables for q in program.procedures)):
@@ -107,25 +110,25 @@ def _sizes(program: Program) -> Mapping[str, tuple[int, ...]]:
     return {name: sizes.pop() for name, sizes in found.items() if len(sizes) == 1}
 
 
-def _kept_call(
+def _vendor_call(
     node: p.Statement, instructions: Collection[str], functions: Collection[str]
-) -> KeptCall | None:
-    expression = Meaning().expression
+) -> VendorCall | None:
+    expression = NameResolver().expression
     match node:
         case p.Opaque(verbatim.LANGUAGE, text):
             match verbatim.understood(verbatim.statements, text):
                 case (s.ProcedureCall(name=str(word)) as call,) if word.lower() in instructions:
                     found = called(call)
-                    return None if found is None else KeptCall(found, expression)
+                    return None if found is None else VendorCall(found, expression)
         case p.Assign(target, e.Apply(function, given)) if function.lower() in functions:
             names = [s.NameRef(one.name) for one in given if isinstance(one, e.Name)]
             if len(names) == len(given):
-                return KeptCall(Called(function, names), expression, target)
+                return VendorCall(Called(function, names), expression, target)
         case p.Assign(target, e.Verbatim(verbatim.LANGUAGE, text)) if (
             text.partition("(")[0].strip().lower() in functions
         ):
             match verbatim.understood(verbatim.expression, text):
                 case s.FunctionCall() as function_call:
                     found = called(function_call)
-                    return None if found is None else KeptCall(found, expression, target)
+                    return None if found is None else VendorCall(found, expression, target)
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
-from assistant.languages.rapid.lift.processes import signals_of
+from assistant.languages.rapid.lift.processes import process_signals
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -14,7 +14,7 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import statements as p
 from assistant.program.program import Signal
 
-_TYPES: Final = {
+_SIGNAL_TYPES: Final = {
     f"signal{letter}{way[0]}": Signal(kind, way)  # type: ignore[arg-type]
     for letter, kind in (("d", "digital"), ("g", "group"), ("a", "analog"))
     for way in ("input", "output")
@@ -33,13 +33,15 @@ def signals_in(
             )
             for node in nodes(read or ()):
                 if isinstance(node, s.ProcedureCall):
-                    yield from ((n, x) for n, x in _of(node) if not known(n.lower()))
+                    yield from (
+                        (n, x) for n, x in _instruction_signals(node) if not known(n.lower())
+                    )
 
 
-def _of(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
+def _instruction_signals(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
     found = signature(call.name) if isinstance(call.name, str) else None
     if isinstance(call.name, str) and (known := called(call)) is not None:
-        yield from signals_of(known)
+        yield from process_signals(known)
     if found is None:
         return
     required = iter(found.required)
@@ -53,5 +55,5 @@ def _of(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
             case s.Positional(_, str(name)) | s.Option(name, _):
                 types = (named.get(name.lower(), ""),)
         value = getattr(argument, "value", None)
-        if isinstance(value, s.NameRef) and len(types) == 1 and types[0] in _TYPES:
-            yield value.name, _TYPES[types[0]]
+        if isinstance(value, s.NameRef) and len(types) == 1 and types[0] in _SIGNAL_TYPES:
+            yield value.name, _SIGNAL_TYPES[types[0]]

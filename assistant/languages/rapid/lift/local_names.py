@@ -19,17 +19,17 @@ from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
 
-def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_unique_data_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """Return the modules with a different name for everything that is named twice.
 
     Local data get another name where another module declares the same name, and functions where
     RAPID or the pseudo-program has a function of that name: a declaration hides it.
     """
-    modules = _with_own_functions(modules)
-    if len(modules) < 2 or not _any_twice(modules):
+    modules = _without_hiding_functions(modules)
+    if len(modules) < 2 or not _has_duplicates(modules):
         return modules
-    declared = [dict(_declared(module)) for module in modules]
-    taken = TakenNames((*chain(*declared), *_said(modules)))
+    declared = [dict(_declared_data_names(module)) for module in modules]
+    taken = TakenNames((*chain(*declared), *_used_names(modules)))
     made = []
     for at, (module, own) in enumerate(zip(modules, declared, strict=True)):
         names: dict[str, str] = {}
@@ -44,7 +44,7 @@ def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     return made
 
 
-def _with_own_functions(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def _without_hiding_functions(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """Rename functions that hide predefined ones, in the modules that call them."""
     own = [
         {
@@ -57,7 +57,7 @@ def _with_own_functions(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     ]
     if not any(own):
         return modules
-    taken = TakenNames(_said(modules))
+    taken = TakenNames(_used_names(modules))
     everywhere: dict[str, str] = {}
     alone: list[dict[str, str]] = []
     for routines in own:
@@ -67,12 +67,12 @@ def _with_own_functions(modules: Sequence[s.Module]) -> Sequence[s.Module]:
             names[key] = identifier(routine.name, taken)
             taken.add(names[key])
     return [
-        _with_functions(module, everywhere | names)
+        _with_function_names(module, everywhere | names)
         for module, names in zip(modules, alone, strict=True)
     ]
 
 
-def _with_functions(module: s.Module, names: dict[str, str]) -> s.Module:
+def _with_function_names(module: s.Module, names: dict[str, str]) -> s.Module:
     def visit(node: Any) -> Any:
         match node:
             case s.FunctionCall(name=name) | s.Routine(kind="FUNC", name=name):
@@ -83,7 +83,7 @@ def _with_functions(module: s.Module, names: dict[str, str]) -> s.Module:
     return made
 
 
-def _any_twice(modules: Sequence[s.Module]) -> bool:
+def _has_duplicates(modules: Sequence[s.Module]) -> bool:
     """Whether any name is declared twice, by columns of names."""
     items = [item for module in modules for item in module.items]
     single = [item.name.lower() for item in items if isinstance(item, s.Data)]
@@ -96,7 +96,7 @@ def _any_twice(modules: Sequence[s.Module]) -> bool:
     )
 
 
-def _declared(module: s.Module) -> Iterator[tuple[str, tuple[str, bool]]]:
+def _declared_data_names(module: s.Module) -> Iterator[tuple[str, tuple[str, bool]]]:
     """By lower-case name each name of data as it is spelled, and whether it is local."""
     for item in module.items:
         match item:
@@ -107,7 +107,7 @@ def _declared(module: s.Module) -> Iterator[tuple[str, tuple[str, bool]]]:
                 yield from ((name.lower(), (name, scope == "LOCAL")) for name in names)
 
 
-def _said(modules: Sequence[s.Module]) -> Iterator[str]:
+def _used_names(modules: Sequence[s.Module]) -> Iterator[str]:
     """What modules call anything: another name must not become that of something else there."""
     for node in nodes(tuple(modules)):
         match node:

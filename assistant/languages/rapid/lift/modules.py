@@ -11,7 +11,7 @@ from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
 
 
-def with_calls_between(program: Program) -> Program:
+def with_unit_calls(program: Program) -> Program:
     """A program whose calls of what stands in another module are calls of that unit."""
     homes = {q.name.lower(): q.unit for q in program.procedures}
 
@@ -19,19 +19,19 @@ def with_calls_between(program: Program) -> Program:
         there = homes.get(call.procedure.lower())
         return there if call.unit is None and there != own else call.unit
 
-    return _with_units(program, lambda unit: unit, home)
+    return _with_units_changed(program, lambda unit: unit, home)
 
 
-def as_one(program: Program) -> Program:
+def as_one_unit(program: Program) -> Program:
     """A program of one unit, where its modules say that the task holds them all."""
     origin = program.origin
     modules = () if origin is None else (m for file in origin.trees for m in file.modules)
     if not any(opening(module).resident for module in modules):
         return program
-    return _with_units(program, lambda _: None, lambda call, own: None)  # noqa: ARG005
+    return _with_units_changed(program, lambda _: None, lambda call, own: None)  # noqa: ARG005
 
 
-def _with_units(
+def _with_units_changed(
     program: Program,
     of: Callable[[str | None], str | None],
     home: Callable[[p.Call, str | None], str | None],

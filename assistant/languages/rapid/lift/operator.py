@@ -13,7 +13,12 @@ from typing import Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.kept_calls import KeptCall, Said, Unsaid, with_calls
+from assistant.languages.rapid.lift.kept_calls import (
+    NotExpressible,
+    Replacement,
+    VendorCall,
+    with_lowered_calls,
+)
 from assistant.languages.rapid.tables.words import ANSWERS
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
@@ -23,7 +28,7 @@ from assistant.program import statements as p
 from assistant.program.passes import operator_texts
 from assistant.program.program import Program
 
-NONE: Final = "stempty"
+EMPTY_TEXT: Final = "stempty"
 """Predefined: the text of a key that is not there."""
 BUTTONS: Final[Mapping[str, Sequence[str]]] = {
     "btnnone": (),
@@ -35,7 +40,7 @@ BUTTONS: Final[Mapping[str, Sequence[str]]] = {
     "btnyesnocancel": ("resYes", "resNo", "resCancel"),
 }
 """What the buttons of a box stand for, by the name of their `buttondata`."""
-LOOKS: Final = frozenset(("wrap", "icon", "image", "uiactivesignal"))
+DISPLAY_OPTIONS: Final = frozenset(("wrap", "icon", "image", "uiactivesignal"))
 """Options of a box that only show."""
 LINES: Final = ("header", "message", "msgline2", "msgline3", "msgline4", "msgline5")
 DIALOGS: Final = frozenset(("uinumentry", "uidnumentry", "uimessagebox"))
@@ -50,18 +55,18 @@ ENDED: Final = e.Reason(
     "the question ends by itself, and the program goes on with an error or without an answer",
     "ask without a time and a break, or wait for inputs in the program",
 )
-WORKED_OUT: Final = e.Reason(
+COMPUTED_TEXT: Final = e.Reason(
     "which keys it has is only known as it runs",
     "write the texts of the keys out, and `stEmpty` for those that are not there",
 )
 
 
-def with_operator(program: Program, findings: Findings) -> Program:
+def with_operator_dialogs(program: Program, findings: Findings) -> Program:
     """The program with messages and waits for inputs where RAPID talks to a person."""
 
-    def said(call: KeptCall, node: p.Statement) -> Said:
+    def said(call: VendorCall, node: p.Statement) -> Replacement:
         word = call.word
-        made = tuple(_ASKED[word](call))
+        made = tuple(_LOWERINGS[word](call))
         with findings.at(node.span):
             if word in STOPPED and isinstance(node, p.Opaque):
                 text, cure = node.text.rstrip(";"), STOPPED[word]
@@ -70,87 +75,91 @@ def with_operator(program: Program, findings: Findings) -> Program:
                 findings.append(rules.ASKED(what=call.call.word))
         yield from made
 
-    told = with_calls(program, _ASKED, DIALOGS, said)
+    told = with_lowered_calls(program, _LOWERINGS, DIALOGS, said)
     return operator_texts.with_answers(told)
 
 
 # ----------------------------------------------------------------------------- what is said
 
 
-def _stop(q: KeptCall) -> Said:
+def _stop_statement(q: VendorCall) -> Replacement:
     """Stop with its options, and Break."""
     if q.call.given or not set(q.call.options) <= {"noregain", "allmovetasks"}:
-        raise Unsaid
+        raise NotExpressible
     yield p.Stop()
 
 
-def _report(q: KeptCall) -> Said:
+def _error_message(q: VendorCall) -> Replacement:
     """ErrWrite: a header, and lines."""
     lines = [q.given(0), q.given(1), *(q.option(f"rl{n}") for n in (2, 3, 4))]
-    yield p.Message(_joined(one for one in lines if one is not None))
+    yield p.Message(_joined_lines(one for one in lines if one is not None))
 
 
-def _log(q: KeptCall) -> Said:
+def _event_message(q: VendorCall) -> Replacement:
     """ErrLog: a number, and texts that stand in the message of that number."""
     lines = [q.value(node) for node in q.call.given if node is not None]
-    yield p.Message(_joined(lines))
+    yield p.Message(_joined_lines(lines))
 
 
-def _joined(lines: Iterator[e.Expression] | Sequence[e.Expression]) -> tuple[e.Expression, ...]:
+def _joined_lines(
+    lines: Iterator[e.Expression] | Sequence[e.Expression],
+) -> tuple[e.Expression, ...]:
     found: list[e.Expression] = []
     for line in lines:
         found += [e.Text("; "), line] if found else [line]
     return tuple(found)
 
 
-def _keys(q: KeptCall) -> Said:
+def _key_question(q: VendorCall) -> Replacement:
     """TPReadFK: the number of the key that is pressed, of five."""
-    if not q.only(*LOOKS):
-        raise Unsaid(ENDED)
+    if not q.only(*DISPLAY_OPTIONS):
+        raise NotExpressible(ENDED)
     answer, question = q.given(0), q.given(1)
     nodes = q.call.given[2:7]
-    shown = [(n, node) for n, node in enumerate(nodes, 1) if name_of(node).lower() != NONE]
+    shown = [(n, node) for n, node in enumerate(nodes, 1) if name_of(node).lower() != EMPTY_TEXT]
     shown = [(n, node) for n, node in shown if node != s.StringLiteral("")]
     if answer is None or question is None or not shown:
-        raise Unsaid
-    texts = [f" [{n}: {_text(node)}]" for n, node in shown if node is not None]
+        raise NotExpressible
+    texts = [f" [{n}: {_button_text(node)}]" for n, node in shown if node is not None]
     yield p.Message((question, e.Text("".join(texts))))
     keys = [n for n, _ in shown]
-    counts = [_counts(q, node) for _, node in shown if node is not None]
+    counts = [_key_has_text(q, node) for _, node in shown if node is not None]
     yield from operator_texts.asked_for_key(answer, keys, [e.Number(n) for n in keys], counts)
 
 
-def _counts(q: KeptCall, node: s.Expression) -> e.Expression | None:
+def _key_has_text(q: VendorCall, node: s.Expression) -> e.Expression | None:
     """The condition under which a key has a text, None if it always has one."""
     if isinstance(node, s.StringLiteral):
         return None
     if not isinstance(node, s.NameRef | s.Component | s.Element):
-        raise Unsaid(WORKED_OUT)
+        raise NotExpressible(COMPUTED_TEXT)
     return e.Binary("<>", q.value(node), e.Text(""))
 
 
-def _number(q: KeptCall) -> Said:
+def _number_question(q: VendorCall) -> Replacement:
     """TPReadNum."""
     answer, question = q.given(0), q.given(1)
-    if not q.only(*LOOKS):
-        raise Unsaid(ENDED)
+    if not q.only(*DISPLAY_OPTIONS):
+        raise NotExpressible(ENDED)
     if answer is None or question is None:
-        raise Unsaid
+        raise NotExpressible
     yield p.Message((question,))
     yield from operator_texts.asked_for_number(answer)
 
 
-def _entry(q: KeptCall) -> Said:
+def _number_entry(q: VendorCall) -> Replacement:
     """UINumEntry: a number between two. What it begins with is only shown."""
-    if not q.only("initvalue", "minvalue", "maxvalue", "asinteger", "msgarray", *LINES, *LOOKS):
-        raise Unsaid(ENDED)
+    if not q.only(
+        "initvalue", "minvalue", "maxvalue", "asinteger", "msgarray", *LINES, *DISPLAY_OPTIONS
+    ):
+        raise NotExpressible(ENDED)
     assert q.answer is not None
-    yield p.Message(_shown(q))
+    yield p.Message(_shown_texts(q))
     least, most = q.option("minvalue"), q.option("maxvalue")
     yield from operator_texts.asked_for_number(q.answer, least, most)
 
 
-def _box(q: KeptCall) -> Said:
+def _message_box(q: VendorCall) -> Replacement:
     """UIMsgBox and UIMessageBox: what the button that is pressed stands for."""
     if not q.only(
         "header",
@@ -161,25 +170,25 @@ def _box(q: KeptCall) -> Said:
         "result",
         "defaultbtn",
         *LINES[2:],
-        *LOOKS,
+        *DISPLAY_OPTIONS,
     ):
-        raise Unsaid(ENDED)
+        raise NotExpressible(ENDED)
     answer = q.option("result") if q.answer is None else q.answer
-    listed = _listed(q, "btnarray")
+    listed = _option_elements(q, "btnarray")
     buttons = _buttons(q, listed)
     own = listed is not None
     keys = [at for _, at in buttons] if own else list(range(1, len(buttons) + 1))
-    counts = [_counts(q, one) for one in listed or () if _is_shown(one)]
+    counts = [_key_has_text(q, one) for one in listed or () if _is_button(one)]
     texts = [f" [{n}: {name}]" for n, (name, _) in zip(keys, buttons, strict=True)]
-    yield p.Message((*_shown(q), e.Text("".join(texts))))
+    yield p.Message((*_shown_texts(q), e.Text("".join(texts))))
     if not buttons and answer is not None:
-        raise Unsaid
+        raise NotExpressible
     if buttons:
         values = [e.Number(value) for _, value in buttons]
         yield from operator_texts.asked_for_key(answer, keys, values, counts)
 
 
-def _listed(q: KeptCall, option: str) -> Sequence[s.Expression] | None:
+def _option_elements(q: VendorCall, option: str) -> Sequence[s.Expression] | None:
     """The elements of an array that an option is given; None for none of a known size."""
     match q.call.options.get(option):
         case s.AggregateNode(items):
@@ -190,45 +199,45 @@ def _listed(q: KeptCall, option: str) -> Sequence[s.Expression] | None:
     return None
 
 
-def _buttons(q: KeptCall, own: Sequence[s.Expression] | None) -> list[tuple[str, int]]:
+def _buttons(q: VendorCall, own: Sequence[s.Expression] | None) -> list[tuple[str, int]]:
     """The names of the buttons of a box, and what each gives. own: those that a box lists."""
     if own is not None:
-        return [(_text(one), at) for at, one in enumerate(own, 1) if _is_shown(one)]
+        return [(_button_text(one), at) for at, one in enumerate(own, 1) if _is_button(one)]
     node = q.call.options.get("buttons")
     known = BUTTONS.get("btnok" if node is None else name_of(node).lower())
     if "btnarray" in q.call.options or known is None:
-        raise Unsaid(WORKED_OUT)
+        raise NotExpressible(COMPUTED_TEXT)
     return [(one.removeprefix("res"), ANSWERS[one.lower()]) for one in known]
 
 
-def _is_shown(button: s.Expression) -> bool:
+def _is_button(button: s.Expression) -> bool:
     """Whether it is a button: one without a text is none."""
-    return button != s.StringLiteral("") and name_of(button).lower() != NONE
+    return button != s.StringLiteral("") and name_of(button).lower() != EMPTY_TEXT
 
 
-def _text(button: s.Expression) -> str:
+def _button_text(button: s.Expression) -> str:
     """What stands on it, as far as that is known before the program runs."""
     return button.value if isinstance(button, s.StringLiteral) else printed(button)
 
 
-def _shown(q: KeptCall) -> tuple[e.Expression, ...]:
+def _shown_texts(q: VendorCall) -> tuple[e.Expression, ...]:
     first = [q.given(0)] if q.answer is None else []
-    first += [q.value(item) for item in _listed(q, "msgarray") or ()]
+    first += [q.value(item) for item in _option_elements(q, "msgarray") or ()]
     lines = [q.option("header"), *first, *(q.option(name) for name in LINES[1:])]
-    return _joined([line for line in lines if line is not None])
+    return _joined_lines([line for line in lines if line is not None])
 
 
-_ASKED: Final[Mapping[str, Callable[[KeptCall], Said]]] = {
-    "break": _stop,
-    "stop": _stop,
-    "errwrite": _report,
-    "errlog": _log,
-    "tpreadfk": _keys,
-    "tpreadnum": _number,
-    "tpreaddnum": _number,
-    "uimsgbox": _box,
-    "uimessagebox": _box,
-    "uinumentry": _entry,
-    "uidnumentry": _entry,
+_LOWERINGS: Final[Mapping[str, Callable[[VendorCall], Replacement]]] = {
+    "break": _stop_statement,
+    "stop": _stop_statement,
+    "errwrite": _error_message,
+    "errlog": _event_message,
+    "tpreadfk": _key_question,
+    "tpreadnum": _number_question,
+    "tpreaddnum": _number_question,
+    "uimsgbox": _message_box,
+    "uimessagebox": _message_box,
+    "uinumentry": _number_entry,
+    "uidnumentry": _number_entry,
 }
 """By lower-case names of instructions and functions."""

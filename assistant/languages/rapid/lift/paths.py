@@ -33,9 +33,9 @@ from assistant.program.motion import UNSTATED, Kind, Path
 from assistant.program.program import TakenNames, Variable, identifier
 from assistant.robots.configurations import from_confdata
 
-_NAMED: Final = (s.Data, s.Routine, s.Record, s.Alias)
-_KIND: Final = {0: "joint", 1: "linear"}
-_PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
+_NAMED_ITEMS: Final = (s.Data, s.Routine, s.Record, s.Alias)
+_MOVE_KINDS: Final = {0: "joint", 1: "linear"}
+_PATH_KINDS: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 
 MOST_WRITTEN: Final = 100
 """Moves in a row to targets that are written out; more are a path, whose targets have names."""
@@ -53,7 +53,9 @@ class PathLift:
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
         self.table = joined_runs([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
         self.known = NamedTargets(self.table.names)
-        self._taken = TakenNames(i.name for m in modules for i in m.items if isinstance(i, _NAMED))
+        self._taken = TakenNames(
+            i.name for m in modules for i in m.items if isinstance(i, _NAMED_ITEMS)
+        )
         seen = list(nodes(tuple(modules))) if runs else []
         named = (node.name for node in seen if isinstance(node, s.NameRef))
         self.known.count(Names.of([name for name in named if name.isascii()]))
@@ -64,7 +66,7 @@ class PathLift:
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run, index, spans = node.run, node.run.motions.index, node.row_span
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions.table]
-        if run.values is not None and len(run) > MOST_WRITTEN and _turned(run.values):
+        if run.values is not None and len(run) > MOST_WRITTEN and _have_orientations(run.values):
             name = identifier("written", self._taken)  # the program gives these targets no names
             self._taken.add(name)
             whole = _path(name, run.values, run.kinds, index, motions)
@@ -73,17 +75,17 @@ class PathLift:
         if run.values is not None:
             each = zip(run.values.tolist(), index, run.kinds, strict=True)
             for at, (values, row, kind) in enumerate(each):
-                word: Any = _KIND[int(kind)]
-                yield p.Move(word, _written(values), motions[row], span=spans(at))
+                word: Any = _MOVE_KINDS[int(kind)]
+                yield p.Move(word, _target_value(values), motions[row], span=spans(at))
             return
-        rows = PathRows(run.names, run.vias, run.kinds == CIRCULAR, _PLAIN[run.kinds])
+        rows = PathRows(run.names, run.vias, run.kinds == CIRCULAR, _PATH_KINDS[run.kinds])
         places, alone = self.known.alone(rows.names)
         for part in rows.stretches(alone):
             path = self._path(rows, part, places, index, motions) if part.numbered else None
             moves = rows.moves[part.start : part.stop]
             if path is not None:
                 span = span_over(spans(int(moves[0])), spans(int(moves[-1])))
-                yield p.Follow(replace(path, places=_places(node, moves)), span=span)
+                yield p.Follow(replace(path, places=_relative_spans(node, moves)), span=span)
                 continue
             made = rows.one_by_one(part, self.original, lambda move: motions[index[move]])
             for move, one in zip(np.unique(moves).tolist(), made, strict=True):
@@ -103,7 +105,7 @@ class PathLift:
         if not stem.endswith("_") or len(stem) < 2:
             return None
         values = values_at(at, self.table.values)
-        if not _turned(values):
+        if not _have_orientations(values):
             return None
         self.known.taken[at] = True
         name = self.original(stem[:-1])
@@ -118,23 +120,23 @@ class PathLift:
             if any(values[3:7]):
                 left[name] = target(values)
                 continue
-            self.data.variables[name] = Variable("position", _written(values), (), "constant")
+            self.data.variables[name] = Variable("position", _target_value(values), (), "constant")
         return left
 
 
-def _places(node: s.MoveRunNode, moves: Rows) -> Rows | None:
+def _relative_spans(node: s.MoveRunNode, moves: Rows) -> Rows | None:
     """Spans of some moves of a run, counted from the first of them."""
     return None if node.rows is None else node.rows[moves] - node.rows[moves[0], 0]
 
 
-def _written(values: Sequence[float]) -> e.Expression:
+def _target_value(values: Sequence[float]) -> e.Expression:
     """A robtarget as it stands in an expression; one without orientation is mere numbers."""
     if any(values[3:7]):
         return e.TargetValue(target(values))
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in PARTS))
 
 
-def _turned(values: Floats) -> bool:
+def _have_orientations(values: Floats) -> bool:
     """Whether every target has an orientation at all."""
     return bool(values[:, 3:7].any(axis=1).all())
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
-from assistant.languages.rapid.lift.ways import steps
+from assistant.languages.rapid.lift.ways import vendor_steps
 from assistant.languages.rapid.tables.functions import HERE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.calls import called
@@ -25,7 +25,7 @@ from assistant.program.passes.implicit_motion_state import (
 )
 from assistant.program.program import Program
 
-DIFFERS: Final = e.Reason(
+DEPENDS_ON_PATH: Final = e.Reason(
     "it reads in the tool and work object of the move before, which the program does not tell",
     r"write both, as `CRobT(\Tool:=tool0\WObj:=wobj0)`",
 )
@@ -36,18 +36,20 @@ def with_places(program: Program, original: Callable[[str], str] = str) -> Progr
 
     One that differs with the way stays as its text. original: gives a shortened name back.
     """
-    return with_present_places(program, _reads, _said(original), steps)
+    return with_present_places(
+        program, _reads_position, _with_explicit_frames(original), vendor_steps
+    )
 
 
-def with_active(program: Program) -> tuple[Program, list[Span | None]]:
+def with_active_tool_frame(program: Program) -> tuple[Program, list[Span | None]]:
     """The same for another language, which is told in variables what differs with the way.
 
     And the places of what may read before the first move, in the flange and the base then.
     """
-    return with_active_places(program, _reads, _said(str), steps)
+    return with_active_places(program, _reads_position, _with_explicit_frames(str), vendor_steps)
 
 
-def _said(original: Callable[[str], str]) -> Said:
+def _with_explicit_frames(original: Callable[[str], str]) -> Said:
     expressions = Expressions(original)
 
     def said(x: e.Expression, tool: str | None, frame: str | None) -> e.Expression:
@@ -56,13 +58,13 @@ def _said(original: Callable[[str], str]) -> Said:
         found = None if call is None else expressions.reading.fields(HERE, call)
         where = {"tool": tool, "frame": frame, **(found or {})}
         if found is None or None in where.values():
-            return replace(x, reason=DIFFERS)
+            return replace(x, reason=DEPENDS_ON_PATH)
         return e.Here(tool_name(where["tool"]), frame_name(where["frame"]))
 
     return said
 
 
-def _reads(record: Any) -> bool:
+def _reads_position(record: Any) -> bool:
     match record:
         case e.Verbatim(verbatim.LANGUAGE, text):
             return text.lower().startswith("crobt(")

@@ -10,8 +10,8 @@ from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import starts_of
 from assistant.languages.language_types import Adapted
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain import Plain, plain
-from assistant.languages.rapid.lift.plain.unread import LEFT_OUT
+from assistant.languages.rapid.lift.plain import FlatProgram, flatten
+from assistant.languages.rapid.lift.plain.unread import OMISSION_MARK
 from assistant.languages.rapid.lift.program import lift
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -19,14 +19,14 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.rewriting import Body, map_bodies
 
-_TABLES: Final = (
+_CELL_TABLES: Final = (
     "frames", "tools", "speeds", "blends", "signals", "targets", "joint_targets", "variables",
 )  # fmt: skip
 """What a cell may have said anew since the program was lifted."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
+class _Flattened:
     """files: as they were read; they are kept, so that nothing else has their ids. gone: see
     `Plain`.
     """
@@ -37,23 +37,28 @@ class _Told:
     gone: frozenset[str] = frozenset()
 
 
-_NOT_TOLD: Final = _Told((), None, ())
-_LAST: Final[list[_Told]] = []
+_NOT_FLATTENED: Final = _Flattened((), None, ())
+_LAST_FLATTENED: Final[list[_Flattened]] = []
 """The program that was told last: one translation asks several times."""
 
 
-def _told(files: tuple[s.File, ...]) -> _Told:
+def _flattened(files: tuple[s.File, ...]) -> _Flattened:
     """The program of some files with plain data, none if they have no other."""
-    if _LAST and len(_LAST[0].files) == len(files):
-        if all(a is b for a, b in zip(_LAST[0].files, files, strict=True)):
-            return _LAST[0]
-    found = plain(files)
+    if _LAST_FLATTENED and len(_LAST_FLATTENED[0].files) == len(files):
+        if all(a is b for a, b in zip(_LAST_FLATTENED[0].files, files, strict=True)):
+            return _LAST_FLATTENED[0]
+    found = flatten(files)
     if found is None:
-        told = _Told(files, None, ())
+        told = _Flattened(files, None, ())
     else:
         lifted = _with_signals(lift(found.files, found.kept), found.signals)
-        told = _Told(files, lifted, (*_unread(files, found), *_idle(lifted)), found.gone)
-    _LAST[:] = [told]
+        told = _Flattened(
+            files,
+            lifted,
+            (*_unread_findings(files, found), *_idle_assignment_findings(lifted)),
+            found.gone,
+        )
+    _LAST_FLATTENED[:] = [told]
     return told
 
 
@@ -63,34 +68,34 @@ def _with_signals(program: Program, signals: Mapping[str, Signal]) -> Program:
     return replace(program, signals={**program.signals, **new}) if new else program
 
 
-def _idle(program: Program) -> Iterator[Diagnostic]:
+def _idle_assignment_findings(program: Program) -> Iterator[Diagnostic]:
     """What assigns only to what nothing reads, or what a speed or zone holds already."""
     said = list(program.statements())
-    left = {node.span for node in said if not _is_left_out(node)}
-    gone = {node.span: node.text for node in said if _is_left_out(node)}
+    left = {node.span for node in said if not _is_omission_mark(node)}
+    gone = {node.span: node.text for node in said if _is_omission_mark(node)}
     for span, text in gone.items():
         if span is not None and span not in left:
-            name = text.removeprefix(LEFT_OUT)
+            name = text.removeprefix(OMISSION_MARK)
             yield rules.SETTLED(name=name, span=span) if name else rules.IDLE(span=span)
 
 
-def _is_left_out(node: p.Statement) -> TypeGuard[p.Comment]:
-    return isinstance(node, p.Comment) and node.text.startswith(LEFT_OUT)
+def _is_omission_mark(node: p.Statement) -> TypeGuard[p.Comment]:
+    return isinstance(node, p.Comment) and node.text.startswith(OMISSION_MARK)
 
 
-def without_marks(program: Program) -> Program:
+def without_omission_marks(program: Program) -> Program:
     """The program without the comments that stand for statements which were left out."""
 
     def body(statements: Body) -> Body:
-        return tuple(map_bodies(node, body) for node in statements if not _is_left_out(node))
+        return tuple(map_bodies(node, body) for node in statements if not _is_omission_mark(node))
 
-    if not any(map(_is_left_out, program.statements())):
+    if not any(map(_is_omission_mark, program.statements())):
         return program
     procedures = tuple(replace(q, body=body(q.body)) for q in program.procedures)
     return replace(program, procedures=procedures)
 
 
-def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
+def _unread_findings(files: tuple[s.File, ...], found: FlatProgram) -> Iterator[Diagnostic]:
     """What is left out, a finding for each declaration."""
     starts = starts_of(file.source for file in files)
     rows = zip(starts, found.unread, found.outside, found.remarks, strict=True)
@@ -109,7 +114,7 @@ def _unread(files: tuple[s.File, ...], found: Plain) -> Iterator[Diagnostic]:
             yield rules.UNREAD(names=", ".join(names), span=span)
 
 
-def with_plain_data(program: Program) -> Adapted:
+def with_flat_data(program: Program) -> Adapted:
     """The program with plain data, if it is still as it was lifted but for its cell and heads.
 
     Heads are statements in front of those of a procedure, and comments behind those of the program.
@@ -118,11 +123,11 @@ def with_plain_data(program: Program) -> Adapted:
     if origin is None or origin.language != verbatim.LANGUAGE:
         return Adapted(program)
     heads = _heads(program, origin.lifted)
-    told = _NOT_TOLD if heads is None else _told(origin.trees)
+    told = _NOT_FLATTENED if heads is None else _flattened(origin.trees)
     if heads is None or told.lifted is None or not _has_all(told.lifted, heads):
         return Adapted(program)
     changed: dict[str, Any] = {}
-    for table in _TABLES:
+    for table in _CELL_TABLES:
         before, now = getattr(origin.lifted, table), getattr(program, table)
         said = {name: one for name, one in now.items() if before.get(name) != one}
         changed[table] = {**getattr(told.lifted, table), **said}

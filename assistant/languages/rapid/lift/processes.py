@@ -45,7 +45,7 @@ def retracting(call: Called[s.Expression]) -> tuple[str, ...]:
     return tuple(gun.name + table.RETRACTS for gun in guns(call)) if wide else ()
 
 
-def signals_of(call: Called[s.Expression]) -> Iterator[tuple[str, Signal]]:
+def process_signals(call: Called[s.Expression]) -> Iterator[tuple[str, Signal]]:
     """The signals that an instruction with a process sets and waits for."""
     word = call.word.lower()
     kind = "paint" if word == table.BRUSHES else MOVES[word].kind if word in MOVES else ""
@@ -54,10 +54,10 @@ def signals_of(call: Called[s.Expression]) -> Iterator[tuple[str, Signal]]:
         yield gun.name + table.STARTS, table.OUTPUT
         yield gun.name + table.READY, table.INPUT
     yield from ((name, table.OUTPUT) for name in retracting(call))
-    yield from _SIGNALS.get(kind, ())
+    yield from _PROCESS_SIGNALS.get(kind, ())
 
 
-_SIGNALS: Final[Mapping[str, tuple[tuple[str, Signal], ...]]] = {
+_PROCESS_SIGNALS: Final[Mapping[str, tuple[tuple[str, Signal], ...]]] = {
     "arc": ((table.BURNS, table.OUTPUT),),
     "bead": ((table.FLOWS, table.OUTPUT), (table.BEAD, table.NUMBER)),
     "paint": ((table.BRUSH, table.NUMBER),),

@@ -12,16 +12,16 @@ from typing import Any, Final
 
 from assistant.base.source_text import starts_of
 from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.instructions import NameResolver
 from assistant.languages.rapid.lift.kept_signals import signals_in
-from assistant.languages.rapid.lift.local_names import with_own_names
-from assistant.languages.rapid.lift.modules import with_calls_between
+from assistant.languages.rapid.lift.local_names import with_unique_data_names
+from assistant.languages.rapid.lift.modules import with_unit_calls
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.plain.chosen_signals import chosen_signals
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
-from assistant.languages.rapid.lift.timers import clocks
-from assistant.languages.rapid.lift.triggers import REASONS, Triggers
+from assistant.languages.rapid.lift.timers import timer_clocks
+from assistant.languages.rapid.lift.triggers import TRIGGER_REASONS, TriggerReader
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
@@ -63,8 +63,8 @@ def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Pro
     for file, start in zip(files, starts_of(file.source for file in files), strict=True):
         modules += file.modules
         starts += [start] * len(file.modules)
-        outside += _outside(file)
-    own = with_own_names(modules)
+        outside += _outer_comments(file)
+    own = with_unique_data_names(modules)
     if not modules:
         return Program("empty", entry=None)
     return _Lift(own, starts, kept, chosen_signals(files), outside).program()
@@ -99,7 +99,7 @@ class _Lift:
         self.own = {r.name.lower() for r in routines}
         self.data = DataLift(modules, starts, self.original)
         self.paths = PathLift(modules, self.data, self.original)
-        self.clocks = clocks(modules)
+        self.clocks = timer_clocks(modules)
         numbers = {
             n.lower(): v.initial
             for n, v in self.data.variables.items()
@@ -109,7 +109,7 @@ class _Lift:
         alone = {n.lower() for n, j in known if not any(v == v for v in j.external)}
         hidden = inner_names(routines) if numbers or alone else ()
         inner = {self.original(name).lower() for name in hidden}
-        self.meaning = Meaning(
+        self.meaning = NameResolver(
             self.original,
             self.data.speeds,
             self.data.blends,
@@ -126,7 +126,7 @@ class _Lift:
         """The module that names the program: that with its heading, else with its `main`."""
         whole = [i for i, header in enumerate(self.headers) if not header.unit]
         headed = (i for i in whole if self.headers[i].program)
-        entered = (i for i in whole if "main" in _routines(self.modules[i]))
+        entered = (i for i in whole if "main" in _routines_by_name(self.modules[i]))
         return next(chain(headed, entered, whole), 0)
 
     def original(self, name: str) -> str:
@@ -137,7 +137,7 @@ class _Lift:
         self.comments += (*self.outside[self.main], *header.comments)
         for at, (module, own) in enumerate(zip(self.modules, self.headers, strict=True)):
             if at != self.main:
-                self.comments += _about(module, (*self.outside[at], *own.comments))
+                self.comments += _declaration_comments(module, (*self.outside[at], *own.comments))
         for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
             self.data.start = start
             procedures, declarations = self.module(module, own)
@@ -167,9 +167,11 @@ class _Lift:
             declarations=tuple(self.declarations),
         )
         if any(header.resident for header in self.headers):
-            program = with_calls_between(program)
-        triggers = Triggers(self.meaning, self.own.__contains__)
-        program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
+            program = with_unit_calls(program)
+        triggers = TriggerReader(self.meaning, self.own.__contains__)
+        program, set_on_way = with_triggers(
+            program, triggers.told, FUNCTIONS.__contains__, TRIGGER_REASONS
+        )
         declared = {n: v for h in self.headers for n, v in h.signals.items()}
         stated = signals_in(program.statements(), lambda name: name in self.declared)
         used = chain(
@@ -197,8 +199,8 @@ class _Lift:
     def _hidden(self, module: s.Module) -> dict[str, str]:
         """New names for local routines of a module that have the name of one in another."""
         others = [m for m in self.modules if m is not module]
-        elsewhere = {name for m in others for name in _routines(m)}
-        own = _routines(module)
+        elsewhere = {name for m in others for name in _routines_by_name(m)}
+        own = _routines_by_name(module)
         hidden = [r for key, r in own.items() if r.local and key in elsewhere]
         taken = TakenNames((*elsewhere, *own, *(name.lower() for name in self.data.variables)))
         return {r.name.lower(): identifier(f"{module.name}_{r.name}", taken) for r in hidden}
@@ -232,7 +234,7 @@ class _Lift:
                     pass
                 case _:
                     declarations.append(_declaration(item))
-            self.comments += _about(item, pending)
+            self.comments += _declaration_comments(item, pending)
             pending = []
         self.comments += pending
         return procedures, declarations
@@ -294,7 +296,7 @@ class _Lift:
         return tuple(found)
 
 
-def _outside(file: s.File) -> list[tuple[str, ...]]:
+def _outer_comments(file: s.File) -> list[tuple[str, ...]]:
     """The comments above each module of a file, and below the last one."""
     found: list[list[str]] = []
     above: list[str] = []
@@ -309,12 +311,12 @@ def _outside(file: s.File) -> list[tuple[str, ...]]:
     return list(map(tuple, found))
 
 
-def _routines(module: s.Module) -> dict[str, s.Routine]:
+def _routines_by_name(module: s.Module) -> dict[str, s.Routine]:
     """Those of a module by lower-case name."""
     return {item.name.lower(): item for item in module.items if isinstance(item, s.Routine)}
 
 
-def _about(item: s.Item | s.Module, notes: Sequence[str]) -> list[str]:
+def _declaration_comments(item: s.Item | s.Module, notes: Sequence[str]) -> list[str]:
     """The comments above a declaration with its name, as they will stand far from it; of a module
     those that it begins with.
     """

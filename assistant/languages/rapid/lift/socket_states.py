@@ -15,15 +15,15 @@ from assistant.program import statements as p
 from assistant.program.program import Program, TakenNames, Variable, identifier
 from assistant.program.rewriting import records, rewrite
 
-FUNCTION: Final = "socketgetstatus"
-_DONE: Final = {
+STATUS_FUNCTION: Final = "socketgetstatus"
+_STATE_CHANGES: Final = {
     "socketcreate": (0, 1), "socketconnect": (0, 2), "socketaccept": (1, 2),
     "socketbind": (0, 3), "socketlisten": (0, 4), "socketclose": (0, 5),
 }  # fmt: skip
 """By lower-case instruction the place of its socket, and the state that this has behind it."""
 
 
-class States:
+class SocketStates:
     """names: of the variables of sockets by their lower-case names, where a program asks for more
     than whether one is connected.
     """
@@ -34,11 +34,11 @@ class States:
         plain: Counter[str] = Counter()
         for part in records((program.procedures, program.variables)):
             match part:
-                case e.Apply(function, (e.Name(name),)) if function.lower() == FUNCTION:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
                     asked.setdefault(name.lower(), name)
                     times[name.lower()] += 1
                 case e.Binary("=" | "<>", e.Apply(function, (e.Name(name),)), e.Name(state)) if (
-                    function.lower() == FUNCTION and state.lower() == "socket_connected"
+                    function.lower() == STATUS_FUNCTION and state.lower() == "socket_connected"
                 ):
                     plain[name.lower()] += 1
         other = {name for name, count in times.items() if count > plain[name]}
@@ -53,7 +53,7 @@ class States:
 
     def behind(self, word: str, names: list[str]) -> Iterator[p.Statement]:
         """What an instruction makes of a state. names: that it is given, empty for others."""
-        place, state = _DONE.get(word, (0, 0))
+        place, state = _STATE_CHANGES.get(word, (0, 0))
         own = self.names.get(names[place].lower()) if state and place < len(names) else None
         if own is not None:
             yield p.Assign(e.Name(own), e.Number(state))
@@ -63,7 +63,7 @@ class States:
 
         def change(part: Any) -> Any:
             match part:
-                case e.Apply(function, (e.Name(name),)) if function.lower() == FUNCTION:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
                     own = self.names.get(name.lower())
                     return part if own is None else e.Name(own)
             return part

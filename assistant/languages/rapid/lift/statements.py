@@ -10,9 +10,13 @@ from typing import Final
 
 from assistant.base.diagnostics import Refused, span_over
 from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.instructions import REASONS, Meaning, instruction
+from assistant.languages.rapid.lift.instructions import (
+    INSTRUCTION_REASONS,
+    NameResolver,
+    lift_instruction,
+)
 from assistant.languages.rapid.lift.paths import PathLift
-from assistant.languages.rapid.lift.timers import restarted
+from assistant.languages.rapid.lift.timers import restarted_clock
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
@@ -24,7 +28,7 @@ from assistant.program import statements as p
 from assistant.program.passes.loops import ascends
 from assistant.program.program import Program
 
-PARTS: Final = "say it with the components, one by one"
+BY_COMPONENTS: Final = "say it with the components, one by one"
 """What to do where a record is used in a way that no plain data can be."""
 _STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
@@ -36,16 +40,16 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
     try:
         read = verbatim.statements(text)
     except Refused:
-        return (_kept(text),)  # a finding when it is built
+        return (_opaque_text(text),)  # a finding when it is built
     if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
-        return (_kept(text),)
+        return (_opaque_text(text),)
     return lift_of(program).block(read)
 
 
 def lift_of(program: Program) -> StatementLift:
     """What lifts more statements of a program."""
     paths = PathLift((), DataLift((), (), str), str)
-    return StatementLift(Meaning(), paths, {q.name.lower() for q in program.procedures})
+    return StatementLift(NameResolver(), paths, {q.name.lower() for q in program.procedures})
 
 
 class StatementLift:
@@ -56,7 +60,7 @@ class StatementLift:
 
     def __init__(
         self,
-        meaning: Meaning,
+        meaning: NameResolver,
         paths: PathLift,
         procedures: Collection[str],
         kept: Mapping[int, str] = MappingProxyType({}),
@@ -90,7 +94,7 @@ class StatementLift:
     def _statement(self, node: s.StatementNode) -> Iterator[p.Statement]:
         span, original, expression = node.span, self._original, self._expression
         if id(node) in self._kept:
-            yield replace(opaque(node), reason=e.Reason(self._kept[id(node)], PARTS))
+            yield replace(opaque(node), reason=e.Reason(self._kept[id(node)], BY_COMPONENTS))
             return
         match node:
             case s.CommentLine(text):
@@ -144,8 +148,8 @@ class StatementLift:
     def _call(self, node: s.ProcedureCall) -> p.Statement:
         name = str(node.name)
         if name.lower() in _STANDARD and name.lower() not in self._procedures:
-            kept = replace(opaque(node), reason=REASONS.get(name.lower()))
-            return instruction(node, self._meaning) or kept
+            kept = replace(opaque(node), reason=INSTRUCTION_REASONS.get(name.lower()))
+            return lift_instruction(node, self._meaning) or kept
         given = self._given(node)
         return opaque(node) if given is None else p.Call(self._original(name), given)
 
@@ -157,7 +161,7 @@ class StatementLift:
 
     def _timer(self, nodes: Sequence[s.StatementNode]) -> p.StartTimer | None:
         """`ClkReset c; ClkStart c;` as one, if the clock is nothing but restarted and read."""
-        clock = restarted(nodes)
+        clock = restarted_clock(nodes)
         if clock is None or clock.name.lower() not in self._meaning.timers:
             return None
         return p.StartTimer(
@@ -183,7 +187,7 @@ class StatementLift:
         return None
 
 
-def _kept(text: str) -> p.Opaque:
+def _opaque_text(text: str) -> p.Opaque:
     return p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
 
 

@@ -25,16 +25,16 @@ from assistant.program.rewriting import Body, map_bodies, map_head
 from assistant.program.statement_index import names_in_procedures
 from assistant.program.vendor_statements import effect_of
 
-TYPE: Final = "clock"
-CLOCKS: Final = ("clock1",)
+CLOCK_TYPE: Final = "clock"
+PREDEFINED_CLOCKS: Final = ("clock1",)
 """Those that every controller has, in lower case (user.sys)."""
-NONE: Final = e.Number(0)
-RUNS: Final = e.Number(1)
-FINE: Final = "highres"
+STOPPED: Final = e.Number(0)
+RUNNING: Final = e.Number(1)
+HIGH_RESOLUTION: Final = "highres"
 
 
 @dataclass(frozen=True, slots=True)
-class _Clock:
+class _Stopwatch:
     """timer: its name. ran: seconds before it was started last. runs: 1 while it does, else 0."""
 
     timer: str
@@ -47,34 +47,42 @@ class _Clock:
         return e.Binary("+", self.ran, running)
 
     def variables(self) -> dict[str, Variable]:
-        return {name.name: Variable("number", NONE) for name in (self.ran, self.runs)}
+        return {name.name: Variable("number", STOPPED) for name in (self.ran, self.runs)}
 
 
-Clocks = Mapping[str, _Clock]
+Stopwatches = Mapping[str, _Stopwatch]
 """By lower-case name."""
 
 
 def with_stopwatches(program: Program, findings: Findings) -> Program:
     """The program whose clocks are timers with what they counted before."""
-    named = {d: name for d in program.declarations if (name := _clock(verbatim.items, d.text))}
-    own = [tuple(_own(procedure)) for procedure in program.procedures]
+    named = {
+        d: name for d in program.declarations if (name := _declared_clock(verbatim.items, d.text))
+    }
+    own = [tuple(_declared_clocks(procedure)) for procedure in program.procedures]
     taken = TakenNames(declared(program))
-    predefined = [name for name in CLOCKS if name not in taken.lower and _speaks_of(program, name)]
+    predefined = [
+        name
+        for name in PREDEFINED_CLOCKS
+        if name not in taken.lower and _uses_undeclared_clock(program, name)
+    ]
     if not named and not any(own) and not predefined:
         return program
 
-    def clock(name: str) -> _Clock:
+    def clock(name: str) -> _Stopwatch:
         names = []
         for stem in (name, f"{name}_ran", f"{name}_runs"):
             free = stem if stem is name and stem.lower() not in taken.lower else None
             names.append(free or identifier(stem, taken))
             taken.add(names[-1])
         timer, ran, runs = names
-        return _Clock(timer, e.Name(ran), e.Name(runs))
+        return _Stopwatch(timer, e.Name(ran), e.Name(runs))
 
     known = {name.lower(): clock(name) for name in (*named.values(), *predefined)}
     procedures = [
-        _procedure(q, known, {name.lower(): clock(name) for name in names}, findings)
+        _with_stopwatches_in_procedure(
+            q, known, {name.lower(): clock(name) for name in names}, findings
+        )
         for q, names in zip(program.procedures, own, strict=True)
     ]
     variables = dict(chain.from_iterable(c.variables().items() for c in known.values()))
@@ -86,28 +94,30 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
     )
 
 
-def _speaks_of(program: Program, name: str) -> bool:
+def _uses_undeclared_clock(program: Program, name: str) -> bool:
     """Whether a clock that nothing declares is meant."""
     if any(name in effect_of(one).names for one in program.declarations):
         return False
     return any(name == one.lower() for one in names_in_procedures(program))
 
 
-def _clock(read: Any, text: str) -> str:
+def _declared_clock(read: Any, text: str) -> str:
     """The name of the clock that a text declares, empty if it is something else."""
-    match verbatim.understood(read, text) if TYPE in text.lower() else None:
+    match verbatim.understood(read, text) if CLOCK_TYPE in text.lower() else None:
         case (s.Data(storage="VAR", type=type, name=str(name), dimensions=(), value=None),):
-            return name if type.lower() == TYPE else ""
+            return name if type.lower() == CLOCK_TYPE else ""
     return ""
 
 
-def _own(procedure: Procedure) -> Iterator[str]:
+def _declared_clocks(procedure: Procedure) -> Iterator[str]:
     for node in procedure.body:
-        if isinstance(node, p.Opaque) and (name := _clock(verbatim.statements, node.text)):
+        if isinstance(node, p.Opaque) and (name := _declared_clock(verbatim.statements, node.text)):
             yield name
 
 
-def _procedure(procedure: Procedure, known: Clocks, own: Clocks, findings: Findings) -> Procedure:
+def _with_stopwatches_in_procedure(
+    procedure: Procedure, known: Stopwatches, own: Stopwatches, findings: Findings
+) -> Procedure:
     """known: of the program. own: of the procedure; they begin anew at each call."""
     hidden = {n.lower() for n in (*procedure.variables, *(q.name for q in procedure.parameters))}
     clocks = {**{n: c for n, c in known.items() if n not in hidden}, **own}
@@ -115,15 +125,15 @@ def _procedure(procedure: Procedure, known: Clocks, own: Clocks, findings: Findi
         return procedure
     body = tuple(
         n for n in procedure.body
-        if not (isinstance(n, p.Opaque) and _clock(verbatim.statements, n.text))
+        if not (isinstance(n, p.Opaque) and _declared_clock(verbatim.statements, n.text))
     )  # fmt: skip
     variables = dict(chain.from_iterable(c.variables().items() for c in own.values()))
-    said = _Saying(clocks, findings).body(body)
+    said = _StopwatchLowering(clocks, findings).body(body)
     return replace(procedure, body=said, variables={**procedure.variables, **variables})
 
 
-class _Saying:
-    def __init__(self, clocks: Clocks, findings: Findings) -> None:
+class _StopwatchLowering:
+    def __init__(self, clocks: Stopwatches, findings: Findings) -> None:
         self.clocks, self.findings = clocks, findings
 
     def body(self, body: Body) -> Body:
@@ -135,26 +145,26 @@ class _Saying:
     def statement(self, node: p.Statement, before: list[p.Statement]) -> Iterator[p.Statement]:
         match self.asked(node):
             case "clkreset", clock:
-                yield p.Assign(clock.ran, NONE, span=node.span)
-                yield p.Assign(clock.runs, NONE, span=node.span)
+                yield p.Assign(clock.ran, STOPPED, span=node.span)
+                yield p.Assign(clock.runs, STOPPED, span=node.span)
             case "clkstart", clock:
                 start = p.StartTimer(clock.timer, span=node.span)
-                runs = p.Assign(clock.runs, RUNS, span=node.span)
-                if before and before[-1] == p.Assign(clock.runs, NONE):  # it was just reset
+                runs = p.Assign(clock.runs, RUNNING, span=node.span)
+                if before and before[-1] == p.Assign(clock.runs, STOPPED):  # it was just reset
                     before.pop()
                     yield from (start, runs)
                 else:
-                    stands = e.Binary("=", clock.runs, NONE)
+                    stands = e.Binary("=", clock.runs, STOPPED)
                     yield p.If((p.Branch(stands, (start, runs)),), span=node.span)
             case "clkstop", clock:
                 yield p.Assign(clock.ran, clock.now, span=node.span)
-                yield p.Assign(clock.runs, NONE, span=node.span)
+                yield p.Assign(clock.runs, STOPPED, span=node.span)
             case _:
                 with self.findings.at(node.span):
                     said = map_head(node, self.expression)
                 yield map_bodies(said, self.body)
 
-    def asked(self, node: p.Statement) -> tuple[str, _Clock] | None:
+    def asked(self, node: p.Statement) -> tuple[str, _Stopwatch] | None:
         """What a statement asks of a clock."""
         if not isinstance(node, p.Opaque) or not node.text.lower().startswith("clk"):
             return None
@@ -179,11 +189,11 @@ class _Saying:
                     return clock.now
         return x
 
-    def _finely(self, text: str) -> _Clock | None:
+    def _finely(self, text: str) -> _Stopwatch | None:
         r"""The clock of `ClkRead(c\HighRes)`."""
         match verbatim.understood(verbatim.expression, text):
             case s.FunctionCall(
                 str(), (s.Positional(s.NameRef(name), None), s.Option(option, None))
-            ) if option.lower() == FINE:
+            ) if option.lower() == HIGH_RESOLUTION:
                 return self.clocks.get(name.lower())
         return None

@@ -15,11 +15,11 @@ from typing import Final
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, lists, nodes
 
-TYPE: Final = "clock"
-READ: Final = "clkread"
+CLOCK_TYPE: Final = "clock"
+READ_FUNCTION: Final = "clkread"
 
 
-def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
+def timer_clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     """Lower-case names of the clocks that are timers: of a module, restarted and read only."""
     items = tuple(item for module in modules for item in module.items)
     data = [item for item in items if isinstance(item, s.Data)]
@@ -32,13 +32,13 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
         match node:
             case s.NameRef(name):
                 named[name.lower()] += 1
-            case s.FunctionCall() if (clock := read(node)) is not None:
+            case s.FunctionCall() if (clock := read_clock(node)) is not None:
                 meant[clock] += 1
     routines = [item for item in items if isinstance(item, s.Routine)]
     started: set[str] = set()
     for body in chain.from_iterable(map(lists, routines)):
         for pair in pairwise(body):
-            if (again := restarted(pair)) is not None:
+            if (again := restarted_clock(pair)) is not None:
                 meant[again.name.lower()] += 2
                 started.add(again.name.lower())
     declared = Counter(item.name.lower() for item in data)
@@ -46,7 +46,7 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     return frozenset(n for n in alone if declared[n] == 1 and named[n] == meant[n])
 
 
-def restarted(nodes: Sequence[s.Node]) -> s.NameRef | None:
+def restarted_clock(nodes: Sequence[s.Node]) -> s.NameRef | None:
     """The clock that `ClkReset c; ClkStart c;` restarts."""
     match nodes:
         case (
@@ -57,11 +57,11 @@ def restarted(nodes: Sequence[s.Node]) -> s.NameRef | None:
     return None
 
 
-def read(node: s.FunctionCall) -> str | None:
+def read_clock(node: s.FunctionCall) -> str | None:
     """The lower-case name of the clock that `ClkRead(c)` reads."""
     match node:
         case s.FunctionCall(str(word), (s.Positional(s.NameRef(name), None),)) if (
-            word.lower() == READ
+            word.lower() == READ_FUNCTION
         ):
             return name.lower()
     return None
@@ -69,4 +69,4 @@ def read(node: s.FunctionCall) -> str | None:
 
 def _is_clock(item: s.Data) -> bool:
     plain = item.storage == "VAR" and item.scope != "TASK" and item.value is None
-    return plain and item.type.lower() == TYPE and not item.dimensions
+    return plain and item.type.lower() == CLOCK_TYPE and not item.dimensions

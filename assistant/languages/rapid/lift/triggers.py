@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.patterns import Called
-from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.instructions import NameResolver, lift_call
 from assistant.languages.rapid.tables.triggers import (
     MEASURES,
     MORE,
@@ -34,7 +34,7 @@ from assistant.program.passes.trigger_data import (
 from assistant.program.program import Declaration, Signal
 from assistant.program.vendor_statements import VendorText
 
-REASONS: Final = Reasons(
+TRIGGER_REASONS: Final = Reasons(
     special=e.Reason(
         "what happens on the way of the move is not only that one output is given a number there",
         r"set an output by TriggIO or TriggEquip with \DOp, \GOp or \AOp and no more options",
@@ -50,15 +50,15 @@ REASONS: Final = Reasons(
 )
 
 
-class Triggers:
+class TriggerReader:
     """Understands kept texts. own: whether a lower-case name is that of a routine of the user's."""
 
-    def __init__(self, meaning: Meaning, own: Callable[[str], bool]) -> None:
+    def __init__(self, meaning: NameResolver, own: Callable[[str], bool]) -> None:
         self.meaning, self.own = meaning, own
 
     def told(self, kept: VendorText) -> Told | None:
         """What a text is to outputs on the way of moves."""
-        match _node(kept):
+        match _trigger_node(kept):
             case s.Data(storage=storage, type=type, name=name) as node if type.lower() == TYPE:
                 plain = storage == "VAR" and node.scope != "TASK" and not node.dimensions
                 inside = not isinstance(kept, Declaration)
@@ -77,7 +77,7 @@ class Triggers:
         given = [*call.given[: known.place], *call.given[known.place + 1 :]]
         options = {name: x for name, x in call.options.items() if name not in MORE}
         plain = len(names) == 1 + len(call.options) - len(options)
-        move = of_call(Called(known.plain, given, options), self.meaning) if plain else None
+        move = lift_call(Called(known.plain, given, options), self.meaning) if plain else None
         return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
 
     def _set_up(self, known: Setup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
@@ -106,7 +106,7 @@ class Triggers:
         return TriggerSetUp(name)
 
 
-def _node(kept: VendorText) -> Any:
+def _trigger_node(kept: VendorText) -> Any:
     """The one declaration or statement that a text is, if it has to do with triggers."""
     if kept.language != verbatim.LANGUAGE or "trigg" not in kept.text.lower():
         return None

@@ -10,28 +10,28 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.analysis.motion_state import MotionStep
 
-STANDING: Final = {
+STANDSTILL_WAITS: Final = {
     ("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos"), ("waituntil", "inpos")
 }  # fmt: skip
 """Instructions behind which the robot stands at its target, with their options (RAPID manual)."""
 
 
-def steps(text: str) -> Sequence[MotionStep] | None:
+def vendor_steps(text: str) -> Sequence[MotionStep] | None:
     """None for what is no list of statements: an error handler, for one, which may move."""
     read = verbatim.understood(verbatim.statements, text)
-    return None if read is None else [_step(node) for node in read]
+    return None if read is None else [_vendor_step(node) for node in read]
 
 
-def _step(node: s.StatementNode) -> MotionStep:
+def _vendor_step(node: s.StatementNode) -> MotionStep:
     """`ConfL` without an option watches configurations (RAPID reference manual)."""
     match node:
         case s.Data():
             return MotionStep.NOTHING
         case s.ProcedureCall(str(name), arguments):
-            given = options(arguments)
+            given = option_names(arguments)
             if name.lower() == "confl":
                 return MotionStep.OPENS if "off" in given else MotionStep.WATCHES
-            if any((name.lower(), one) in STANDING for one in given):
+            if any((name.lower(), one) in STANDSTILL_WAITS for one in given):
                 return MotionStep.STOPS
             known = signature(name)
             if known is None:
@@ -42,6 +42,6 @@ def _step(node: s.StatementNode) -> MotionStep:
     return MotionStep.CALLS
 
 
-def options(arguments: Iterable[s.Argument]) -> list[str]:
+def option_names(arguments: Iterable[s.Argument]) -> list[str]:
     """Names of the options among arguments, in lower case."""
     return [one.name.lower() for one in arguments if isinstance(one, s.Option)]

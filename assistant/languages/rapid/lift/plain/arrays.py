@@ -14,9 +14,9 @@ from itertools import product
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.assigning import names_in
-from assistant.languages.rapid.lift.plain.changing import calls_of, repeated
-from assistant.languages.rapid.lift.plain.layouts import Layouts
-from assistant.languages.rapid.lift.plain.optional import nothing_of
+from assistant.languages.rapid.lift.plain.changing import call_graph, reentrant_routines
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
+from assistant.languages.rapid.lift.plain.optional import absent_value
 from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -29,7 +29,7 @@ MOST_ALIKE: Final = 4
 _NAMING: Final = (s.NameRef, s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
-def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequence[s.Module]:
+def with_shared_arrays(modules: Sequence[s.Module], layouts: RecordLayouts) -> Sequence[s.Module]:
     """The modules whose routines hand over arrays of modules only, where that can be."""
     items = [item for module in modules for item in module.items]
     routines: dict[str, list[s.Routine]] = {}
@@ -42,17 +42,17 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequenc
     every = list(nodes(tuple(modules)))
     taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))
-    again = repeated(calls_of(routines))
+    again = reentrant_routines(call_graph(routines))
     one_of = {key: own[0] for key, own in routines.items() if len(own) == 1}
     made = []
     for module in modules:
         changed: list[s.Item] = []
         for item in module.items:
             if isinstance(item, s.Routine):
-                held, item = _held(item, one_of, taken)
+                held, item = _with_aggregates_declared(item, one_of, taken)
                 changed += held
             if isinstance(item, s.Routine) and item.name.lower() not in again:
-                data, item = _shared(item, given, layouts, taken)
+                data, item = _with_shared_arrays_of(item, given, layouts, taken)
                 changed += data
             changed.append(item)
         same = all(a is b for a, b in zip(changed, module.items, strict=False))
@@ -61,7 +61,7 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: Layouts) -> Sequenc
     return made
 
 
-def _held(
+def _with_aggregates_declared(
     routine: s.Routine, known: Mapping[str, s.Routine], taken: TakenNames
 ) -> tuple[list[s.Data], s.Routine]:
     """The arrays that a routine hands over in brackets, as constants, and the routine with them."""
@@ -85,7 +85,7 @@ def _held(
                 case s.ParameterGroup(_, (s.ParameterNode() as one,)), s.Positional(
                     s.AggregateNode() as value
                 ) if one.dimensions > 0 and is_literal(value):
-                    sizes = _sizes(value, one.dimensions)
+                    sizes = _aggregate_extents(value, one.dimensions)
                     if sizes is not None:
                         name = identifier(f"{callee.name}_{one.name}", taken)
                         taken.add(name)
@@ -99,12 +99,12 @@ def _held(
     return data, changed if data else routine
 
 
-def _sizes(value: s.AggregateNode, dimensions: int) -> tuple[int, ...] | None:
+def _aggregate_extents(value: s.AggregateNode, dimensions: int) -> tuple[int, ...] | None:
     """The extents of an array in brackets; None if its rows are not all as long."""
     if dimensions == 1 or not value.items:
         return (len(value.items),) if value.items else None
     inner = {
-        _sizes(one, dimensions - 1) if isinstance(one, s.AggregateNode) else None
+        _aggregate_extents(one, dimensions - 1) if isinstance(one, s.AggregateNode) else None
         for one in value.items
     }
     (only,) = inner if len(inner) == 1 else (None,)
@@ -120,8 +120,8 @@ def takes_arrays(routine: s.Routine) -> bool:
     )
 
 
-def _shared(
-    routine: s.Routine, given: set[str], layouts: Layouts, taken: TakenNames
+def _with_shared_arrays_of(
+    routine: s.Routine, given: set[str], layouts: RecordLayouts, taken: TakenNames
 ) -> tuple[list[s.Data], s.Routine]:
     """The arrays that a routine hands over, and the routine without them."""
     handed = {
@@ -149,13 +149,13 @@ def _shared(
         sizes = [literal_number(size) for size in node.dimensions]
         filling: list[s.StatementNode] = []
         if node.storage == "VAR":
-            alike = nothing_of(layouts.base(node.type), layouts)
+            alike = absent_value(layouts.base(node.type), layouts)
             if node.value is not None:
                 filling = [s.Assignment(s.NameRef(name), node.value, span=node.span)]
             elif alike is None or not all(isinstance(n, int) and n > 0 for n in sizes):
                 continue
             else:
-                filling = list(_alike(name, [int(n or 0) for n in sizes], alike, taken, node))
+                filling = list(_filled(name, [int(n or 0) for n in sizes], alike, taken, node))
         taken.add(name)
         names[node.name.lower()] = name
         value = None if node.storage == "VAR" else node.value
@@ -179,7 +179,7 @@ def _shared(
     return data, replace(changed, body=(*changed.body[:at], *first, *changed.body[at:]))
 
 
-def _alike(
+def _filled(
     name: str, sizes: Sequence[int], value: s.Expression, taken: TakenNames, node: s.Data
 ) -> Iterator[s.StatementNode]:
     """The same value for every element, by loops where there are many."""

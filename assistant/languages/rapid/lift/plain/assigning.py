@@ -11,13 +11,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
 
-Cell = tuple[tuple[int, ...], s.Expression]
+ArrayCell = tuple[tuple[int, ...], s.Expression]
 """The indices and the value of an element."""
 MOST_ELEMENTS: Final = 120
 """Of an array that is given values in brackets; of more it stays one statement."""
 
 
-def has_other_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
+def differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
     """Whether values in brackets are more or fewer than the elements of an array."""
     if not sizes:
         return False
@@ -26,10 +26,10 @@ def has_other_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> boo
     if extent is not None and extent != len(value.items):
         return True
     inner = (one for one in value.items if isinstance(one, s.AggregateNode))
-    return any(has_other_size(one, others) for one in inner)
+    return any(differs_in_size(one, others) for one in inner)
 
 
-def by_elements(
+def element_assignments(
     node: s.Assignment, kind: Kind | None, variable: Callable[[str, str], s.NameRef]
 ) -> Iterator[s.Assignment]:
     """An assignment, of values in brackets to an array one for each element.
@@ -39,7 +39,7 @@ def by_elements(
     """
     match node:
         case s.Assignment(s.NameRef(name), s.AggregateNode() as value) if kind and kind[1]:
-            rows = list(_cells(value, kind[1]))
+            rows = list(_array_cells(value, kind[1]))
             if len(rows) <= MOST_ELEMENTS:
                 if name.lower() in names_in(value):
                     held = [(index, variable("new", kind[0])) for index, _ in rows]
@@ -53,13 +53,13 @@ def by_elements(
     yield node
 
 
-def _cells(value: s.AggregateNode, depth: int) -> Iterator[Cell]:
+def _array_cells(value: s.AggregateNode, depth: int) -> Iterator[ArrayCell]:
     """The values of an array in brackets, each with its indices."""
     for at, item in enumerate(value.items, 1):
         if depth == 1 or not isinstance(item, s.AggregateNode):
             yield (at,), item
         else:
-            yield from (((at, *index), cell) for index, cell in _cells(item, depth - 1))
+            yield from (((at, *index), cell) for index, cell in _array_cells(item, depth - 1))
 
 
 def names_in(value: Any) -> set[str]:
@@ -67,14 +67,14 @@ def names_in(value: Any) -> set[str]:
     return {node.name.lower() for node in nodes(value) if isinstance(node, s.NameRef)}
 
 
-def roots(place: Any) -> set[str]:
+def assigned_names(place: Any) -> set[str]:
     """The data that an assignment changes, in lower case."""
     while not isinstance(place, s.NameRef):
         place = place.value
     return {place.name.lower()}
 
 
-def indices_of(place: Any) -> set[str]:
+def index_names(place: Any) -> set[str]:
     """Names in the indices of what is assigned, in lower case."""
     found: set[str] = set()
     while not isinstance(place, s.NameRef):

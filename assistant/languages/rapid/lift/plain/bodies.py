@@ -8,36 +8,36 @@ from typing import Any
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.plain.assembling import (
-    ASSEMBLED,
-    OUTSIDE_ALL,
-    assembled,
-    configured,
-    is_configured,
+    ASSEMBLED_TYPES,
+    NO_EXTERNAL_AXES,
+    assembled_parts,
+    takes_configuration,
+    with_configuration,
 )
 from assistant.languages.rapid.lift.plain.assigning import (
-    by_elements,
-    has_other_size,
-    indices_of,
+    assigned_names,
+    differs_in_size,
+    element_assignments,
+    index_names,
     names_in,
-    roots,
 )
-from assistant.languages.rapid.lift.plain.declaring import declared
+from assistant.languages.rapid.lift.plain.declaring import flat_declarations
 from assistant.languages.rapid.lift.plain.kinds import Kind
-from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Path
+from assistant.languages.rapid.lift.plain.layouts import SETTING_TYPES, ComponentPath
 from assistant.languages.rapid.lift.plain.library import (
-    TURN,
-    angles_of,
-    call_of,
+    ORIENTATION,
+    function_call,
     is_written_out,
-    worded,
+    library_call,
+    quaternion_angles,
 )
-from assistant.languages.rapid.lift.plain.outside import OUTSIDE
+from assistant.languages.rapid.lift.plain.outside import NO_AXIS
 from assistant.languages.rapid.lift.plain.own_task import OWN_TASK, without_task
-from assistant.languages.rapid.lift.plain.paces import is_computed, single_moves
-from assistant.languages.rapid.lift.plain.scopes import Datum, Program, parameters
-from assistant.languages.rapid.lift.plain.spreads import Spread, Unsaid
-from assistant.languages.rapid.lift.plain.turns import joined_turns
-from assistant.languages.rapid.lift.plain.values import PLACE, Values
+from assistant.languages.rapid.lift.plain.paces import has_parted_settings, single_moves
+from assistant.languages.rapid.lift.plain.scopes import Datum, ProgramData, parameter_nodes
+from assistant.languages.rapid.lift.plain.spreads import NotExpressible, RecordValue
+from assistant.languages.rapid.lift.plain.turns import with_joined_quaternions
+from assistant.languages.rapid.lift.plain.values import POSITION_FUNCTION, Values
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.walk import lists, nodes
@@ -45,16 +45,16 @@ from assistant.languages.rapid.tree.walk import lists, nodes
 Nodes = tuple[s.StatementNode, ...]
 
 
-class Bodies:
+class RoutineBody:
     """The statements of one routine.
 
     kept: statements that stay as they are written, by `id`, with why; they are in what is made.
     """
 
-    def __init__(self, program: Program, routine: s.Routine, kept: dict[int, str]) -> None:
+    def __init__(self, program: ProgramData, routine: s.Routine, kept: dict[int, str]) -> None:
         self.program, self.routine, self.kept = program, routine, kept
         self.names: dict[str, Datum] = {
-            one.name.lower(): program.datum_of(one) for one in parameters(routine)
+            one.name.lower(): program.datum_of(one) for one in parameter_nodes(routine)
         }
         # a declaration in a block is an error (RA220), and a name like any other
         data = [node for body in lists(routine) for node in body if isinstance(node, s.Data)]
@@ -95,7 +95,9 @@ class Bodies:
 
     def block(self, body: Sequence[s.StatementNode]) -> Nodes:
         return tuple(
-            said for node in joined_turns(self.values, body) for said in self._statement(node)
+            said
+            for node in with_joined_quaternions(self.values, body)
+            for said in self._statement(node)
         )
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
@@ -103,8 +105,8 @@ class Bodies:
         around, self.program.at = self.program.at, node.span
         try:
             made = list(self._said(node))
-            return [_at(one, node) for one in self.before] + made
-        except Unsaid as unsaid:
+            return [_at_span(one, node) for one in self.before] + made
+        except NotExpressible as unsaid:
             self.kept[id(node)] = unsaid.why
             return [node]
         finally:
@@ -114,18 +116,20 @@ class Bodies:
         plain = self.values.plain
         match node:
             case s.Data():
-                yield from declared(node, self.names[node.name.lower()], self.values)
+                yield from flat_declarations(node, self.names[node.name.lower()], self.values)
             case s.Assignment(target, value):
                 yield from self._assigned(node, target, value)
-            case s.ProcedureCall(str()) if (own := worded(self.values, node)) is not node:
+            case s.ProcedureCall(str()) if (own := library_call(self.values, node)) is not node:
                 yield from self._said(own)
-            case s.ProcedureCall(str(name)) if raised := raising(node, self.values.is_own(name)):
+            case s.ProcedureCall(str(name)) if raised := raise_statements(
+                node, self.values.is_own(name)
+            ):
                 for one in raised:
                     yield from self._said(one)
             case s.ProcedureCall(name, arguments):
                 said = name if isinstance(name, str) else plain(name)
                 yield replace(node, name=said, arguments=self.values.arguments(name, arguments))
-            case s.MoveRunNode(run) if is_computed(run, self.values.find):
+            case s.MoveRunNode(run) if has_parted_settings(run, self.values.find):
                 for move in single_moves(run):
                     yield from self._said(move)
             case s.ReturnFrom(value) if value is not None:
@@ -186,7 +190,7 @@ class Bodies:
         self.before = None if again else held
         try:
             return self.values.plain(condition)
-        except Unsaid:
+        except NotExpressible:
             return condition
         finally:
             self.before = held
@@ -196,25 +200,27 @@ class Bodies:
     ) -> Iterator[s.StatementNode]:
         kind = self.values.kind(target)
         if (place := self.values.whole_turn(target)) is not None:
-            yield self._turned(node, s.Component(place, TURN), value)
+            yield self._turned(node, s.Component(place, ORIENTATION), value)
             return
-        if kind is not None and kind[0] in ASSEMBLED and isinstance(value, s.AggregateNode):
+        if kind is not None and kind[0] in ASSEMBLED_TYPES and isinstance(value, s.AggregateNode):
             if not is_written_out(value):
                 yield from self._put_together(node, target, kind[0], value)
                 return
         if self._never_fits(node):
             yield s.Word("EXIT", span=node.span)
             return
-        value = worded(self.values, value)
+        value = library_call(self.values, value)
         if kind is None or not self.values.is_record(kind) or self._is_setting(target, kind):
             type = None if kind is None else kind[0]
             variable = self.values.plain(target)
             self.direct = value
             said = self.values.given(value, type)
-            if variable is OUTSIDE:
+            if variable is NO_AXIS:
                 yield from self._still_called(said, node)
                 return
-            yield from by_elements(replace(node, target=variable, value=said), kind, self._variable)
+            yield from element_assignments(
+                replace(node, target=variable, value=said), kind, self._variable
+            )
             return
         if (made := self._configured(target, value)) is not None:
             for part, given in made:
@@ -229,16 +235,16 @@ class Bodies:
 
     def _configured(self, target: Any, value: Any) -> list[tuple[Any, s.Expression]] | None:
         """What is assigned where a target takes a configuration, None of any other assignment."""
-        if self.program.has_axes or not is_configured(target, value):
+        if self.program.has_axes or not takes_configuration(target, value):
             return None
-        return list(configured(target, value, self._variable("configured", "robtarget")))
+        return list(with_configuration(target, value, self._variable("configured", "robtarget")))
 
     def _never_fits(self, node: s.Assignment) -> bool:
         """Whether an array is given values in brackets that are too many or too few, with why."""
         match node:
             case s.Assignment(s.NameRef(name), s.AggregateNode() as value):
                 datum = self.values.find(name)
-                if datum is not None and has_other_size(value, datum.sizes):
+                if datum is not None and differs_in_size(value, datum.sizes):
                     found = rules.WRONG_SIZE(array=name, span=node.span)
                     self.program.remarks.append(found)
                     return True
@@ -246,7 +252,7 @@ class Bodies:
 
     def _is_setting(self, target: Any, kind: Kind) -> bool:
         """Whether a tool, frame, speed or zone is assigned that is one variable."""
-        return kind[0] in SETTINGS and not self.values.is_apart(target)
+        return kind[0] in SETTING_TYPES and not self.values.is_apart(target)
 
     def _turned(self, node: s.Assignment, turn: s.Component, value: Any) -> s.StatementNode:
         """An orientation given to a target or pose that has angles."""
@@ -257,18 +263,18 @@ class Bodies:
                 given = self.values.arguments("OrientZYX", arguments)
                 return replace(node, target=turn, value=replace(value, arguments=given))
         if (other := self.values.whole_turn(value)) is not None:
-            return replace(node, target=turn, value=s.Component(other, TURN))
+            return replace(node, target=turn, value=s.Component(other, ORIENTATION))
         spread = self.values.spread(value, ("orient", 0))
         held = {path: self._held(one) for path, one in spread.items()}
-        angles = [self.values.plain(one) for one in angles_of(held)]
-        return replace(node, target=turn, value=call_of("OrientZYX", *angles))
+        angles = [self.values.plain(one) for one in quaternion_angles(held)]
+        return replace(node, target=turn, value=function_call("OrientZYX", *angles))
 
     def _held(self, value: s.Expression) -> s.Expression:
         """A number that is asked for several times, as it is or in a variable of its own."""
         if isinstance(value, s.NameRef | s.NumberLiteral) or is_written_out(value):
             return value
         if self.before is None:
-            raise Unsaid("it is worked out where nothing can be called before")
+            raise NotExpressible("it is worked out where nothing can be called before")
         variable = self._variable("turn", "num")
         self.before.append(s.Assignment(variable, value))
         return variable
@@ -284,7 +290,7 @@ class Bodies:
         own = names_in(place)
         if own & names_in(value):
             place = self._variable("new", type)
-        for part, given in assembled(type, place, value):
+        for part, given in assembled_parts(type, place, value):
             if part is place and is_written_out(given):
                 yield replace(node, target=place, value=given)
             else:
@@ -299,7 +305,7 @@ class Bodies:
         if type == "pose" or self.program.has_axes or not named:
             return value
         self.program.outside.append((self.program.at, "extax"))
-        return replace(value, items=(*rest, OUTSIDE_ALL))
+        return replace(value, items=(*rest, NO_EXTERNAL_AXES))
 
     def _both_stay(self, node: Any) -> bool:
         """Whether a variable is a component of data that is not taken apart."""
@@ -308,27 +314,27 @@ class Bodies:
         return datum is not None and not datum.names and path != ("trans",)
 
     def _copied(
-        self, node: s.StatementNode, places: Spread, parts: Spread, kind: Kind
+        self, node: s.StatementNode, places: RecordValue, parts: RecordValue, kind: Kind
     ) -> Iterator[s.StatementNode]:
         """Each part assigned; by way of variables where a part that was assigned is asked for."""
         changed: set[str] = set()
         if not places.keys() <= parts.keys():
-            raise Unsaid("what it is given is of another type")
+            raise NotExpressible("what it is given is of another type")
         for path, place in places.items():
-            if place is OUTSIDE:
+            if place is NO_AXIS:
                 yield from self._still_called(parts[path], node)
-        later = [path for path, place in places.items() if place is not OUTSIDE]
+        later = [path for path, place in places.items() if place is not NO_AXIS]
         asked = {path: names_in(parts[path]) for path in later}
         clashes = False
         for path in later:
-            clashes |= not changed.isdisjoint(asked[path] | indices_of(places[path]))
-            changed |= roots(places[path])
+            clashes |= not changed.isdisjoint(asked[path] | index_names(places[path]))
+            changed |= assigned_names(places[path])
         if clashes and kind[1]:
-            raise Unsaid("it reads parts of what it assigns")
+            raise NotExpressible("it reads parts of what it assigns")
         if not clashes:
             for path in later:
                 one: Any = s.Assignment(places[path], parts[path], span=node.span)  # type: ignore[arg-type]
-                yield from by_elements(one, kind, self._variable)
+                yield from element_assignments(one, kind, self._variable)
             return
         types = {one.path: one.type for one in self.program.layouts.parts(kind[0]) or ()}
         held = {path: self._variable("_".join(("new", *path)), types[path]) for path in later}
@@ -355,23 +361,27 @@ class Bodies:
             yield replace(node, value=self.values.given(value, self.routine.type))
             return
         kind = self.program.layouts.base(self.routine.type), 0
-        places: Mapping[Path, s.Expression] = {p: s.NameRef(name) for p, name in result.items()}
+        places: Mapping[ComponentPath, s.Expression] = {
+            p: s.NameRef(name) for p, name in result.items()
+        }
         self.alone = value
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
         yield replace(node, value=None)
 
-    def _called(self, call: s.FunctionCall) -> Spread:
+    def _called(self, call: s.FunctionCall) -> RecordValue:
         """Calls a function that gives back a record before the statement at hand."""
-        if call.name.lower() == PLACE:
+        if call.name.lower() == POSITION_FUNCTION:
             return self._place(call)
         routine = self.program.routines[call.name.lower()]
         result = self.program.result(routine)
         if self.before is None or not result:
-            raise Unsaid(f"`{call.name}` gives back a record where it cannot be called before")
+            raise NotExpressible(
+                f"`{call.name}` gives back a record where it cannot be called before"
+            )
         arguments = self.values.arguments(call.name, call.arguments)
         self.before.append(s.ProcedureCall(call.name, arguments))
         types = {one.path: one.type for one in self.program.layouts.parts(routine.type) or ()}
-        made: dict[Path, s.Expression] = {}
+        made: dict[ComponentPath, s.Expression] = {}
         if self.alone is call:
             return {path: s.NameRef(name) for path, name in result.items()}
         for path, name in result.items():
@@ -383,7 +393,7 @@ class Bodies:
     def _built(self, type: str, value: s.AggregateNode) -> s.Expression:
         """A target or pose that is put together before the statement at hand."""
         if self.before is None:
-            raise Unsaid(f"it puts a {type} together where nothing can be done before")
+            raise NotExpressible(f"it puts a {type} together where nothing can be done before")
         held = self._variable("built", type)
         self.before += self._put_together(s.Assignment(held, value), held, type, value)
         return held
@@ -410,17 +420,19 @@ class Bodies:
     def _is_direct(self, call: s.FunctionCall) -> bool:
         return isinstance(self.direct, s.FunctionCall) and self.direct.span == call.span
 
-    def _place(self, call: s.FunctionCall) -> Spread:
+    def _place(self, call: s.FunctionCall) -> RecordValue:
         """Where the robot stands, read before the statement at hand."""
         if self.before is None:
-            raise Unsaid(f"`{call.name}` gives back a record where it cannot be read before")
+            raise NotExpressible(
+                f"`{call.name}` gives back a record where it cannot be read before"
+            )
         held = self._variable("stands", "robtarget")
         here = replace(call, name="CRobT", arguments=self.values.arguments("CRobT", call.arguments))
         self.before.append(s.Assignment(held, here))
         return {(axis,): s.Component(s.Component(held, "trans"), axis) for axis in "xyz"}
 
 
-def raising(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.RaiseError]:
+def raise_statements(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.RaiseError]:
     """`ErrRaise` as what it does: a message in the event log, and the error of that name.
 
     None of any other call, and of a name that is worked out. own: the program has such a routine.
@@ -435,5 +447,5 @@ def raising(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.Ra
     return ()
 
 
-def _at(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:
+def _at_span(made: s.StatementNode, node: s.StatementNode) -> s.StatementNode:
     return made if made.span is not None else replace(made, span=node.span)

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.layouts import SETTING_TYPES, RecordLayouts
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.walk import nodes
@@ -25,7 +25,7 @@ _WRITES: Final = "setdataval"
 _NO_SUCH: Final = s.RaiseError(s.NameRef("ERR_SYM_ACCESS"))
 """What both raise for a name that there is no data of (3HAC050917: GetDataVal)."""
 
-Found = tuple[str, int]
+DataType = tuple[str, int]
 """Type without aliases, and number of dimensions."""
 
 
@@ -41,7 +41,7 @@ def with_named_data(
     own = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     if not own.isdisjoint(words):
         return modules, told
-    there, layouts = list(_data(modules)), Layouts(modules)
+    there, layouts = list(_global_data(modules)), RecordLayouts(modules)
     made = []
     for at, module in enumerate(modules):
         shared = {name.lower(): layouts.base(one.type) for name, one in there}
@@ -50,7 +50,7 @@ def with_named_data(
             for one in module.items
             if isinstance(one, s.Data)
         }
-        chosen = _Chosen(there, layouts, shared, told[at])
+        chosen = _DataChoices(there, layouts, shared, told[at])
         items = tuple(
             chosen.routine(item) if isinstance(item, s.Routine) else item for item in module.items
         )
@@ -59,20 +59,20 @@ def with_named_data(
     return made, told
 
 
-def _data(modules: Sequence[s.Module]) -> Iterator[tuple[str, s.Data]]:
+def _global_data(modules: Sequence[s.Module]) -> Iterator[tuple[str, s.Data]]:
     """Data that all modules see, by their names as they are declared."""
     for item in (item for module in modules for item in module.items):
         if isinstance(item, s.Data) and item.scope != "LOCAL":
             yield item.name, item
 
 
-class _Chosen:
+class _DataChoices:
     """there: data that all modules see. types: of names in a module."""
 
     def __init__(
         self,
         there: Sequence[tuple[str, s.Data]],
-        layouts: Layouts,
+        layouts: RecordLayouts,
         types: Mapping[str, str],
         told: list[Diagnostic],
     ) -> None:
@@ -104,7 +104,11 @@ class _Chosen:
         if text is None or not isinstance(value, s.NameRef):
             return None
         wanted = self._kind(value, own)
-        if wanted is None or wanted[0] in SETTINGS or self.layouts.kind(wanted[0]) in _NO_VALUES:
+        if (
+            wanted is None
+            or wanted[0] in SETTING_TYPES
+            or self.layouts.kind(wanted[0]) in _NO_VALUES
+        ):
             return None
         writes = str(node.name).lower() == _WRITES
         found = [
@@ -113,7 +117,7 @@ class _Chosen:
             if (self.layouts.base(one.type), len(one.dimensions)) == wanted
             and name.lower() not in own
             and not (writes and one.storage == "CONST")
-            and _may_be(text, name)
+            and _may_match(text, name)
         ]
         if len(found) > MOST_NAMES:
             return None
@@ -126,7 +130,9 @@ class _Chosen:
         other = replace(_NO_SUCH, span=node.span)
         return s.TestOf(text, cases, (other,), span=node.span) if cases else other
 
-    def _kind(self, value: s.NameRef, own: Mapping[str, s.Data | s.ParameterNode]) -> Found | None:
+    def _kind(
+        self, value: s.NameRef, own: Mapping[str, s.Data | s.ParameterNode]
+    ) -> DataType | None:
         low = value.name.lower()
         match own.get(low):
             case s.Data(type=type, dimensions=dimensions):
@@ -141,16 +147,16 @@ class _Chosen:
 _NO_VALUES: Final = ("", "DEVICE", "HANDLE", "OTHER")
 
 
-def _may_be(text: s.Expression, name: str) -> bool:
+def _may_match(text: s.Expression, name: str) -> bool:
     """Whether a text may be a name, by what of its begin and its end is written out."""
     low = name.lower()
-    begin, end = _edge(text, 0), _edge(text, -1)
+    begin, end = _known_edge(text, 0), _known_edge(text, -1)
     if isinstance(text, s.StringLiteral):
         return text.value.lower() == low
     return low.startswith(begin) and low.endswith(end) and len(low) >= len(begin) + len(end)
 
 
-def _edge(text: s.Expression, at: int) -> str:
+def _known_edge(text: s.Expression, at: int) -> str:
     while isinstance(text, s.Group | s.Infix):
         if isinstance(text, s.Group):
             text = text.inner

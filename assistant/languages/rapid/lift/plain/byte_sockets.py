@@ -14,22 +14,22 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import option
 from assistant.languages.rapid.tree.walk import nodes
 
-SOCKETS: Final = frozenset(("socketsend", "socketreceive"))
+SOCKET_INSTRUCTIONS: Final = frozenset(("socketsend", "socketreceive"))
 """Instructions in lower case, whose first argument is a socket."""
-_BYTES: Final = ("rawdata", "data")
-_PEEKS: Final = "socketpeek"
+_BYTE_OPTIONS: Final = ("rawdata", "data")
+_PEEK_FUNCTION: Final = "socketpeek"
 
-Key = tuple[str, str]
+SocketKey = tuple[str, str]
 """A routine, empty for data of a module, and the name of what is a socket there or has one."""
 
 
-def texts_of_bytes(routines: Sequence[s.Routine]) -> Set[int]:
+def texts_on_byte_sockets(routines: Sequence[s.Routine]) -> Set[int]:
     """The calls with texts, by `id`, whose sockets also send or receive bytes."""
-    same = _Names()
+    same = _SocketNames()
     own = {one.name.lower(): one for one in routines}
-    inner = {one.name.lower(): frozenset(_names_in(one)) for one in routines}
-    bytes_of: list[Key] = []
-    texts: list[tuple[Key, s.Node]] = []
+    inner = {one.name.lower(): frozenset(_names_of_routine(one)) for one in routines}
+    bytes_of: list[SocketKey] = []
+    texts: list[tuple[SocketKey, s.Node]] = []
     for routine in routines:
         low = routine.name.lower()
         for node in nodes(routine):
@@ -38,29 +38,31 @@ def texts_of_bytes(routines: Sequence[s.Routine]) -> Set[int]:
             if not isinstance(node.name, str):
                 continue
             word = node.name.lower()
-            if word in SOCKETS or word == _PEEKS:
-                key = _key(next(iter(node.arguments), None), low, inner[low])
-                if key is not None and (word == _PEEKS or option(node, *_BYTES) is not None):
+            if word in SOCKET_INSTRUCTIONS or word == _PEEK_FUNCTION:
+                key = _socket_key(next(iter(node.arguments), None), low, inner[low])
+                if key is not None and (
+                    word == _PEEK_FUNCTION or option(node, *_BYTE_OPTIONS) is not None
+                ):
                     bytes_of.append(key)
                 elif key is not None and option(node, "str") is not None:
                     texts.append((key, node))
             elif word in own:
-                for given, name in _handed_over(node, own[word]):
-                    key = _key(given, low, inner[low])
+                for given, name in _arguments_by_parameter(node, own[word]):
+                    key = _socket_key(given, low, inner[low])
                     if key is not None:
                         same.join(key, (word, name))
     found = {same.first(key) for key in bytes_of}
     return frozenset(id(node) for key, node in texts if same.first(key) in found)
 
 
-def _names_in(routine: s.Routine) -> Iterator[str]:
+def _names_of_routine(routine: s.Routine) -> Iterator[str]:
     """Names in lower case of the parameters and the data of a routine."""
     for node in nodes(routine):
         if isinstance(node, s.ParameterNode | s.Data):
             yield node.name.lower()
 
 
-def _key(given: Any, routine: str, inner: Set[str]) -> Key | None:
+def _socket_key(given: Any, routine: str, inner: Set[str]) -> SocketKey | None:
     """Arguments by the name that each begins with."""
     value = given.value if isinstance(given, s.Positional | s.Option) else None
     while isinstance(value, s.Component | s.Element):
@@ -71,38 +73,38 @@ def _key(given: Any, routine: str, inner: Set[str]) -> Key | None:
     return (routine if name in inner else "", name)
 
 
-def _handed_over(
+def _arguments_by_parameter(
     call: s.ProcedureCall | s.FunctionCall, routine: s.Routine
 ) -> Iterator[tuple[s.Argument, str]]:
     """Arguments of a call, with the name of the parameter in lower case."""
     required = [one for one in routine.parameters if not one.optional]
     given = [one for one in call.arguments if isinstance(one, s.Positional)]
     for value, group in zip(given, required, strict=False):
-        for one in _named(group.alternatives):
+        for one in _alternative_names(group.alternatives):
             yield value, one
-    known = {one for group in routine.parameters for one in _named(group.alternatives)}
+    known = {one for group in routine.parameters for one in _alternative_names(group.alternatives)}
     for argument in call.arguments:
         if isinstance(argument, s.Option) and argument.name.lower() in known:
             yield argument, argument.name.lower()
 
 
-def _named(alternatives: Iterable[Any]) -> Iterator[str]:
+def _alternative_names(alternatives: Iterable[Any]) -> Iterator[str]:
     return (one.name.lower() for one in alternatives if isinstance(one, s.ParameterNode))
 
 
-class _Names:
+class _SocketNames:
     """Names that stand for the same thing."""
 
     def __init__(self) -> None:
-        self.above: dict[Key, Key] = {}
+        self.above: dict[SocketKey, SocketKey] = {}
 
-    def first(self, key: Key) -> Key:
+    def first(self, key: SocketKey) -> SocketKey:
         """One name of all that are the same."""
         while key in self.above:
             key = self.above[key]
         return key
 
-    def join(self, one: Key, other: Key) -> None:
+    def join(self, one: SocketKey, other: SocketKey) -> None:
         one, other = self.first(one), self.first(other)
         if one != other:
             self.above[one] = other

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from assistant.languages.rapid.lift.plain.changing import assigned
+from assistant.languages.rapid.lift.plain.changing import assigned_names
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, nodes
 
-Given = tuple[s.Expression | None, ...]
+CallArguments = tuple[s.Expression | None, ...]
 """What a call gives for the parameters that a copy has not, in their order; None for nothing."""
 
 
 @dataclass(frozen=True, slots=True)
-class Handed:
+class CopiedParameter:
     """One of a routine. place: among the required ones, -1 of an optional one."""
 
     node: s.ParameterNode
@@ -30,7 +30,7 @@ class Handed:
 
 
 @dataclass(slots=True)
-class Called:
+class CallPattern:
     """A routine that copies are made of. ways: what it is called with, and the name of the copy.
 
     stays: somebody calls it in a way that no copy is for. hidden: names of its own, and changed:
@@ -39,16 +39,16 @@ class Called:
     """
 
     node: s.Routine
-    parameters: tuple[Handed, ...]
-    ways: dict[tuple[str | None, ...], tuple[str, Given]] = field(default_factory=dict)
+    parameters: tuple[CopiedParameter, ...]
+    ways: dict[tuple[str | None, ...], tuple[str, CallArguments]] = field(default_factory=dict)
     stays: bool = False
     hidden: frozenset[str] = frozenset()
     changed: frozenset[str] = frozenset()
     runs: bool = False
 
     @staticmethod
-    def of(node: s.Routine, parameters: tuple[Handed, ...]) -> Called:
+    def of(node: s.Routine, parameters: tuple[CopiedParameter, ...]) -> CallPattern:
         hidden = frozenset(name.lower() for name in inner_names((node,)))
         runs = any(isinstance(inner, s.MoveRunNode) for inner in nodes(node))
-        changed = frozenset(assigned(node))
-        return Called(node, parameters, hidden=hidden, changed=changed, runs=runs)
+        changed = frozenset(assigned_names(node))
+        return CallPattern(node, parameters, hidden=hidden, changed=changed, runs=runs)

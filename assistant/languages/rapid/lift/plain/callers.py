@@ -11,37 +11,37 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Final
 
-from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
 from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.program import TakenNames, identifier
 
 
-def _record(*values: s.Expression | float) -> s.AggregateNode:
+def _aggregate(*values: s.Expression | float) -> s.AggregateNode:
     """Values in brackets."""
     return s.AggregateNode(
         tuple(s.NumberLiteral(f"{v:g}") if isinstance(v, float | int) else v for v in values)
     )
 
 
-_PLACE: Final = _record(_record(0, 0, 0), _record(1, 0, 0, 0))
+_ZERO_POSE: Final = _aggregate(_aggregate(0, 0, 0), _aggregate(1, 0, 0, 0))
 _TRUE, _FALSE = s.BoolLiteral(True), s.BoolLiteral(False)
-_LOAD: Final = _record(0.001, _record(0, 0, 0.001), _record(1, 0, 0, 0), 0, 0, 0)
-STARTS: Final = {
-    "tooldata": _record(_TRUE, _PLACE, _LOAD),
-    "wobjdata": _record(_FALSE, _TRUE, s.StringLiteral(""), _PLACE, _PLACE),
+_LEAST_LOAD: Final = _aggregate(0.001, _aggregate(0, 0, 0.001), _aggregate(1, 0, 0, 0), 0, 0, 0)
+INITIAL_VALUES: Final = {
+    "tooldata": _aggregate(_TRUE, _ZERO_POSE, _LEAST_LOAD),
+    "wobjdata": _aggregate(_FALSE, _TRUE, s.StringLiteral(""), _ZERO_POSE, _ZERO_POSE),
 }
 """The flange, and the base: what a tool and a work object are before a caller sets them."""
 
 
-class Callers:
+class UnreadCallers:
     """What callers give that nobody knows: one for all parameters of a type and a name.
 
     data: what is declared for it, by the routine in lower case that first has it.
     """
 
-    def __init__(self, items: Sequence[s.Item], layouts: Layouts, taken: TakenNames) -> None:
+    def __init__(self, items: Sequence[s.Item], layouts: RecordLayouts, taken: TakenNames) -> None:
         self._layouts, self._taken = layouts, taken
         self._items = items
         self._given: dict[tuple[str, str], s.NameRef] = {}
@@ -64,7 +64,7 @@ class Callers:
     def of(self, routine: s.Routine, one: s.ParameterNode, optional: bool) -> s.NameRef | None:
         """What stands for a parameter; None where it is taken for not given."""
         type = self._layouts.base(one.type)
-        if optional and type not in STARTS:
+        if optional and type not in INITIAL_VALUES:
             return None
         key = type, one.name.lower()
         if key not in self._given:
@@ -74,7 +74,7 @@ class Callers:
                 self._taken.add(name)
             self._given[key] = s.NameRef(name)
             if type not in SIGNALS:
-                start = STARTS.get(type)
+                start = INITIAL_VALUES.get(type)
                 storage = "VAR" if start is None else "PERS"
                 data = s.Data("", storage, type, name, value=start, span=one.span)
                 self.data.setdefault(routine.name.lower(), []).append(data)

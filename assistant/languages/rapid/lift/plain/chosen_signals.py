@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.languages.rapid.lift.local_names import with_own_names
-from assistant.languages.rapid.lift.plain.known_texts import MOST, Texts
-from assistant.languages.rapid.lift.plain.scopes import Fresh
+from assistant.languages.rapid.lift.local_names import with_unique_data_names
+from assistant.languages.rapid.lift.plain.known_texts import MOST_TEXTS, KnownTexts
+from assistant.languages.rapid.lift.plain.scopes import FreshNames
 from assistant.languages.rapid.lift.plain.signal_choices import (
-    READING,
-    Chosen,
-    Rewriting,
+    READ_FUNCTIONS,
+    ChoiceWriter,
+    ChosenSignal,
     chooses,
     is_named,
 )
@@ -28,13 +28,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, mentions, nodes
 from assistant.program.program import Signal
 
-_WORDS: Final = ("aliasio", "getdataval")
-LEAST: Final = 2
+_CHOICE_INSTRUCTIONS: Final = ("aliasio", "getdataval")
+LEAST_CHOICES: Final = 2
 """Letters that a name has to begin with before names of signals are taken for what it may be."""
 
 
 @dataclass(frozen=True, slots=True)
-class Choices:
+class SignalChoices:
     """modules: with choices for such signals. remarks: findings of each. signals: that may be
     chosen. gone: the variables that stood for them, in lower case.
     """
@@ -45,51 +45,51 @@ class Choices:
     gone: frozenset[str] = frozenset()
 
 
-def with_chosen_signals(modules: Sequence[s.Module]) -> Choices:
+def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
     """The modules with choices; themselves where there are none."""
-    chosen: list[Chosen] = []
+    chosen: list[ChosenSignal] = []
     if any(map(chooses, nodes(tuple(modules)))):
-        chosen = _Choosing(modules).found()
+        chosen = _SignalVariables(modules).found()
     if not chosen:
-        return Choices(modules, ((),) * len(modules))
-    fresh = Fresh(modules)
+        return SignalChoices(modules, ((),) * len(modules))
+    fresh = FreshNames(modules)
     for one in chosen:
         if len(one.names) > 1:
             one.choice = fresh(f"{one.data.name}_choice")
             one.function = fresh(f"{one.data.name}_value")
-    work = Rewriting(chosen)
+    work = ChoiceWriter(chosen)
     made = [work.module(module) for module in modules]
     remarks = tuple(tuple(work.remarks[id(module)]) for module in modules)
     signals = {name: SIGNALS[one.data.type.lower()] for one in chosen for name in one.names}
     gone = frozenset(one.data.name.lower() for one in chosen)
-    return Choices(made, remarks, signals, gone)
+    return SignalChoices(made, remarks, signals, gone)
 
 
 def chosen_signals(files: Sequence[s.File]) -> Mapping[str, Signal]:
     """Signals that texts alone may name."""
-    if not mentions(files, _WORDS):
+    if not mentions(files, _CHOICE_INSTRUCTIONS):
         return {}
-    modules = with_own_names([module for file in files for module in file.modules])
+    modules = with_unique_data_names([module for file in files for module in file.modules])
     return with_chosen_signals(modules).signals
 
 
-class _Choosing:
+class _SignalVariables:
     """What signal variables may stand for."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.texts = Texts(modules)
+        self.texts = KnownTexts(modules)
         self.items = [item for module in modules for item in module.items]
-        self.variables: dict[tuple[int, str], Chosen] = {}
+        self.variables: dict[tuple[int, str], ChosenSignal] = {}
         for item in self.items:
             inside = item if isinstance(item, s.Routine) else None
             for node in (item,) if inside is None else inside.body:
                 match node:
                     case s.Data(storage="VAR", type=type, dimensions=()) if type.lower() in VALUES:
-                        one = Chosen(node, inside)
+                        one = ChosenSignal(node, inside)
                         self.variables[one.key] = one
         self.sources: dict[tuple[int, str], set[str] | None] = {}
 
-    def found(self) -> list[Chosen]:
+    def found(self) -> list[ChosenSignal]:
         declared = {i.name.lower() for i in self.items if isinstance(i, s.Data)}
         self.declared = declared
         signals = {n for n in self._names() if n.lower() not in declared}
@@ -100,7 +100,7 @@ class _Choosing:
         chosen = []
         for key, names in self.sources.items():
             one = self.variables.get(key)
-            if one is None or not names or len(names) > MOST:
+            if one is None or not names or len(names) > MOST_TEXTS:
                 continue
             spelled = {name.lower(): name for name in sorted(names, reverse=True)}
             one.names = tuple(sorted(spelled.values(), key=str.lower))
@@ -113,7 +113,7 @@ class _Choosing:
             if isinstance(node, s.NameRef):
                 yield node.name
 
-    def variable(self, name: str, inside: s.Routine) -> Chosen | None:
+    def variable(self, name: str, inside: s.Routine) -> ChosenSignal | None:
         low = name.lower()
         if low in self.texts.own.get(id(inside), ()):
             return self.variables.get((id(inside), low))
@@ -144,12 +144,14 @@ class _Choosing:
                 return {source.name}
             if self.variable(low, inside) is not None:
                 return None
-            source = _last(low, before) or source
+            source = _assigned_before(low, before) or source
         texts = self.texts.of(source, inside)
         if texts is not None:
             return set(texts)
         start = self._start(source, inside)
-        like = {name for name in signals if len(start) >= LEAST and _begins(name, start)}
+        like = {
+            name for name in signals if len(start) >= LEAST_CHOICES and _starts_with(name, start)
+        }
         return like or None
 
     def _start(self, source: s.Expression, inside: s.Routine) -> str:
@@ -159,7 +161,7 @@ class _Choosing:
         texts = self.texts.of(source, inside)
         return next(iter(texts)) if texts is not None and len(texts) == 1 else ""
 
-    def _is_only_used_well(self, one: Chosen) -> bool:
+    def _is_only_used_well(self, one: ChosenSignal) -> bool:
         """Whether every use of a variable is one that a choice may stand for."""
         if len(one.names) == 1:
             return True
@@ -170,16 +172,16 @@ class _Choosing:
                 continue
             for body in lists(item):
                 for node in body:
-                    if not _fits(node, one.data.name.lower()):
+                    if not _is_supported(node, one.data.name.lower()):
                         return False
         return True
 
 
-def _begins(name: str, start: str) -> bool:
+def _starts_with(name: str, start: str) -> bool:
     return name.lower().startswith(start.lower()) and len(name) > len(start)
 
 
-def _last(name: str, before: Sequence[s.StatementNode]) -> s.Expression | None:
+def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expression | None:
     """What a variable was given right before, in the same list of statements."""
     for node in reversed(before):
         match node:
@@ -195,16 +197,18 @@ def _last(name: str, before: Sequence[s.StatementNode]) -> s.Expression | None:
     return None
 
 
-def _fits(node: s.StatementNode, name: str) -> bool:
+def _is_supported(node: s.StatementNode, name: str) -> bool:
     """Whether a statement, without the blocks in it, may name a variable as it does."""
     if isinstance(node, s.ProcedureCall | s.Data):
         return True
-    shallow = _shallow(node)
+    shallow = _own_expressions(node)
     plain = sum(is_named(part, name) for part in nodes(shallow))
-    return plain == sum(_is_read(part, name) for part in nodes(shallow)) + _bare(shallow, name)
+    return plain == sum(_is_value_read(part, name) for part in nodes(shallow)) + _bare_uses(
+        shallow, name
+    )
 
 
-def _shallow(node: Any) -> Any:
+def _own_expressions(node: Any) -> Any:
     """The expressions of a statement."""
     match node:
         case s.IfThen(branches):
@@ -220,15 +224,15 @@ def _shallow(node: Any) -> Any:
     return (node,)
 
 
-def _is_read(node: Any, name: str) -> bool:
+def _is_value_read(node: Any, name: str) -> bool:
     """Whether it is a function of the value of a signal, or the signal compared."""
     match node:
         case s.FunctionCall(str(word), (s.Positional(s.NameRef(inner)),)):
-            return inner.lower() == name and word.lower() in READING
+            return inner.lower() == name and word.lower() in READ_FUNCTIONS
     return False
 
 
-def _bare(shallow: Any, name: str) -> int:
+def _bare_uses(shallow: Any, name: str) -> int:
     """How often it stands for its value by itself: as a side of an operation, or as the whole."""
     count = sum(is_named(one, name) for one in shallow)
     for node in nodes(shallow):

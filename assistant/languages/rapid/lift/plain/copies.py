@@ -18,34 +18,38 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain.called import Called, Given, Handed
-from assistant.languages.rapid.lift.plain.callers import STARTS, Callers
-from assistant.languages.rapid.lift.plain.changing import Changes, calls_of, repeated
-from assistant.languages.rapid.lift.plain.late_names import takes
-from assistant.languages.rapid.lift.plain.layouts import SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.called import CallArguments, CallPattern, CopiedParameter
+from assistant.languages.rapid.lift.plain.callers import INITIAL_VALUES, UnreadCallers
+from assistant.languages.rapid.lift.plain.changing import (
+    ChangedData,
+    call_graph,
+    reentrant_routines,
+)
+from assistant.languages.rapid.lift.plain.late_names import accepts_call
+from assistant.languages.rapid.lift.plain.layouts import SETTING_TYPES, RecordLayouts
 from assistant.languages.rapid.lift.plain.substituting import (
-    begun_with,
+    argument_key,
     is_literal,
-    is_row,
-    renamed,
-    sound,
+    is_table_row,
     substituted,
-    told,
-    way_of,
+    with_first_statements,
+    with_presence,
+    with_routine_names,
+    without_dead_branches,
 )
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
-START: Final = "main"
+ENTRY: Final = "main"
 MOST_COPIES: Final = 60
 """Of one routine; more is no program that anybody reads."""
 _NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
 def with_copies(
-    modules: Sequence[s.Module], layouts: Layouts, findings: list[tuple[int, Diagnostic]]
+    modules: Sequence[s.Module], layouts: RecordLayouts, findings: list[tuple[int, Diagnostic]]
 ) -> Sequence[s.Module]:
     """The modules with such copies; themselves if no routine needs any.
 
@@ -59,7 +63,7 @@ class _Copies:
     def __init__(
         self,
         modules: Sequence[s.Module],
-        layouts: Layouts,
+        layouts: RecordLayouts,
         findings: list[tuple[int, Diagnostic]],
     ) -> None:
         self.all, self.layouts, self.findings = modules, layouts, findings
@@ -68,10 +72,10 @@ class _Copies:
         for item in items:
             if isinstance(item, s.Routine):
                 found.setdefault(item.name.lower(), []).append(item)
-        self.calls = calls_of(found)
-        self.again = repeated(self.calls)
+        self.calls = call_graph(found)
+        self.again = reentrant_routines(self.calls)
         self.routines = {
-            name: Called.of(own[0], parameters)
+            name: CallPattern.of(own[0], parameters)
             for name, own in found.items()
             if len(own) == 1 and (parameters := self._parameters(own[0]))
         }
@@ -86,11 +90,11 @@ class _Copies:
         ]
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
-        self.starts = START in found
-        self.callers = Callers(items, self.layouts, self.taken)
+        self.starts = ENTRY in found
+        self.callers = UnreadCallers(items, self.layouts, self.taken)
         self.free: dict[str, list[str]] = {}
         """By routine in lower case that nobody calls, what it is given."""
-        self.changes = Changes(found)
+        self.changes = ChangedData(found)
         declared = [item for item in items if isinstance(item, s.Data)]
         names = Counter(item.name.lower() for item in declared)
         self.arrays = {
@@ -104,24 +108,24 @@ class _Copies:
             if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
                 self.written |= self.changes.by(one)
 
-    def _parameters(self, routine: s.Routine) -> tuple[Handed, ...]:
+    def _parameters(self, routine: s.Routine) -> tuple[CopiedParameter, ...]:
         """Those that copies have not; none if one of the routine cannot be told."""
         if routine.kind == "TRAP":
             return ()
         again = routine.name.lower() in self.again
-        found: list[Handed] = []
+        found: list[CopiedParameter] = []
         place = 0
         for group in routine.parameters:
             for one in group.alternatives:
                 if isinstance(one, s.Placeholder):
                     return ()
                 if self._is_named(one) or (one.dimensions > 0 and not again):
-                    found.append(Handed(one, -1 if group.optional else place))
+                    found.append(CopiedParameter(one, -1 if group.optional else place))
             place += not group.optional
         return tuple(found)
 
     def _is_named(self, one: s.ParameterNode) -> bool:
-        return self.layouts.base(one.type) in SETTINGS or self._is_device(one)
+        return self.layouts.base(one.type) in SETTING_TYPES or self._is_device(one)
 
     def _is_device(self, one: s.ParameterNode) -> bool:
         kind = self.layouts.kind(self.layouts.base(one.type))
@@ -159,7 +163,7 @@ class _Copies:
                 if own and isinstance(item, s.Routine):
                     items += self.added.get(item.name.lower(), ())
                 items += own
-            items = [renamed(item, names) for item in items] if names else items
+            items = [with_routine_names(item, names) for item in items] if names else items
             same = len(items) == len(module.items)
             same = same and all(a is b for a, b in zip(items, module.items, strict=True))
             whole.append(module if same else replace(module, items=tuple(items)))
@@ -181,18 +185,18 @@ class _Copies:
                     made[id(one.node)] = self._called(one.node)
         return sum(map(len, copies.values())) + len(made) > before
 
-    def _is_idle(self, one: Called) -> bool:
+    def _is_idle(self, one: CallPattern) -> bool:
         """Whether a routine is for devices that nobody gives it: there is nothing to say of it."""
         devices = any(self._is_free(q) and q.place >= 0 for q in one.parameters)
         return devices and self.starts and not (one.ways or one.stays or self._is_late(one))
 
-    def _is_late(self, one: Called) -> bool:
+    def _is_late(self, one: CallPattern) -> bool:
         """Whether a call by a text may be one of a routine; functions are never called so."""
-        return one.node.kind == "PROC" and any(takes(one.node, call) for call in self.late)
+        return one.node.kind == "PROC" and any(accepts_call(one.node, call) for call in self.late)
 
-    def _is_free(self, q: Handed) -> bool:
+    def _is_free(self, q: CopiedParameter) -> bool:
         """Whether only callers know what it is, and no value stands for it."""
-        return self._is_device(q.node) or self.layouts.base(q.node.type) in STARTS
+        return self._is_device(q.node) or self.layouts.base(q.node.type) in INITIAL_VALUES
 
     def _free(self, copies: Mapping[str, Sequence[s.Routine]], made: Mapping[int, s.Item]) -> bool:
         """Whether there were routines of a library that are left to programs which call them."""
@@ -206,11 +210,11 @@ class _Copies:
         }
         called = {to for name in left for to in self.calls[name] if to != name}
         for name in [name for name in left if name not in called] or list(left)[:1]:
-            one = self.routines[name] = Called.of(self.routines[name].node, left[name])
+            one = self.routines[name] = CallPattern.of(self.routines[name].node, left[name])
             given = tuple(self.callers.of(one.node, q.node, q.place < 0) for q in one.parameters)
             new = identifier(one.node.name, self.taken)
             self.taken.add(new)
-            way = tuple(None if value is None else way_of(value) for value in given)
+            way = tuple(None if value is None else argument_key(value) for value in given)
             one.ways[way] = new, given
             pairs = zip(one.parameters, given, strict=True)
             self.free[name] = [
@@ -241,7 +245,7 @@ class _Copies:
         return made
 
     def _call(
-        self, node: s.ProcedureCall | s.FunctionCall, one: Called, own: set[str]
+        self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
     ) -> s.ProcedureCall | s.FunctionCall:
         """A call of a copy; the call itself, if there is none for it."""
         split = self._split(node, one, own)
@@ -249,7 +253,7 @@ class _Copies:
             one.stays = True
             return node
         given, left = split
-        way = tuple(None if value is None else way_of(value) for value in given)
+        way = tuple(None if value is None else argument_key(value) for value in given)
         if way not in one.ways:
             if len(one.ways) >= MOST_COPIES:
                 one.stays = True
@@ -262,8 +266,8 @@ class _Copies:
         return replace(node, name=name, arguments=left)
 
     def _split(
-        self, node: s.ProcedureCall | s.FunctionCall, one: Called, own: set[str]
-    ) -> tuple[Given, tuple[s.Argument, ...]] | None:
+        self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
+    ) -> tuple[CallArguments, tuple[s.Argument, ...]] | None:
         """What a call gives for what a copy has not, and what is left; None if it is not known."""
         plain = [a for a in node.arguments if isinstance(a, s.Positional)]
         required = sum(not group.optional for group in one.node.parameters)
@@ -294,7 +298,9 @@ class _Copies:
         ]
         return tuple(given), tuple(left)
 
-    def _fits(self, value: s.Expression, q: Handed, one: Called, own: set[str]) -> bool:
+    def _fits(
+        self, value: s.Expression, q: CopiedParameter, one: CallPattern, own: set[str]
+    ) -> bool:
         """Whether a copy may have a value in the place of a parameter."""
         found = root(value)
         if found is None and q.node.dimensions:
@@ -311,13 +317,13 @@ class _Copies:
             return (
                 value is found and array is not None and q.node.dimensions == len(array.dimensions)
             )
-        if value is not found and (one.runs or not is_row(value)):
+        if value is not found and (one.runs or not is_table_row(value)):
             return False
         return bool(q.node.mode) or (low not in self.written and q.key not in one.changed)
 
     # ------------------------------------------------------------------------------- copies
 
-    def _copy(self, one: Called, name: str, given: Given) -> s.Routine:
+    def _copy(self, one: CallPattern, name: str, given: CallArguments) -> s.Routine:
         """A routine with what it is given in the place of its parameters."""
         values = {q.key: v for q, v in zip(one.parameters, given, strict=True)}
         first: list[s.StatementNode] = []
@@ -327,25 +333,27 @@ class _Copies:
                     values[q.key] = held = self._held(one, q, value)
                     first.append(s.Assignment(held, value, span=one.node.span))
         taken = {q.key for q in one.parameters}
-        groups = tuple(g for g in one.node.parameters if not _one_of(g, taken))
-        known: s.Routine = rewrite(one.node, lambda node: told(node, values), ())
+        groups = tuple(g for g in one.node.parameters if not _is_any_of(g, taken))
+        known: s.Routine = rewrite(one.node, lambda node: with_presence(node, values), ())
         made: s.Routine = rewrite(known, lambda node: substituted(node, values), ())
-        handlers = tuple(replace(h, body=sound(h.body)) for h in made.handlers)
-        body = begun_with(first, sound(made.body))
+        handlers = tuple(replace(h, body=without_dead_branches(h.body)) for h in made.handlers)
+        body = with_first_statements(first, without_dead_branches(made.body))
         return replace(made, name=name, parameters=groups, body=body, handlers=handlers)
 
-    def _may_change(self, one: Called, q: Handed, value: Any, given: Given) -> bool:
+    def _may_change(
+        self, one: CallPattern, q: CopiedParameter, value: Any, given: CallArguments
+    ) -> bool:
         """Whether an array may be changed while a routine runs that is given it by its value."""
         low, changed = value.name.lower(), self.changes.of(one.node.name.lower())
         if changed is None or q.key in changed or low in changed:
             return True
         others = zip(one.parameters, given, strict=True)
         return any(
-            other.node.mode and other.key in changed and _names(gives, low)
+            other.node.mode and other.key in changed and _is_name_of(gives, low)
             for other, gives in others
         )
 
-    def _held(self, one: Called, q: Handed, value: Any) -> s.NameRef:
+    def _held(self, one: CallPattern, q: CopiedParameter, value: Any) -> s.NameRef:
         """An array of the module that another is copied to."""
         array = self.arrays[value.name.lower()]
         name = identifier(f"{one.node.name}_{q.node.name}", self.taken)
@@ -356,12 +364,12 @@ class _Copies:
         return s.NameRef(name)
 
 
-def _names(value: s.Expression | None, low: str) -> bool:
+def _is_name_of(value: s.Expression | None, low: str) -> bool:
     found = root(value)
     return found is not None and found.name.lower() == low
 
 
-def _one_of(group: s.ParameterGroup, keys: set[str]) -> bool:
+def _is_any_of(group: s.ParameterGroup, keys: set[str]) -> bool:
     return any(
         isinstance(a, s.ParameterNode) and a.name.lower() in keys for a in group.alternatives
     )

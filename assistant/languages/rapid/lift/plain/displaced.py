@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.exchanging import exchanged
-from assistant.languages.rapid.lift.plain.library import call_of
-from assistant.languages.rapid.lift.plain.scopes import Fresh
-from assistant.languages.rapid.lift.plain.standard import standard
+from assistant.languages.rapid.lift.plain.exchanging import rewritten
+from assistant.languages.rapid.lift.plain.library import function_call
+from assistant.languages.rapid.lift.plain.scopes import FreshNames
+from assistant.languages.rapid.lift.plain.standard import predefined_value
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import option, positional
@@ -25,50 +25,52 @@ _SETTING: Final = frozenset(("pdispset", "pdispadd", "pdispon"))
 _ENDING: Final = "pdispoff"
 _FRAME: Final = "wobj"
 _BASE: Final = "wobj0"
-_NOT_DISPLACED: Final = frozenset(("calcrobt", "calcjointt", "eoffson", "pdispon"))
+_UNDISPLACED_CALLS: Final = frozenset(("calcrobt", "calcjointt", "eoffson", "pdispon"))
 """Of what takes a work object: what is no motion and no reading."""
-_IN_ACTIVE: Final = frozenset(("crobt", "cpos"))
+_READS_IN_ACTIVE: Final = frozenset(("crobt", "cpos"))
 """Without a work object they read in that of the move before."""
 
 Call = s.ProcedureCall | s.FunctionCall
 
 
-def with_displacements(modules: Sequence[s.Module], fresh: Fresh) -> tuple[Sequence[s.Module], str]:
+def with_displacements(
+    modules: Sequence[s.Module], fresh: FreshNames
+) -> tuple[Sequence[s.Module], str]:
     """The modules without such instructions, and the name of the displacement.
 
     As they are, and no name, where there is none, or a work object is not told by its name.
     """
     every = list(nodes(tuple(modules)))
     own = {one.name.lower() for one in every if isinstance(one, s.Routine)}
-    words = {key for one in every if isinstance(one, s.ProcedureCall) and (key := _word(one))}
+    words = {key for one in every if isinstance(one, s.ProcedureCall) and (key := _call_word(one))}
     if not (words - own) & _SETTING or own & {*_SETTING, _ENDING}:
         return modules, ""
-    calls = [one for one in every if isinstance(one, Call) and _word(one) not in own]
+    calls = [one for one in every if isinstance(one, Call) and _call_word(one) not in own]
     routines = [one for one in every if isinstance(one, s.Routine)]
     hidden = {name.lower() for name in inner_names(routines)}
-    if not all(_is_told(one, hidden) for one in calls):
+    if not all(_has_module_frame(one, hidden) for one in calls):
         return modules, ""
-    said = _Displaced(fresh, own)
-    first, *others = (exchanged(rewrite(one, said.mounted, ()), said.set) for one in modules)
+    said = _DisplacementRewriting(fresh, own)
+    first, *others = (rewritten(rewrite(one, said.mounted, ()), said.set) for one in modules)
     return (replace(first, items=(*said.data(), *first.items)), *others), said.name
 
 
-def _word(call: Call) -> str:
+def _call_word(call: Call) -> str:
     return call.name.lower() if isinstance(call.name, str) else ""
 
 
 def _takes_frame(call: Call) -> bool:
     """Whether a routine that every controller has moves or reads in a work object."""
-    word = _word(call)
+    word = _call_word(call)
     known = signature(word)
     slots = () if known is None else known.slots
     frames = (q.name.lower() == _FRAME for slot in slots for q in slot.alternatives)
-    return word not in _NOT_DISPLACED and any(frames)
+    return word not in _UNDISPLACED_CALLS and any(frames)
 
 
-def _is_told(call: Call, hidden: set[str]) -> bool:
+def _has_module_frame(call: Call, hidden: set[str]) -> bool:
     """Whether the work object of a call has a name of a module, if it takes one."""
-    if not _takes_frame(call) and _word(call) != "pdispon":
+    if not _takes_frame(call) and _call_word(call) != "pdispon":
         return True
     for one in call.arguments:
         if isinstance(one, s.Conditional) and one.name.lower() == _FRAME:
@@ -79,16 +81,16 @@ def _is_told(call: Call, hidden: set[str]) -> bool:
     return True
 
 
-class _Displaced:
-    def __init__(self, fresh: Fresh, own: set[str]) -> None:
+class _DisplacementRewriting:
+    def __init__(self, fresh: FreshNames, own: set[str]) -> None:
         self.own = own
         self.name, self.base = fresh("displaced"), fresh("displaced_base")
         self.there, self.meant = fresh("executed"), fresh("programmed")
         self.poses = fresh("executed_at"), fresh("programmed_at")
 
     def data(self) -> Iterator[s.Data]:
-        yield s.Data("", "VAR", "pose", self.name, (), no_pose())
-        yield s.Data("", "PERS", "wobjdata", self.base, (), standard(_BASE))
+        yield s.Data("", "VAR", "pose", self.name, (), zero_pose())
+        yield s.Data("", "PERS", "wobjdata", self.base, (), predefined_value(_BASE))
         for name in (self.there, self.meant):
             yield s.Data("", "VAR", "robtarget", name)
         for name in self.poses:
@@ -97,7 +99,7 @@ class _Displaced:
     def mounted(self, node: Any) -> Any:
         """A move or reading in a work object that is displaced."""
         match node:
-            case s.ProcedureCall() | s.FunctionCall() if _word(
+            case s.ProcedureCall() | s.FunctionCall() if _call_word(
                 node
             ) not in self.own and _takes_frame(node):
                 return self._mounted(node)
@@ -113,7 +115,7 @@ class _Displaced:
     def _mounted(self, call: Call) -> Call:
         frame = option(call, _FRAME)
         if frame is None:
-            if _word(call) in _IN_ACTIVE:
+            if _call_word(call) in _READS_IN_ACTIVE:
                 return call
             return replace(call, arguments=(*call.arguments, self._frame()))
         if isinstance(frame.value, s.NameRef) and frame.value.name.lower() == _BASE:
@@ -130,9 +132,9 @@ class _Displaced:
             case s.ProcedureCall(str(name), (s.Positional(shift),)) if name.lower() == "pdispset":
                 yield self._given(node, shift)
             case s.ProcedureCall(str(name), (s.Positional(shift),)) if name.lower() == "pdispadd":
-                yield self._given(node, call_of("PoseMult", s.NameRef(self.name), shift))
+                yield self._given(node, function_call("PoseMult", s.NameRef(self.name), shift))
             case s.ProcedureCall(str(name)) if name.lower() == _ENDING:
-                yield self._given(node, no_pose())
+                yield self._given(node, zero_pose())
             case s.ProcedureCall(str(name)) if name.lower() == "pdispon":
                 yield from self._on(node)
             case _:
@@ -154,7 +156,7 @@ class _Displaced:
         else:
             frame = option(node, _FRAME) or s.Option("WObj", s.NameRef(_BASE))
             here = s.FunctionCall("CRobT", (s.Option("Tool", given[1]), frame))
-            yield self._given(node, no_pose())
+            yield self._given(node, zero_pose())
             yield s.Assignment(there, self._mounted(here), span=span)  # type: ignore[arg-type]
         if option(node, "rot") is not None:
             at, planned = (s.NameRef(name) for name in self.poses)
@@ -162,16 +164,18 @@ class _Displaced:
                 for part in ("trans", "rot"):
                     place, value = s.Component(pose, part), s.Component(target, part)
                     yield s.Assignment(place, value, span=span)
-            yield self._given(node, call_of("PoseMult", at, call_of("PoseInv", planned)))
+            yield self._given(
+                node, function_call("PoseMult", at, function_call("PoseInv", planned))
+            )
             return
-        yield self._given(node, no_pose())
+        yield self._given(node, zero_pose())
         for axis in "xyz":
             parts = (s.Component(s.Component(one, "trans"), axis) for one in (there, meant))
             moved = s.Component(s.Component(s.NameRef(self.name), "trans"), axis)
             yield s.Assignment(moved, s.Infix("-", *parts), span=span)
 
 
-def no_pose() -> s.AggregateNode:
+def zero_pose() -> s.AggregateNode:
     """The pose that displaces and turns nothing."""
     values = ((0, 0, 0), (1, 0, 0, 0))
     parts = (tuple(s.NumberLiteral(str(number)) for number in part) for part in values)

@@ -11,10 +11,10 @@ from assistant.program.rewriting import rewrite
 
 T = TypeVar("T")
 Body = tuple[s.StatementNode, ...]
-Saying = Callable[[s.StatementNode], Iterable[s.StatementNode]]
+StatementRewriting = Callable[[s.StatementNode], Iterable[s.StatementNode]]
 
 
-def exchanged(value: T, said: Saying) -> T:
+def rewritten(value: T, said: StatementRewriting) -> T:
     """A module or routine with what `said` makes of each statement; itself if that is the same."""
 
     def body(statements: Body) -> Body:
@@ -26,14 +26,14 @@ def exchanged(value: T, said: Saying) -> T:
     def change(node: Any) -> Any:
         match node:
             case s.IfThen(branches, otherwise):
-                parts = tuple(_with(one, body(one.body)) for one in branches)
+                parts = tuple(_with_body(one, body(one.body)) for one in branches)
                 other = None if otherwise is None else body(otherwise)
-                same = other is otherwise and all(map(_same, parts, branches))
+                same = other is otherwise and all(map(_is_same, parts, branches))
                 return node if same else replace(node, branches=parts, otherwise=other)
             case s.TestOf(_, cases, otherwise):
-                chosen = tuple(_with(one, body(one.body)) for one in cases)
+                chosen = tuple(_with_body(one, body(one.body)) for one in cases)
                 other = None if otherwise is None else body(otherwise)
-                same = other is otherwise and all(map(_same, chosen, cases))
+                same = other is otherwise and all(map(_is_same, chosen, cases))
                 return node if same else replace(node, cases=chosen, otherwise=other)
             case s.CompactIf(condition, statement):
                 made = body((statement,))
@@ -41,15 +41,15 @@ def exchanged(value: T, said: Saying) -> T:
                     return node if made[0] is statement else replace(node, statement=made[0])
                 return s.IfThen((s.IfBranch(condition, made),), span=node.span)
             case s.ForLoop() | s.WhileLoop() | s.Handler() | s.Routine():
-                return _with(node, body(node.body))
+                return _with_body(node, body(node.body))
         return node
 
     return rewrite(value, change, ())
 
 
-def _with(node: Any, body: Body) -> Any:
+def _with_body(node: Any, body: Body) -> Any:
     return node if body is node.body else replace(node, body=body)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _is_same(one: Any, other: Any) -> bool:
     return one is other

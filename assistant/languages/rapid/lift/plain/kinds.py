@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.library import worded
-from assistant.languages.rapid.lift.plain.scopes import Datum, Names, Program, predefined_type
+from assistant.languages.rapid.lift.plain.library import library_call
+from assistant.languages.rapid.lift.plain.scopes import Datum, Names, ProgramData, predefined_type
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 
@@ -21,7 +21,7 @@ class Kinds:
     names: of the routine, in front of those of the program.
     """
 
-    def __init__(self, program: Program, names: Names) -> None:
+    def __init__(self, program: ProgramData, names: Names) -> None:
         self.program, self.layouts, self.names = program, program.layouts, names
 
     def is_own(self, name: str) -> bool:
@@ -50,7 +50,7 @@ class Kinds:
                 return None if of is None else (of[0], left)
             case s.Group(inner):
                 return self.kind(inner)
-            case s.FunctionCall() if (said := worded(self, node)) is not node:
+            case s.FunctionCall() if (said := library_call(self, node)) is not node:
                 return self.kind(said)
             case s.FunctionCall(str(name)):
                 own = self.program.routines.get(name.lower())

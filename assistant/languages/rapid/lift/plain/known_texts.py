@@ -12,19 +12,19 @@ from typing import Any, Final
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 
-MOST: Final = 60
+MOST_TEXTS: Final = 60
 """Texts of one expression; of more nobody chooses one by one."""
-_READING: Final = frozenset(
+_READING_INSTRUCTIONS: Final = frozenset(
     {"tpwrite", "errwrite", "errlog", "eventlog", "aliasio", "getdataval", "write", "strlen",
      "strpart", "strfind", "strmatch", "strtoval", "valtostr"}
 )  # fmt: skip
 """What is given a text and does not change it, beside routines of the program that take a value."""
 
-Scope = s.Routine | None
+TextScope = s.Routine | None
 """Where a name stands: in a routine, or in the modules."""
 
 
-class Texts:
+class KnownTexts:
     """Knows the texts of a program."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
@@ -36,9 +36,13 @@ class Texts:
                 twice |= {item.name.lower()} & self.routines.keys()
                 self.routines[item.name.lower()] = item
         self.declared = {i.name.lower(): i for i in items if isinstance(i, s.Data)}
-        self.parameters = {(id(r), name) for r in self.routines.values() for name in _taken(r)}
-        self.own = {id(item): _names(item) for item in items if isinstance(item, s.Routine)}
-        self.given: dict[tuple[int, str], list[tuple[Scope, s.Expression]]] = {}
+        self.parameters = {
+            (id(r), name) for r in self.routines.values() for name in _value_parameters(r)
+        }
+        self.own = {
+            id(item): _declared_names(item) for item in items if isinstance(item, s.Routine)
+        }
+        self.given: dict[tuple[int, str], list[tuple[TextScope, s.Expression]]] = {}
         self.lost: set[tuple[int, str]] = set()
         """Variables that something changes beside assignments, by scope and lower-case name."""
         for item in items:
@@ -48,11 +52,11 @@ class Texts:
         for name in twice:
             self.lost |= {key for key in self.given if key[0] == id(self.routines[name])}
 
-    def _key(self, name: str, scope: Scope) -> tuple[int, str]:
+    def _key(self, name: str, scope: TextScope) -> tuple[int, str]:
         inside = scope is not None and name.lower() in self.own.get(id(scope), ())
         return (id(scope) if inside else 0), name.lower()
 
-    def _look(self, node: Any, scope: Scope) -> None:
+    def _look(self, node: Any, scope: TextScope) -> None:
         match node:
             case s.Assignment(s.NameRef(name), value):
                 self.given.setdefault(self._key(name, scope), []).append((scope, value))
@@ -65,14 +69,14 @@ class Texts:
             case s.ProcedureCall() | s.FunctionCall():
                 self._called(node, scope)
 
-    def _called(self, node: s.ProcedureCall | s.FunctionCall, scope: Scope) -> None:
+    def _called(self, node: s.ProcedureCall | s.FunctionCall, scope: TextScope) -> None:
         word = node.name.lower() if isinstance(node.name, str) else ""
         routine = self.routines.get(word)
         modes: Mapping[str, str] = {}
         places: Iterator[s.ParameterNode | None] = iter(())
         if routine is not None:
             groups = [g for g in routine.parameters if not g.optional]
-            places = (_one(group) for group in groups)
+            places = (_single_parameter(group) for group in groups)
             every = (one for g in routine.parameters for one in g.alternatives)
             modes = {x.name.lower(): x.mode for x in every if isinstance(x, s.ParameterNode)}
         for argument in node.arguments:
@@ -88,19 +92,19 @@ class Texts:
                 self.given.setdefault(key, []).append((scope, value))
             elif isinstance(argument, s.Conditional):
                 self.lost.add((id(routine), argument.name.lower()))
-            elif word not in _READING and (found := root(value)) is not None:
+            elif word not in _READING_INSTRUCTIONS and (found := root(value)) is not None:
                 self.lost.add(self._key(found.name, scope))
                 if routine is not None:
                     self.lost.add((id(routine), str(name).lower()))
 
     # ------------------------------------------------------------------------------ texts
 
-    def of(self, node: s.Expression, scope: Scope) -> frozenset[str] | None:
+    def of(self, node: s.Expression, scope: TextScope) -> frozenset[str] | None:
         """The texts that an expression may give, None if that is not known."""
         return self._of(node, scope, frozenset())
 
     def _of(
-        self, node: s.Expression, scope: Scope, asked: frozenset[tuple[int, str]]
+        self, node: s.Expression, scope: TextScope, asked: frozenset[tuple[int, str]]
     ) -> frozenset[str] | None:
         match node:
             case s.StringLiteral(value):
@@ -109,7 +113,7 @@ class Texts:
                 return self._of(inner, scope, asked)
             case s.Infix("+", left, right):
                 first, second = self._of(left, scope, asked), self._of(right, scope, asked)
-                if first is None or second is None or len(first) * len(second) > MOST:
+                if first is None or second is None or len(first) * len(second) > MOST_TEXTS:
                     return None
                 return frozenset(a + b for a in first for b in second)
             case s.NameRef(name):
@@ -117,7 +121,7 @@ class Texts:
         return None
 
     def _named(
-        self, name: str, scope: Scope, asked: frozenset[tuple[int, str]]
+        self, name: str, scope: TextScope, asked: frozenset[tuple[int, str]]
     ) -> frozenset[str] | None:
         key = self._key(name, scope)
         if key in self.lost or key in asked:
@@ -129,20 +133,20 @@ class Texts:
         found: frozenset[str] = frozenset()
         for where, value in self.given.get(key, ()):
             texts = self._of(value, where, asked | {key})
-            if texts is None or len(found | texts) > MOST:
+            if texts is None or len(found | texts) > MOST_TEXTS:
                 return None
             found |= texts
         return found
 
 
-def _one(group: s.ParameterGroup) -> s.ParameterNode | None:
+def _single_parameter(group: s.ParameterGroup) -> s.ParameterNode | None:
     match group.alternatives:
         case (s.ParameterNode() as one,):
             return one
     return None
 
 
-def _taken(routine: s.Routine) -> Iterator[str]:
+def _value_parameters(routine: s.Routine) -> Iterator[str]:
     """Parameters that take a value, in lower case, which they have from calls alone."""
     for group in routine.parameters:
         for one in group.alternatives:
@@ -150,7 +154,7 @@ def _taken(routine: s.Routine) -> Iterator[str]:
                 yield one.name.lower()
 
 
-def _names(routine: s.Routine) -> frozenset[str]:
+def _declared_names(routine: s.Routine) -> frozenset[str]:
     """What a routine declares, in lower case."""
     return frozenset(
         node.name.lower() for node in nodes(routine) if isinstance(node, s.Data | s.ParameterNode)

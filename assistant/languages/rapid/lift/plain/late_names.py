@@ -19,7 +19,7 @@ from assistant.program.rewriting import rewrite
 Remarks = Sequence[tuple[Diagnostic, ...]]
 
 
-def with_named_calls(
+def with_bound_calls(
     modules: Sequence[s.Module], before: Mapping[str, str]
 ) -> tuple[Sequence[s.Module], Remarks]:
     """The modules with such calls by name, and what is found in each.
@@ -38,7 +38,7 @@ def with_named_calls(
     remarks: list[tuple[Diagnostic, ...]] = []
     for module in modules:
         found: list[Diagnostic] = []
-        made.append(rewrite(module, partial(_named, owners, found), ()))
+        made.append(rewrite(module, partial(_bound_call, owners, found), ()))
         remarks.append(tuple(found))
     return made, remarks
 
@@ -47,19 +47,19 @@ def _is_late(node: Any) -> bool:
     return isinstance(node, s.ProcedureCall) and isinstance(node.name, s.Infix)
 
 
-def _named(
+def _bound_call(
     owners: Mapping[str, Sequence[tuple[str, s.Routine]]], found: list[Diagnostic], node: Any
 ) -> Any:
     if not _is_late(node):
         return node
-    start, end = _parts(node.name)
+    start, end = _known_end(node.name)
     before, colon, name = end.rpartition(":")
     if start and not colon:
         return node
     own = [
         routine
         for module, routine in owners.get(name.lower(), ())
-        if takes(routine, node) and (start or not colon or before.lower() == module)
+        if accepts_call(routine, node) and (start or not colon or before.lower() == module)
     ]
     if len(own) != 1:
         return node
@@ -68,7 +68,7 @@ def _named(
     return replace(node, name=own[0].name)
 
 
-def takes(routine: s.Routine, call: s.ProcedureCall) -> bool:
+def accepts_call(routine: s.Routine, call: s.ProcedureCall) -> bool:
     """Whether a routine may be given what a call gives: any other would be an error."""
     required = sum(not group.optional for group in routine.parameters)
     options = {
@@ -83,12 +83,12 @@ def takes(routine: s.Routine, call: s.ProcedureCall) -> bool:
     return len(given) == required and named <= options
 
 
-def _parts(value: Any) -> tuple[bool, str]:
+def _known_end(value: Any) -> tuple[bool, str]:
     """Whether something unknown stands in front, and the text that a sum surely ends with."""
     match value:
         case s.StringLiteral(text):
             return False, text
         case s.Infix("+", left, s.StringLiteral(text)):
-            unknown, before = _parts(left)
+            unknown, before = _known_end(left)
             return unknown, before + text
     return True, ""

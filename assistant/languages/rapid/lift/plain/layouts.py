@@ -12,14 +12,14 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.signatures import MOST_ALIASES, Type
 
-Path = tuple[str, ...]
+ComponentPath = tuple[str, ...]
 """Names of components in lower case, the outermost first; empty of the whole."""
 
-SETTINGS: Final = frozenset(("tooldata", "wobjdata", "speeddata", "zonedata"))
+SETTING_TYPES: Final = frozenset(("tooldata", "wobjdata", "speeddata", "zonedata"))
 """Records that moves name: they have a place of their own in the pseudo-program."""
-HELD: Final = SETTINGS | {"loaddata"}
+READ_ONLY_TYPES: Final = SETTING_TYPES | {"loaddata"}
 """Types of data that instructions only read, though they want them to be PERS."""
-PACES: Final = frozenset(("speeddata", "zonedata"))
+SPEED_AND_ZONE: Final = frozenset(("speeddata", "zonedata"))
 """Those of them that a move may also state by their parts."""
 MOST_PARTS: Final = 400
 """Of one record; larger ones stay whole."""
@@ -29,12 +29,12 @@ MOST_PARTS: Final = 400
 class Part:
     """One value in a record. name: as its type spells it. type: without aliases, lower case."""
 
-    path: Path
+    path: ComponentPath
     name: str
     type: str
 
 
-class Layouts:
+class RecordLayouts:
     """The types of a program: its own and those that every controller knows.
 
     A tool, frame, speed or zone in a record stays one value where a move or another instruction is
@@ -42,8 +42,8 @@ class Layouts:
     """
 
     def __init__(self, modules: Sequence[s.Module], apart: frozenset[str] = frozenset()) -> None:
-        self._whole = SETTINGS - apart
-        self._named = frozenset(_given(modules))
+        self._whole = SETTING_TYPES - apart
+        self._named = frozenset(_passed_components(modules))
         self._types: dict[str, Type] = dict(predefined())
         self._parts: dict[str, tuple[Part, ...] | None] = {}
         declared: dict[str, list[Type]] = {}
@@ -117,7 +117,7 @@ class Layouts:
         return tuple(listed) or None
 
 
-def _given(modules: Sequence[s.Module]) -> Iterator[str]:
+def _passed_components(modules: Sequence[s.Module]) -> Iterator[str]:
     """Components in lower case that calls are given as they are."""
     for node in nodes(tuple(modules)):
         match node:

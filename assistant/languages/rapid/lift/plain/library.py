@@ -20,7 +20,7 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
 
-SAME: Final[Mapping[str, str]] = {
+SAME_CALLS: Final[Mapping[str, str]] = {
     "vectmagn": "vector_length", "dotprod": "dot_product", "posevect": "vector_in",
     "orientzyx": "turn_of_angles", "norient": "unit_turn", "bitlsh": "bits_left",
     "bitrsh": "bits_right", "bitcheck": "has_bit", "strmatch": "text_found",
@@ -28,53 +28,53 @@ SAME: Final[Mapping[str, str]] = {
     "testandset": "taken_if_free",
 }  # fmt: skip
 """Functions and instructions of RAPID, and those here that take the same arguments."""
-TO_PLACES: Final = {"round": "rounded_to", "trunc": "cut_to"}
+ROUNDING: Final = {"round": "rounded_to", "trunc": "cut_to"}
 r"""Those with `\Dec`."""
 BITS: Final = {"bitand": "BitAndDnum", "bitor": "BitOrDnum", "bitxor": "BitXOrDnum"}
 """Functions of bytes, and those of wider numbers that say the same."""
-ANGLES: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
+ANGLE_FUNCTIONS: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
 """By option of EulerZYX."""
-BY_TYPE: Final = {"num": "number_of_text", "bool": "truth_of_text"}
+TEXT_READERS: Final = {"num": "number_of_text", "bool": "truth_of_text"}
 """What reads a text as data of a type: StrToVal."""
-DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
+TIME_DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 """By option of GetTime, where its two digits begin in the time of day."""
-DIGITS_OF: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
+BYTE_FORMATS: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
 """By option of ByteToStr and StrToByte: the base, and how many digits a byte has (manual)."""
-MOST_OF_BYTE: Final = 255
-FRAME: Final = "frame_through"
+LARGEST_BYTE: Final = 255
+FRAME_FUNCTION: Final = "frame_through"
 """What DefFrame is here."""
-MOST_WHOLE: Final = 1 << 23
+LARGEST_EXACT: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
-TAKES: Final = SAME["testandset"]
+TEST_AND_SET: Final = SAME_CALLS["testandset"]
 """Library function that tests and sets a truth."""
-PART: Final = "part_of_turn"
-PRODUCT: Final = "turn_by"
-TURN: Final = "rot"
-PLACES: Final = 9
+QUATERNION_PART: Final = "part_of_turn"
+QUATERNION_PRODUCT: Final = "turn_by"
+ORIENTATION: Final = "rot"
+ANGLE_DECIMALS: Final = 9
 """Decimals of angles that are worked out: finer than a quaternion of single precision."""
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
-TEXTS: Final[Mapping[str, str]] = {
+TEXT_WRITERS: Final[Mapping[str, str]] = {
     "bool": "text_of_truth", "pose": "text_of_pose", "jointtarget": "text_of_joints",
 }  # fmt: skip
 """By type of a value, what ValToStr of it is here."""
-WHOLE: Final = frozenset(("robtarget", "pose"))
+WHOLE_TYPES: Final = frozenset(("robtarget", "pose"))
 """Types of data that other languages keep whole, with angles instead of quaternions."""
-_ASKING: Final = frozenset(
+_LIBRARY_FUNCTIONS: Final = frozenset(
     (
-        *SAME, *TO_PLACES, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
+        *SAME_CALLS, *ROUNDING, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
         "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
         "defframe", "text_and_number", "valtostr",
     )
 )  # fmt: skip
 
 
-OF_ARM: Final[Mapping[str, str]] = {
+ARM_FUNCTIONS: Final[Mapping[str, str]] = {
     "calcrobt": "target_of_joints", "calcjointt": "joints_of_target",
 }  # fmt: skip
 """What asks the arm with a tool in a work object, and what says it by the flange in the base."""
 
 
-class Typed(Protocol):
+class ExpressionTypes(Protocol):
     """Knows what expressions are."""
 
     def kind(self, node: Any) -> tuple[str, int] | None:
@@ -104,7 +104,7 @@ def library() -> tuple[s.Routine, ...]:
 
 def with_library(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules, the first of them with the whole library if any of it may be called."""
-    if not modules or not any(map(_asks, nodes(tuple(modules)))):
+    if not modules or not any(map(_may_call_library, nodes(tuple(modules)))):
         return modules
     taken = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     if not taken.isdisjoint(one.name.lower() for one in library()):
@@ -127,7 +127,7 @@ def without_uncalled(modules: Sequence[s.Module], read: Sequence[s.Module]) -> l
     others = [[i for i in m.items if id(i) not in set(map(id, there.values()))] for m in modules]
     pending: list[Any] = [tuple(items) for items in others]
     while pending:
-        found = set(_called(pending.pop())) & there.keys() - wanted
+        found = set(_called_functions(pending.pop())) & there.keys() - wanted
         wanted |= found
         pending += [there[name] for name in found]
     gone = {name for name in names if name not in wanted}
@@ -149,18 +149,18 @@ def without_uncalled(modules: Sequence[s.Module], read: Sequence[s.Module]) -> l
     return made
 
 
-def _called(value: Any) -> Iterable[str]:
+def _called_functions(value: Any) -> Iterable[str]:
     for node in nodes(value):
         if isinstance(node, s.FunctionCall | s.ProcedureCall) and isinstance(node.name, str):
             yield node.name.lower()
 
 
-def _asks(node: Any) -> bool:
+def _may_call_library(node: Any) -> bool:
     match node:
         case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-            return name.lower() in _ASKING or name.lower() in OF_ARM
+            return name.lower() in _LIBRARY_FUNCTIONS or name.lower() in ARM_FUNCTIONS
         case s.Component(name=name):
-            return name.lower() == TURN or name.lower() in QUATERNION
+            return name.lower() == ORIENTATION or name.lower() in QUATERNION
         case s.Data(type=type) | s.ParameterNode(type=type):
             return type.lower() == "orient"
         case s.AggregateNode((_, s.AggregateNode(turn), *_)):  # a target that is worked out
@@ -170,17 +170,17 @@ def _asks(node: Any) -> bool:
     return False
 
 
-Given = tuple[s.Expression, ...]
+Arguments = tuple[s.Expression, ...]
 
 
-def worded(typed: Typed, node: Any) -> Any:
+def library_call(typed: ExpressionTypes, node: Any) -> Any:
     """A call of a function of RAPID as one of the library's; any other node as it is."""
     match node:
         case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
             key = name.lower()
         case _:
             return node
-    if key not in _ASKING:
+    if key not in _LIBRARY_FUNCTIONS:
         return node
     call = called(node)
     if call is None or typed.is_own(name) or None in call.given:
@@ -189,59 +189,61 @@ def worded(typed: Typed, node: Any) -> Any:
     options = {word.lower(): value for word, value in call.options.items()}
     if options:
         return _with_options(typed, key, given, options) or node
-    if key in SAME:
-        return _again(node, SAME[key], given)
-    made = _PLAIN[key](typed, given) if key in _PLAIN else None
+    if key in SAME_CALLS:
+        return _with_function(node, SAME_CALLS[key], given)
+    made = _POSITIONAL[key](typed, given) if key in _POSITIONAL else None
     return node if made is None else made
 
 
-def _again(node: Any, name: str, given: tuple[s.Expression, ...]) -> Any:
+def _with_function(node: Any, name: str, given: tuple[s.Expression, ...]) -> Any:
     return replace(node, name=name, arguments=tuple(map(s.Positional, given)))
 
 
-def call_of(name: str, *given: s.Expression) -> s.FunctionCall:
+def function_call(name: str, *given: s.Expression) -> s.FunctionCall:
     return s.FunctionCall(name, tuple(map(s.Positional, given)))
 
 
 def _with_options(
-    typed: Typed, key: str, given: Given, options: Mapping[str, s.Expression | None]
+    typed: ExpressionTypes, key: str, given: Arguments, options: Mapping[str, s.Expression | None]
 ) -> s.Expression | None:
     match key, given, dict(options):
         case (("round" | "trunc"), (value,), {"dec": s.Node() as places, **rest}) if not rest:
-            return call_of(TO_PLACES[key], value, places)
+            return function_call(ROUNDING[key], value, places)
         case "eulerzyx", (turn,), one if len(one) == 1 and typed.whole_turn(turn) is None:
             (axis,) = one
-            return call_of(ANGLES[axis], turn) if axis in ANGLES else None
+            return function_call(ANGLE_FUNCTIONS[axis], turn) if axis in ANGLE_FUNCTIONS else None
         case "defframe", (a, b, c), {"origin": s.Node() as origin, **rest} if not rest:
-            return call_of(FRAME, a, b, c, origin)
-        case "gettime", (), one if len(one) == 1 and (first := DIGITS.get(*one)) is not None:
-            return call_of("two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first)))
+            return function_call(FRAME_FUNCTION, a, b, c, origin)
+        case "gettime", (), one if len(one) == 1 and (first := TIME_DIGITS.get(*one)) is not None:
+            return function_call(
+                "two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first))
+            )
         case "strtobyte", (text,), {"char": None, **rest} if not rest:
-            return None if _is_first(text) else _code(text)
-        case "strtobyte", (text,), _ if (form := _form(options)) is not None:
-            return _from_digits(text, form[0], MOST_OF_BYTE)
-        case "bytetostr", (value,), _ if (form := _form(options)) is not None:
+            return None if _is_first_character(text) else _character_code(text)
+        case "strtobyte", (text,), _ if (form := _byte_format(options)) is not None:
+            return _from_digits(text, form[0], LARGEST_BYTE)
+        case "bytetostr", (value,), _ if (form := _byte_format(options)) is not None:
             return _to_digits(value, *form)
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
-            return call_of("one_found", text, first, characters, s.BoolLiteral(True))
+            return function_call("one_found", text, first, characters, s.BoolLiteral(True))
     return None
 
 
-def _form(options: Mapping[str, s.Expression | None]) -> tuple[int, int] | None:
+def _byte_format(options: Mapping[str, s.Expression | None]) -> tuple[int, int] | None:
     """Base and digits of a byte that is written as an option says."""
-    words = [DIGITS_OF.get(word) for word, value in options.items() if value is None]
+    words = [BYTE_FORMATS.get(word) for word, value in options.items() if value is None]
     return words[0] if len(words) == len(options) == 1 else None
 
 
 def _from_digits(text: s.Expression, base: int, most: int) -> s.Expression:
-    return call_of("number_of_digits", text, _number(base), _number(most))
+    return function_call("number_of_digits", text, _number_literal(base), _number_literal(most))
 
 
 def _to_digits(value: s.Expression, base: int, places: int) -> s.Expression:
-    return call_of("digits_of_number", value, _number(base), _number(places))
+    return function_call("digits_of_number", value, _number_literal(base), _number_literal(places))
 
 
-def _is_first(text: s.Expression) -> bool:
+def _is_first_character(text: s.Expression) -> bool:
     """Whether a text is the first character of another one."""
     match text:
         case s.FunctionCall(name, (_, s.Positional(s.NumberLiteral("1")), last)):
@@ -249,89 +251,93 @@ def _is_first(text: s.Expression) -> bool:
     return False
 
 
-def _code(text: s.Expression) -> s.Expression:
+def _character_code(text: s.Expression) -> s.Expression:
     """The code of a character as the one of the first of its text."""
     one = s.NumberLiteral("1")
-    first = s.Positional(call_of("StrPart", text, one, one))
+    first = s.Positional(function_call("StrPart", text, one, one))
     return s.FunctionCall("StrToByte", (first, s.Option("Char")))
 
 
-def _read(typed: Typed, given: Given) -> s.Expression | None:
+def _read_text(typed: ExpressionTypes, given: Arguments) -> s.Expression | None:
     kind = typed.kind(given[1]) if len(given) == 2 else None
     place: Any = given[-1]
     if kind == ("pos", 0):
-        return call_of("position_of_text", given[0], *(s.Component(place, axis) for axis in "xyz"))
-    name = BY_TYPE.get(kind[0]) if kind is not None and not kind[1] else None
-    return None if name is None else call_of(name, *given)
+        return function_call(
+            "position_of_text", given[0], *(s.Component(place, axis) for axis in "xyz")
+        )
+    name = TEXT_READERS.get(kind[0]) if kind is not None and not kind[1] else None
+    return None if name is None else function_call(name, *given)
 
 
 DECIMALS: Final = range(1, 7)
 """Decimals of a text that tell something of a number; for none there is a function."""
 
 
-def _fixed(_: Typed, given: Given) -> s.Expression | None:
+def _fixed_decimals(_: ExpressionTypes, given: Arguments) -> s.Expression | None:
     places = literal_number(given[1]) if len(given) == 2 else 0
     if places is not None and places not in DECIMALS:
         return None
-    return call_of("fixed_text", *given)
+    return function_call("fixed_text", *given)
 
 
-def _distance(typed: Typed, given: Given) -> s.Expression | None:
+def _distance(typed: ExpressionTypes, given: Arguments) -> s.Expression | None:
     both = [isinstance(one, s.Component) and one.name.lower() == "trans" for one in given]
-    whole = [isinstance(one, s.Component) and typed.whole_turn(_beside(one)) for one in given]
-    return None if all(both) and all(whole) else call_of("distance_between", *given)
+    whole = [
+        isinstance(one, s.Component) and typed.whole_turn(_orientation_beside(one)) for one in given
+    ]
+    return None if all(both) and all(whole) else function_call("distance_between", *given)
 
 
-def _beside(node: s.Component) -> s.Component:
+def _orientation_beside(node: s.Component) -> s.Component:
     """The orientation of what a node is the position of."""
-    return s.Component(node.value, TURN)
+    return s.Component(node.value, ORIENTATION)
 
 
-def _bits(name: str) -> Callable[[Typed, Given], s.Expression | None]:
-    def made(_: Typed, given: Given) -> s.Expression:
-        wide = (call_of("NumToDnum", one) for one in given)
-        return call_of("DnumToNum", call_of(BITS[name], *wide))
+def _bit_function(name: str) -> Callable[[ExpressionTypes, Arguments], s.Expression | None]:
+    def made(_: ExpressionTypes, given: Arguments) -> s.Expression:
+        wide = (function_call("NumToDnum", one) for one in given)
+        return function_call("DnumToNum", function_call(BITS[name], *wide))
 
     return made
 
 
-_PLAIN: Final[Mapping[str, Callable[[Typed, Given], s.Expression | None]]] = {
-    "strtoval": _read,
-    "numtostr": _fixed,
+_POSITIONAL: Final[Mapping[str, Callable[[ExpressionTypes, Arguments], s.Expression | None]]] = {
+    "strtoval": _read_text,
+    "numtostr": _fixed_decimals,
     "distance": _distance,
-    "strtobyte": lambda _, given: _from_digits(given[0], 10, MOST_OF_BYTE),
+    "strtobyte": lambda _, given: _from_digits(given[0], 10, LARGEST_BYTE),
     "bytetostr": lambda _, given: _to_digits(given[0], 10, 1),
-    "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, MOST_WHOLE), 16, 1),
-    "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, MOST_WHOLE), 10, 1),
-    "defframe": lambda _, given: call_of(FRAME, *given, s.NumberLiteral("1")),
-    "strfind": lambda _, given: call_of("one_found", *given, s.BoolLiteral(False)),
+    "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, LARGEST_EXACT), 16, 1),
+    "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, LARGEST_EXACT), 10, 1),
+    "defframe": lambda _, given: function_call(FRAME_FUNCTION, *given, s.NumberLiteral("1")),
+    "strfind": lambda _, given: function_call("one_found", *given, s.BoolLiteral(False)),
     "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),
-    **{name: _bits(name) for name in BITS},
+    **{name: _bit_function(name) for name in BITS},
 }
 
 
 # ----------------------------------------------------------------------------- quaternions
 
 
-def parts_of_turn(place: s.Expression) -> Mapping[tuple[str, ...], s.Expression]:
+def quaternion_parts(place: s.Expression) -> Mapping[tuple[str, ...], s.Expression]:
     """The quaternion of a target or pose that has angles."""
     return {
-        (name,): call_of(PART, place, s.NumberLiteral(str(at)))
+        (name,): function_call(QUATERNION_PART, place, s.NumberLiteral(str(at)))
         for at, name in enumerate(QUATERNION, 1)
     }
 
 
-def angles_of(turn: Mapping[tuple[str, ...], s.Expression]) -> Sequence[s.Expression]:
+def quaternion_angles(turn: Mapping[tuple[str, ...], s.Expression]) -> Sequence[s.Expression]:
     """The angles about z, y and x of a quaternion."""
     parts = [turn[(name,)] for name in QUATERNION]
     numbers = [float(n) for n in map(literal_number, parts) if n is not None]
     if len(numbers) == len(parts) and any(numbers):
         angles = rotations.to_euler(rotations.canonical(numbers), "ZYX")
-        return [_number(round(float(angle), PLACES)) for angle in angles]
-    return [call_of(ANGLES[axis], s.AggregateNode(tuple(parts))) for axis in "zyx"]
+        return [_number_literal(round(float(angle), ANGLE_DECIMALS)) for angle in angles]
+    return [function_call(ANGLE_FUNCTIONS[axis], s.AggregateNode(tuple(parts))) for axis in "zyx"]
 
 
-def _number(value: float) -> s.Expression:
+def _number_literal(value: float) -> s.Expression:
     literal = s.NumberLiteral(repr(abs(value)))
     return s.Prefix("-", literal) if value < 0 else literal
 
@@ -344,5 +350,5 @@ def is_written_out(value: Any) -> bool:
     return literal_number(value) is not None
 
 
-def joined(parts: Sequence[s.Expression]) -> s.Expression:
+def sum_of_texts(parts: Sequence[s.Expression]) -> s.Expression:
     return reduce(lambda one, two: s.Infix("+", one, two), parts)

@@ -19,10 +19,12 @@ from assistant.program.rewriting import rewrite
 
 LONG: Final = "dnum"
 SHORT: Final = "num"
-_SAME: Final = frozenset(("numtodnum", "dnumtonum"))
+_CONVERSIONS: Final = frozenset(("numtodnum", "dnumtonum"))
 """Functions that give the same number as the other type."""
-_OTHER: Final = {"dnumtostr": "NumToStr"}
-_BITS: Final = frozenset(("bitanddnum", "bitordnum", "bitxordnum", "bitnegdnum", "bitlshdnum"))
+_RENAMED: Final = {"dnumtostr": "NumToStr"}
+_BIT_FUNCTIONS: Final = frozenset(
+    ("bitanddnum", "bitordnum", "bitxordnum", "bitnegdnum", "bitlshdnum")
+)
 """Functions of more bits than those of a byte, which do something else there."""
 
 
@@ -47,25 +49,25 @@ def with_long_numbers(
             case s.Option(word, value) if word.lower() == LONG:
                 return s.Option("Num", value)
             case s.FunctionCall(str(word), arguments) if word.lower() not in own:
-                return _called(node, word.lower(), arguments)
+                return _num_function(node, word.lower(), arguments)
         return node
 
     made = [rewrite(module, short, ()) for module in modules]
-    return made, [list(_told(module)) for module in modules]
+    return made, [list(_long_number_findings(module)) for module in modules]
 
 
-def _called(node: s.FunctionCall, word: str, arguments: Sequence[s.Argument]) -> s.Expression:
+def _num_function(node: s.FunctionCall, word: str, arguments: Sequence[s.Argument]) -> s.Expression:
     """A function of long numbers as that of others, if there is one that does the same."""
     match arguments:
-        case (s.Positional(value), *_) if word in _SAME:
+        case (s.Positional(value), *_) if word in _CONVERSIONS:
             return s.Group(value)
-    plain = _OTHER.get(word) or node.name[: -len(LONG)]
-    if (not word.endswith(LONG) and word not in _OTHER) or word in _BITS:
+    plain = _RENAMED.get(word) or node.name[: -len(LONG)]
+    if (not word.endswith(LONG) and word not in _RENAMED) or word in _BIT_FUNCTIONS:
         return node
     return replace(node, name=plain) if signature(plain) is not None else node
 
 
-def _told(module: s.Module) -> Iterator[Diagnostic]:
+def _long_number_findings(module: s.Module) -> Iterator[Diagnostic]:
     """A finding for each declaration of such a number."""
     for node in nodes(module):
         match node:

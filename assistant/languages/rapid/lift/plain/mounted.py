@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import Layouts
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import numbers
@@ -25,15 +25,15 @@ _POSES: Final[Mapping[str, tuple[str, ...]]] = {
     TOOL: ("tframe",), FRAME: ("uframe", "oframe")
 }  # fmt: skip
 """Components that say where a tool or work object is, the outer one first."""
-_SURE: Final = {TOOL: {"robhold": True}, FRAME: {"robhold": False, "ufprog": True}}
+_STATIONARY: Final = {TOOL: {"robhold": True}, FRAME: {"robhold": False, "ufprog": True}}
 """Components that say what carries it, and what all that can be changed have."""
-_OTHER: Final = {"ufmec": ""}
-_START: Final = "main"
+_NO_UNIT: Final = {"ufmec": ""}
+_ENTRY: Final = "main"
 
 Body = tuple[s.StatementNode, ...]
 
 
-def steady_types(modules: Sequence[s.Module], layouts: Layouts) -> frozenset[str]:
+def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozenset[str]:
     """Which of both types say of each value, anywhere, that nothing moves it but its pose.
 
     A tool is on the robot, a work object stands in the room; the program changes neither.
@@ -48,7 +48,7 @@ def steady_types(modules: Sequence[s.Module], layouts: Layouts) -> frozenset[str
                 found -= set(_unsteady(items))
             case s.Assignment(s.Component(_, name), value):
                 for type in tuple(found):
-                    sure = {**_SURE[type], **_OTHER}.get(name.lower())
+                    sure = {**_STATIONARY[type], **_NO_UNIT}.get(name.lower())
                     if sure is not None and numbers(value) != sure:
                         found.discard(type)
     return frozenset(found)
@@ -77,7 +77,7 @@ def _unsteady(items: Sequence[Any]) -> Iterator[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Mounted:
+class ChangedFrame:
     """One that changes. poses: the variables of its parts that tell where it is."""
 
     name: str
@@ -92,13 +92,13 @@ class Mounted:
         return s.Assignment(s.NameRef(self.name), value, span=None if node is None else node.span)
 
 
-def mounted(
+def changed_frame(
     node: s.Data,
     type: str,
     names: Mapping[tuple[str, ...], str],
     displaced: str = "",
     steady: bool = False,
-) -> Mounted:
+) -> ChangedFrame:
     """names: of its parts, by their ways. displaced: a pose that is put behind work objects.
 
     steady: nothing else changes it, so that parts which say nothing are left out.
@@ -109,12 +109,14 @@ def mounted(
         poses = zip(parts, (frame.user, frame.object), strict=True)
         parts = tuple(part for part, pose in poses if pose != IDENTITY)
     behind = (displaced,) if displaced and type == FRAME else ()
-    return Mounted(node.name, (*(names[part,] for part in parts), *behind))
+    return ChangedFrame(node.name, (*(names[part,] for part in parts), *behind))
 
 
-def with_wholes(modules: Sequence[s.Module], found: Iterable[Mounted]) -> list[s.Module]:
+def with_frame_updates(
+    modules: Sequence[s.Module], found: Iterable[ChangedFrame]
+) -> list[s.Module]:
     """The modules, in which each change of a part of one is followed by that of the whole."""
-    by_part: dict[str, list[Mounted]] = {}
+    by_part: dict[str, list[ChangedFrame]] = {}
     for one in found:
         for part in one.poses:
             by_part.setdefault(part.lower(), []).append(one)
@@ -122,15 +124,15 @@ def with_wholes(modules: Sequence[s.Module], found: Iterable[Mounted]) -> list[s
         return list(modules)
     items = (item for module in modules for item in module.items)
     own = {item.name.lower() for item in items if isinstance(item, s.Routine)}
-    wholes = _Wholes(by_part, own)
-    return [_module(module, wholes) for module in modules]
+    wholes = _FrameUpdates(by_part, own)
+    return [_with_module_updates(module, wholes) for module in modules]
 
 
-def _module(module: s.Module, wholes: _Wholes) -> s.Module:
+def _with_module_updates(module: s.Module, wholes: _FrameUpdates) -> s.Module:
     items: list[s.Item] = []
     for item in module.items:
         made = wholes.routine(item) if isinstance(item, s.Routine) else item
-        if isinstance(made, s.Routine) and made.name.lower() == _START:
+        if isinstance(made, s.Routine) and made.name.lower() == _ENTRY:
             data = [node for node in made.body if isinstance(node, s.Data)]
             made = replace(made, body=(*data, *wholes.first(), *made.body[len(data) :]))
         items.append(made)
@@ -138,8 +140,8 @@ def _module(module: s.Module, wholes: _Wholes) -> s.Module:
     return module if same else replace(module, items=tuple(items))
 
 
-class _Wholes:
-    def __init__(self, by_part: Mapping[str, Sequence[Mounted]], own: Collection[str]) -> None:
+class _FrameUpdates:
+    def __init__(self, by_part: Mapping[str, Sequence[ChangedFrame]], own: Collection[str]) -> None:
         self.by_part, self.own = by_part, own
 
     def first(self) -> list[s.Assignment]:
@@ -166,7 +168,7 @@ class _Wholes:
             made += (one.set(node) for one in self.changed(node) if alone or one not in later)
         return tuple(made)
 
-    def changed(self, node: Any) -> Mapping[Mounted, None]:
+    def changed(self, node: Any) -> Mapping[ChangedFrame, None]:
         """Those that a statement changes a part of, in their order."""
         places: list[Any] = []
         match node:

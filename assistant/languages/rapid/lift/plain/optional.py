@@ -10,7 +10,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import PACES, SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.layouts import (
+    SETTING_TYPES,
+    SPEED_AND_ZONE,
+    RecordLayouts,
+)
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
@@ -25,7 +29,7 @@ _NOWHERE: Final = s.AggregateNode(
     )
 )
 _OUTSIDE: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
-ABSENT: Final[Mapping[str, s.Expression]] = {
+ABSENT_VALUES: Final[Mapping[str, s.Expression]] = {
     "num": _ZERO,
     "bool": s.BoolLiteral(False),
     "string": s.StringLiteral(""),
@@ -59,7 +63,7 @@ Parameters = Mapping[str, _Parameter]
 
 
 def with_required(
-    modules: Sequence[s.Module], layouts: Layouts, name: Callable[[str], str]
+    modules: Sequence[s.Module], layouts: RecordLayouts, name: Callable[[str], str]
 ) -> Sequence[s.Module]:
     """The modules without optional parameters, as far as their types can be said otherwise.
 
@@ -76,15 +80,15 @@ def with_required(
     }
     if not wanted:
         return modules
-    asked = _Asked(modules, wanted)
+    asked = _OptionUses(modules, wanted)
     made: dict[str, Parameters] = {}
     added: list[s.Data] = []
     for key, routine in wanted.items():
-        made[key] = dict(_parameters(routine, asked, layouts, name, added))
+        made[key] = dict(_required_parameters(routine, asked, layouts, name, added))
     changed = []
     for at, module in enumerate(modules):
         items = [
-            _routine(item, made, wanted) if isinstance(item, s.Routine) else item
+            _required_routine(item, made, wanted) if isinstance(item, s.Routine) else item
             for item in module.items
         ]
         data = added if at == 0 else []
@@ -93,7 +97,7 @@ def with_required(
     return changed
 
 
-class _Asked:
+class _OptionUses:
     """Which optional parameters calls give: how often, and how often by what the caller has."""
 
     def __init__(self, modules: Sequence[s.Module], routines: Mapping[str, s.Routine]) -> None:
@@ -123,10 +127,10 @@ class _Asked:
         return count > 0 and count == self.calls[routine]
 
 
-def _parameters(
+def _required_parameters(
     routine: s.Routine,
-    asked: _Asked,
-    layouts: Layouts,
+    asked: _OptionUses,
+    layouts: RecordLayouts,
     name: Callable[[str], str],
     added: list[s.Data],
 ) -> Iterator[tuple[str, _Parameter]]:
@@ -143,7 +147,7 @@ def _parameters(
             if asked.always(key, low):
                 yield low, _Parameter(one)
                 continue
-            absent = nothing_of(type, layouts)
+            absent = absent_value(type, layouts)
             if absent is None or one.dimensions < 0:
                 continue
             if not asked.ever(key, low):
@@ -157,18 +161,18 @@ def _parameters(
             yield low, _Parameter(one, name(f"{one.name}_given"), absent)
 
 
-def nothing_of(type: str, layouts: Layouts) -> s.Expression | None:
+def absent_value(type: str, layouts: RecordLayouts) -> s.Expression | None:
     """A value of a type, None if there is none that can be written."""
-    if type in ABSENT:
-        return ABSENT[type]
-    if type in SETTINGS - PACES or layouts.parts(type) is None:
+    if type in ABSENT_VALUES:
+        return ABSENT_VALUES[type]
+    if type in SETTING_TYPES - SPEED_AND_ZONE or layouts.parts(type) is None:
         return None
-    inner = [nothing_of(layouts.base(of), layouts) for _, of in layouts.components(type)]
+    inner = [absent_value(layouts.base(of), layouts) for _, of in layouts.components(type)]
     known = tuple(one for one in inner if one is not None)
     return s.AggregateNode(known) if len(known) == len(inner) else None
 
 
-def _routine(
+def _required_routine(
     routine: s.Routine, made: Mapping[str, Parameters], wanted: Mapping[str, s.Routine]
 ) -> s.Routine:
     """A routine with required parameters, whose calls give all that others require."""
@@ -179,7 +183,7 @@ def _routine(
             case s.FunctionCall(str(word), (s.Positional(s.NameRef(asked), None),)) if (
                 word.lower() == PRESENT and asked.lower() in own
             ):
-                return _present(own[asked.lower()])
+                return _presence_parameter(own[asked.lower()])
             case s.ProcedureCall(str(name), given) | s.FunctionCall(str(name), given) if (
                 parameters := made.get(name.lower())
             ):
@@ -205,7 +209,7 @@ def _mentions(body: Any, name: str) -> bool:
     return any(isinstance(n, s.NameRef) and n.name.lower() == low for n in nodes(body))
 
 
-def _present(parameter: _Parameter) -> s.Expression:
+def _presence_parameter(parameter: _Parameter) -> s.Expression:
     if parameter.is_switch:
         return s.NameRef(parameter.node.name)
     if parameter.given is not None:
@@ -261,14 +265,14 @@ def _arguments(
             option, known = named.pop(low, None), parameters.get(low)
             if known is None:
                 made += () if option is None else (option,)
-            elif (said := _said(known, option, caller)) is None:
+            elif (said := _argument_values(known, option, caller)) is None:
                 return None
             else:
                 made += map(s.Positional, said)
     return None if named or next(places, None) is not None else tuple(made)
 
 
-def _said(
+def _argument_values(
     known: _Parameter, argument: s.Option | s.Conditional | None, caller: Parameters
 ) -> tuple[s.Expression, ...] | None:
     """What is handed over for a parameter; None for what nobody understands."""
@@ -278,7 +282,7 @@ def _said(
         case s.Option(_, value):
             pass
         case s.Conditional(_, s.NameRef(name)) if name.lower() in caller:
-            there, value = _present(caller[name.lower()]), s.NameRef(name)
+            there, value = _presence_parameter(caller[name.lower()]), s.NameRef(name)
             if caller[name.lower()].never:
                 value = known.absent
         case s.Conditional():

@@ -12,8 +12,8 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.external_axes import AXES, COMPONENT, used_axes
 from assistant.languages.rapid.tree.gather import literal_number
 
-OUTSIDE: Final = s.NumberLiteral("9E9")
-OUTSIDE_TEXT: Final = s.StringLiteral("9E+09")
+NO_AXIS: Final = s.NumberLiteral("9E9")
+NO_AXIS_TEXT: Final = s.StringLiteral("9E+09")
 """The same as ValToStr writes it."""
 
 
@@ -22,7 +22,7 @@ def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
     return frozenset(AXES) - used_axes(modules)
 
 
-def is_outside(node: Any, unused: frozenset[str]) -> bool:
+def is_unused_axis(node: Any, unused: frozenset[str]) -> bool:
     """Whether a component of a target is that of an external axis that there is none of."""
     match node:
         case s.Component(s.Component(_, part), axis):
@@ -30,7 +30,7 @@ def is_outside(node: Any, unused: frozenset[str]) -> bool:
     return False
 
 
-def only_works_out(routine: s.Routine | None, divisors: Set[str]) -> bool:
+def only_computes(routine: s.Routine | None, divisors: Set[str]) -> bool:
     """Whether a function does nothing but work out a value, in which no error can arise.
 
     divisors: names in lower case of what is never 0.

@@ -15,10 +15,10 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
-_NAMED = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
+_NAMED_NODES = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
 
 
-def with_own_routines(
+def with_unique_routine_names(
     modules: Sequence[s.Module],
 ) -> tuple[Sequence[s.Module], Mapping[str, str]]:
     """The modules with other names for local routines that another module has too.
@@ -29,7 +29,7 @@ def with_own_routines(
     often = Counter(name for names in own for name in names)
     if all(count == 1 for count in often.values()):
         return modules, {}
-    taken = TakenNames(n.name for n in nodes(tuple(modules)) if isinstance(n, _NAMED))
+    taken = TakenNames(n.name for n in nodes(tuple(modules)) if isinstance(n, _NAMED_NODES))
     before: dict[str, str] = {}
     made = []
     for module, routines in zip(modules, own, strict=True):
@@ -39,11 +39,11 @@ def with_own_routines(
                 names[key] = identifier(f"{module.name}_{routine.name}", taken)
                 taken.add(names[key])
                 before[names[key].lower()] = key
-        made.append(_renamed(module, names) if names else module)
+        made.append(_with_routine_names(module, names) if names else module)
     return made, before
 
 
-def _renamed(module: s.Module, names: Mapping[str, str]) -> s.Module:
+def _with_routine_names(module: s.Module, names: Mapping[str, str]) -> s.Module:
     def visit(node: Any) -> Any:
         match node:
             case s.Routine(name=name) | s.ProcedureCall(str(name)) | s.FunctionCall(str(name)):

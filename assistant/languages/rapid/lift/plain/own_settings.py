@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import Layouts
-from assistant.languages.rapid.lift.plain.scopes import Uses
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
+from assistant.languages.rapid.lift.plain.scopes import NameUses
 from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import MotionNames
@@ -19,33 +19,33 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
-_TYPES: Final = frozenset(("speeddata", "zonedata", "loaddata"))
-_NAMING: Final = (s.NameRef, s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
+_CONSTANT_TYPES: Final = frozenset(("speeddata", "zonedata", "loaddata"))
+_NAMED_NODES: Final = (s.NameRef, s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
-def with_own_settings(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_module_settings(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules whose routines declare none of these that never changes."""
-    layouts = Layouts(modules)
+    layouts = RecordLayouts(modules)
     items = [item for module in modules for item in module.items]
     own = [
         node
         for item in items
         if isinstance(item, s.Routine)
         for node in item.body
-        if isinstance(node, s.Data) and layouts.base(node.type) in _TYPES
+        if isinstance(node, s.Data) and layouts.base(node.type) in _CONSTANT_TYPES
     ]
     if not own:
         return modules
-    written = Uses(modules, frozenset()).written
+    written = NameUses(modules, frozenset()).written
     every = list(nodes(tuple(modules)))
-    taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
+    taken = TakenNames(one.name for one in every if isinstance(one, _NAMED_NODES))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))
     made = []
     for module in modules:
         changed: list[s.Item] = []
         for item in module.items:
             if isinstance(item, s.Routine):
-                data, item = _moved(item, layouts, written, taken)
+                data, item = _moved_settings(item, layouts, written, taken)
                 changed += data
             changed.append(item)
         same = len(changed) == len(module.items)
@@ -53,8 +53,8 @@ def with_own_settings(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     return made
 
 
-def _moved(
-    routine: s.Routine, layouts: Layouts, written: set[str], taken: TakenNames
+def _moved_settings(
+    routine: s.Routine, layouts: RecordLayouts, written: set[str], taken: TakenNames
 ) -> tuple[list[s.Data], s.Routine]:
     """The constants that a routine has, and the routine without them."""
     names: dict[str, str] = {}
@@ -62,7 +62,9 @@ def _moved(
     for node in routine.body:
         match node:
             case s.Data(type=type, name=name, dimensions=(), value=s.AggregateNode() as value) if (
-                layouts.base(type) in _TYPES and is_literal(value) and name.lower() not in written
+                layouts.base(type) in _CONSTANT_TYPES
+                and is_literal(value)
+                and name.lower() not in written
             ):
                 new = identifier(f"{routine.name}_{name}", taken)
                 taken.add(new)

@@ -18,7 +18,7 @@ from assistant.languages.rapid.tree.calls import TASK_NAME
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
 
-READING: Final = frozenset(("crobt", "cjointt", "ctool", "cwobj"))
+TASK_READS: Final = frozenset(("crobt", "cjointt", "ctool", "cwobj"))
 """Functions in lower case that read of the arm of a task, and state which."""
 _REFERENCE: Final = "taskref"
 _SUFFIX: Final = "id"
@@ -36,24 +36,26 @@ def with_own_task(
     calls = [
         node
         for node in nodes(tuple(modules))
-        if isinstance(node, s.FunctionCall) and node.name.lower() in READING - own
+        if isinstance(node, s.FunctionCall) and node.name.lower() in TASK_READS - own
     ]
-    named = {task.lower() for call in calls if (task := _task(call)) is not None}
+    named = {task.lower() for call in calls if (task := _named_task(call)) is not None}
     if not named:
         return modules, told
-    stated = _own(modules)
+    stated = _own_task_name(modules)
     mine = stated or (next(iter(named)) if len(named) == 1 else "")
     made = []
     for module, findings in zip(modules, told, strict=True):
 
         def item(one: s.Item, findings: list[Diagnostic] = findings) -> Any:
-            return rewrite(one, lambda node: _without(node, mine, not stated, findings, own), ())
+            return rewrite(
+                one, lambda node: _without_own_task(node, mine, not stated, findings, own), ()
+            )
 
         made.append(replace(module, items=tuple(map(item, module.items))))
     return made, told
 
 
-def _own(modules: Sequence[s.Module]) -> str:
+def _own_task_name(modules: Sequence[s.Module]) -> str:
     """The task that the cell states, in lower case; empty if it states none."""
     for item in (item for module in modules for item in module.items):
         match item:
@@ -62,10 +64,12 @@ def _own(modules: Sequence[s.Module]) -> str:
     return ""
 
 
-def _without(node: Any, mine: str, assumed: bool, findings: list[Diagnostic], own: set[str]) -> Any:
-    if not isinstance(node, s.FunctionCall) or node.name.lower() not in READING - own:
+def _without_own_task(
+    node: Any, mine: str, assumed: bool, findings: list[Diagnostic], own: set[str]
+) -> Any:
+    if not isinstance(node, s.FunctionCall) or node.name.lower() not in TASK_READS - own:
         return node
-    task = _task(node)
+    task = _named_task(node)
     if task is None or task.lower() != mine:
         return node
     if assumed:
@@ -75,15 +79,15 @@ def _without(node: Any, mine: str, assumed: bool, findings: list[Diagnostic], ow
 
 def without_task(call: s.FunctionCall) -> s.FunctionCall:
     """A read without the option that names a task."""
-    left = (one for one in call.arguments if not _is_task(one))
+    left = (one for one in call.arguments if not _is_task_option(one))
     return replace(call, arguments=tuple(left))
 
 
-def _is_task(argument: s.Argument) -> bool:
+def _is_task_option(argument: s.Argument) -> bool:
     return isinstance(argument, s.Option) and argument.name.lower() in (_REFERENCE, TASK_NAME)
 
 
-def _task(call: s.FunctionCall) -> str | None:
+def _named_task(call: s.FunctionCall) -> str | None:
     """The task whose arm is read, None if none is named or its name is worked out."""
     for argument in call.arguments:
         match argument:

@@ -9,24 +9,28 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import PACES, SETTINGS, Layouts
+from assistant.languages.rapid.lift.plain.layouts import (
+    SETTING_TYPES,
+    SPEED_AND_ZONE,
+    RecordLayouts,
+)
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
-Taken = Mapping[str, s.Routine]
+RoutineTable = Mapping[str, s.Routine]
 """Routines whose names are theirs alone, by lower-case name."""
 
 
-def parted_parameters(routines: Taken, layouts: Layouts) -> frozenset[int]:
+def component_parameters(routines: RoutineTable, layouts: RecordLayouts) -> frozenset[int]:
     """The `id` of each such parameter."""
     found: dict[tuple[str, str], s.ParameterNode] = {}
     for key, routine in routines.items():
         for group in routine.parameters:
             for one in group.alternatives:
                 if isinstance(one, s.ParameterNode) and not one.dimensions and not group.optional:
-                    if layouts.base(one.type) in SETTINGS - PACES:
+                    if layouts.base(one.type) in SETTING_TYPES - SPEED_AND_ZONE:
                         found[key, one.name.lower()] = one
-    handed = {key: set(_handed(routines, key[0], key[1])) for key in found}
+    handed = {key: set(_receiving_parameters(routines, key[0], key[1])) for key in found}
     while wrong := [place for place in found if not handed[place] <= found.keys()]:
         for place in wrong:
             del found[place]
@@ -37,7 +41,9 @@ _ANYWHERE: Final = ("", "")
 """Stands for what takes a tool or work object by its name."""
 
 
-def _handed(routines: Taken, routine: str, name: str) -> Iterator[tuple[str, str]]:
+def _receiving_parameters(
+    routines: RoutineTable, routine: str, name: str
+) -> Iterator[tuple[str, str]]:
     """The parameters that a parameter is handed to as a whole."""
     said = known = 0
     for node in nodes(routines[routine]):
@@ -53,14 +59,14 @@ def _handed(routines: Taken, routine: str, name: str) -> Iterator[tuple[str, str
                 if name in named:
                     yield _ANYWHERE
             case s.ProcedureCall(str(called), arguments) | s.FunctionCall(str(called), arguments):
-                for to in _given(routines.get(called.lower()), arguments, name):
+                for to in _argument_parameters(routines.get(called.lower()), arguments, name):
                     known += 1
                     yield to
     if said != known:
         yield _ANYWHERE
 
 
-def _given(
+def _argument_parameters(
     routine: s.Routine | None, arguments: Sequence[s.Argument], name: str
 ) -> Iterator[tuple[str, str]]:
     """Where some arguments hand it to, as far as that is a required parameter of the program."""

@@ -14,13 +14,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, of_handlers
 from assistant.program.rewriting import rewrite
 
-NAME: Final = "error_number"
+ERROR_PARAMETER: Final = "error_number"
 
 
 def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules whose handlers hand the error over; themselves where no routine asks for it."""
     routines = [one for module in modules for one in module.items if isinstance(one, s.Routine)]
-    asking = _asking(routines, of_handlers(modules))
+    asking = _error_readers(routines, of_handlers(modules))
     if not asking:
         return modules
 
@@ -37,7 +37,7 @@ def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 
     def asked(node: Any) -> Any:
         if isinstance(node, s.NameRef) and node.name.lower() == ERRNO:
-            return s.NameRef(NAME, span=node.span)
+            return s.NameRef(ERROR_PARAMETER, span=node.span)
         return node
 
     def item(one: s.Item) -> s.Item:
@@ -46,25 +46,28 @@ def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         made = replace(one, handlers=rewrite(one.handlers, handed("ERRNO"), ()))
         if one.name.lower() not in asking:
             return made if made.handlers is not one.handlers else one
-        body = rewrite(rewrite(one.body, asked, ()), handed(NAME), ())
-        parameter = s.ParameterGroup(False, (s.ParameterNode("", "num", NAME),))
+        body = rewrite(rewrite(one.body, asked, ()), handed(ERROR_PARAMETER), ())
+        parameter = s.ParameterGroup(False, (s.ParameterNode("", "num", ERROR_PARAMETER),))
         return replace(made, body=body, parameters=(*one.parameters, parameter))
 
     return [replace(module, items=tuple(map(item, module.items))) for module in modules]
 
 
-def _asking(routines: Sequence[s.Routine], handling: frozenset[str]) -> frozenset[str]:
+def _error_readers(routines: Sequence[s.Routine], handling: frozenset[str]) -> frozenset[str]:
     """Names in lower case of routines that handlers alone call and that ask for their error.
 
     None where one of them is called by a name that is worked out, or from anywhere else.
     """
     bodies = {one.name.lower(): one for one in routines}
-    if any(isinstance(n, s.NameRef) and n.name.lower() == NAME for n in nodes(tuple(routines))):
+    if any(
+        isinstance(n, s.NameRef) and n.name.lower() == ERROR_PARAMETER
+        for n in nodes(tuple(routines))
+    ):
         return frozenset()
     if any(isinstance(n, s.ProcedureCall) and not isinstance(n.name, str)
            for n in nodes(tuple(routines))):  # fmt: skip
         return frozenset()
-    asking = {name for name in handling if name in bodies and _asks(bodies[name].body)}
+    asking = {name for name in handling if name in bodies and _asks_error(bodies[name].body)}
     while True:  # those that hand it on
         more = {
             name
@@ -80,5 +83,5 @@ def _asking(routines: Sequence[s.Routine], handling: frozenset[str]) -> frozense
     return frozenset() if asking & outside else frozenset(asking)
 
 
-def _asks(body: Any) -> bool:
+def _asks_error(body: Any) -> bool:
     return any(isinstance(node, s.NameRef) and node.name.lower() == ERRNO for node in nodes(body))

@@ -17,11 +17,11 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
 from assistant.program.rewriting import rewrite
 
-_BEHIND: Final = 2
+_ARGUMENTS_AFTER: Final = 2
 """Of the places that a move states: the speed on the way there, and the seam or the gun."""
-_NOTHING: Final = s.NumberLiteral("0")
+_ZERO: Final = s.NumberLiteral("0")
 """Stands for a seam, of which nothing is said."""
-_STATED: Final = ("arc", "spot")
+_PROCESS_KINDS: Final = ("arc", "spot")
 """Kinds of processes of whose data a part is said."""
 
 
@@ -29,16 +29,16 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules with the speeds of welds and numbers of spots where they are given to moves."""
     own = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     every = list(nodes(tuple(modules)))
-    if not own.isdisjoint(MOVES) or not any(map(_is_process, every)):
+    if not own.isdisjoint(MOVES) or not any(map(_is_process_move, every)):
         return modules
-    steady = _steady(modules, every)
+    steady = _constant_first_parts(modules, every)
 
     def said(node: Any) -> Any:
-        if not _is_process(node):
+        if not _is_process_move(node):
             return node
         known = MOVES[node.name.lower()]
         plain = [at for at, a in enumerate(node.arguments) if isinstance(a, s.Positional)]
-        place = known.points + _BEHIND if known.given else len(plain)
+        place = known.points + _ARGUMENTS_AFTER if known.given else len(plain)
         weld = known.kind == "arc"
         arguments = []
         for at, argument in enumerate(node.arguments):
@@ -48,7 +48,7 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
             if (plain[place : place + 1] == [at] or of_gun) and argument.value is not None:
                 arguments.append(replace(argument, value=part(argument.value, weld)))
             elif weld and plain[place - 1 : place] == [at]:
-                arguments.append(replace(argument, value=_NOTHING))
+                arguments.append(replace(argument, value=_ZERO))
             else:
                 arguments.append(argument)
         return replace(node, arguments=tuple(arguments))
@@ -64,21 +64,25 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     return [rewrite(module, said, ()) for module in modules]
 
 
-def _is_process(node: Any) -> bool:
+def _is_process_move(node: Any) -> bool:
     if not isinstance(node, s.ProcedureCall) or not isinstance(node.name, str):
         return False
     known = MOVES.get(node.name.lower())
-    return known is not None and known.kind in _STATED
+    return known is not None and known.kind in _PROCESS_KINDS
 
 
-def _steady(modules: Sequence[s.Module], every: Sequence[Any]) -> Mapping[str, s.Expression]:
+def _constant_first_parts(
+    modules: Sequence[s.Module], every: Sequence[Any]
+) -> Mapping[str, s.Expression]:
     """First parts of data by lower-case name that nothing changes, and that no routine hides."""
-    changed = {name.lower() for name in inner_names(m for n in modules for m in _routines(n))}
+    changed = {
+        name.lower() for name in inner_names(m for n in modules for m in _module_routines(n))
+    }
     for node in every:
         match node:
             case s.Assignment(target) if (found := root(target)) is not None:
                 changed.add(found.name.lower())
-            case s.ProcedureCall() | s.FunctionCall() if not _is_process(node):
+            case s.ProcedureCall() | s.FunctionCall() if not _is_process_move(node):
                 names = (n for n in nodes(node.arguments) if isinstance(n, s.NameRef))
                 changed.update(name.name.lower() for name in names)
     steady: dict[str, s.Expression] = {}
@@ -93,5 +97,5 @@ def _steady(modules: Sequence[s.Module], every: Sequence[Any]) -> Mapping[str, s
     return steady
 
 
-def _routines(module: s.Module) -> list[s.Routine]:
+def _module_routines(module: s.Module) -> list[s.Routine]:
     return [item for item in module.items if isinstance(item, s.Routine)]

@@ -13,14 +13,14 @@ from typing import Any, Final
 
 from assistant.languages.rapid.lift.plain.byte_calls import (
     IN_ROW,
-    LENGTHS,
+    LENGTH_ARRAY,
     ROWS,
-    Calls,
+    ByteCalls,
     call_at,
     length_of,
 )
-from assistant.languages.rapid.lift.plain.byte_sockets import texts_of_bytes
-from assistant.languages.rapid.lift.plain.exchanging import exchanged
+from assistant.languages.rapid.lift.plain.byte_sockets import texts_on_byte_sockets
+from assistant.languages.rapid.lift.plain.exchanging import rewritten
 from assistant.languages.rapid.lift.plain.library import library
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import option
@@ -28,35 +28,35 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import inner_names, nodes
 from assistant.program.rewriting import rewrite
 
-TYPE: Final = "rawbytes"
-BYTES: Final = "raw_byte"
-MOST: Final = 40
+BYTES_TYPE: Final = "rawbytes"
+BYTES_PREFIX: Final = "raw_byte"
+MOST_DATA: Final = 40
 """Data of the type in one program."""
-_OF_SOCKETS: Final = ("socketsend", "socketreceive")
+_SOCKET_CALLS: Final = ("socketsend", "socketreceive")
 
-Way = tuple[str, ...]
+ComponentNames = tuple[str, ...]
 
 
-def with_bytes(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_raw_bytes(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules with numbers for their bytes; themselves if there are none, or not only such."""
     if not any(map(_is_of_bytes, nodes(tuple(modules)))):
         return modules
-    said = _Bytes(modules)
+    said = _RawBytes(modules)
     return said.modules() if said.can_be_said() else modules
 
 
 def _is_of_bytes(node: Any) -> bool:
     match node:
         case s.Data(type=type) | s.ParameterNode(type=type):
-            return type.lower() == TYPE
+            return type.lower() == BYTES_TYPE
         case s.Record(components=components):
-            return any(type.lower() == TYPE for type, _ in components)
-        case s.ProcedureCall(str(name)) if name.lower() in _OF_SOCKETS:
+            return any(type.lower() == BYTES_TYPE for type, _ in components)
+        case s.ProcedureCall(str(name)) if name.lower() in _SOCKET_CALLS:
             return option(node, "rawdata", "data") is not None
     return False
 
 
-class _Bytes:
+class _RawBytes:
     """records: the ways to bytes in records, by lower-case type. numbers: by `id` of what declares
     them, of each way, counted from 1. lists: arrays of bytes by name in lower case.
     """
@@ -65,7 +65,7 @@ class _Bytes:
         self.all = modules
         items = [item for module in modules for item in module.items]
         self.routines = [item for item in items if isinstance(item, s.Routine)]
-        self.records = _records(items)
+        self.records = _byte_components(items)
         inner = [d for r in self.routines for d in nodes(r.body) if isinstance(d, s.Data)]
         data = [item for item in items if isinstance(item, s.Data)]
         self.types = {d.name.lower(): d.type.lower() for d in (*data, *inner)}
@@ -75,31 +75,31 @@ class _Bytes:
             if isinstance(one, s.ParameterNode)
         }
         self.fixed = {d.name.lower(): d.value for d in data if d.storage == "CONST"}
-        self.numbers: dict[int, dict[Way, int]] = {}
+        self.numbers: dict[int, dict[ComponentNames, int]] = {}
         self.lists: set[str] = set()
         self.count = 0
         self.sound = True
         for one in (*data, *inner):
             self._counted(one)
-        texts = texts_of_bytes(self.routines)
+        texts = texts_on_byte_sockets(self.routines)
         self.takes_others = bool(texts) or any(
             isinstance(node, s.ProcedureCall) and option(node, "data") is not None
             for node in nodes(tuple(self.routines))
         )
         """True if sockets of bytes take lists of numbers or texts: the last bytes are for these."""
-        self.calls = Calls(self.types, self.count + 1, texts)
+        self.calls = ByteCalls(self.types, self.count + 1, texts)
         self.whole = [d for d in data if d.type.lower() in self.records]
         """Records of modules, whose bytes get their numbers when the program begins."""
 
     def _counted(self, one: s.Data) -> None:
         low = one.type.lower()
-        ways = [()] if low == TYPE else self.records.get(low, ())
+        ways = [()] if low == BYTES_TYPE else self.records.get(low, ())
         if not ways:
             return
         size = 1
         if one.dimensions:
             found = [self._extent(node) for node in one.dimensions]
-            if len(found) != 1 or found[0] is None or low != TYPE:
+            if len(found) != 1 or found[0] is None or low != BYTES_TYPE:
                 self.sound = False
                 return
             size = found[0]
@@ -118,13 +118,13 @@ class _Bytes:
         """Whether each of them has a number, and nothing has a name of what is added."""
         names = {name.lower() for name in inner_names(self.routines)} | set(self.types)
         names |= {one.name.lower() for one in self.routines}
-        added = {BYTES, LENGTHS, *(one.name.lower() for one in library())}
-        if not self.sound or self.count > MOST or not names.isdisjoint(added):
+        added = {BYTES_PREFIX, LENGTH_ARRAY, *(one.name.lower() for one in library())}
+        if not self.sound or self.count > MOST_DATA or not names.isdisjoint(added):
             return False
         main = [one for one in self.routines if one.name.lower() == "main"]
         if self.whole and len(main) != 1:
             return False
-        return all(self.types[name] == TYPE for name in self.lists) and not self._recurs()
+        return all(self.types[name] == BYTES_TYPE for name in self.lists) and not self._recurs()
 
     def _recurs(self) -> bool:
         """Whether a routine with bytes of its own may be called while it runs."""
@@ -155,8 +155,8 @@ class _Bytes:
         count = str(self.count + self.takes_others)
         size = tuple(map(s.NumberLiteral, (count, str(ROWS), str(IN_ROW))))
         data = (
-            s.Data("", "PERS", "num", BYTES, size),
-            s.Data("", "VAR", "num", LENGTHS, size[:1]),
+            s.Data("", "PERS", "num", BYTES_PREFIX, size),
+            s.Data("", "VAR", "num", LENGTH_ARRAY, size[:1]),
         )
         own = {one.name.lower() for one in self.routines}
         there = tuple(one for one in library() if one.name.lower() not in own)
@@ -164,7 +164,7 @@ class _Bytes:
         return (replace(first, items=(*data, *first.items, *there)), *others)
 
     def _module(self, module: s.Module) -> s.Module:
-        made = exchanged(module, self.calls.said)
+        made = rewritten(module, self.calls.said)
         items: list[s.Item] = []
         for item in made.items:
             if isinstance(item, s.Routine):
@@ -180,7 +180,7 @@ class _Bytes:
         return replace(made, items=tuple(items))
 
     def _type(self, type: str) -> str:
-        return "num" if type.lower() == TYPE else type
+        return "num" if type.lower() == BYTES_TYPE else type
 
     def _declared(self, item: s.Data, storage: str) -> s.Data:
         numbers = self.numbers.get(id(item))
@@ -223,7 +223,7 @@ class _Bytes:
     def _value(self, node: Any) -> Any:
         """Elements of lists of bytes, lengths and parameters; any other node as it is."""
         match node:
-            case s.ParameterNode(type=type) if type.lower() == TYPE:
+            case s.ParameterNode(type=type) if type.lower() == BYTES_TYPE:
                 return replace(node, mode="", type="num", dimensions=0)
             case s.Element(s.NameRef(name) as base, (index,)) if name.lower() in self.lists:
                 if isinstance(index, s.Whole):
@@ -238,17 +238,17 @@ class _Bytes:
         return node
 
 
-def _records(items: Sequence[s.Item]) -> Mapping[str, Sequence[Way]]:
+def _byte_components(items: Sequence[s.Item]) -> Mapping[str, Sequence[ComponentNames]]:
     """The ways to bytes in each type of records that has any, by lower-case name."""
     known = {one.name.lower(): one for one in items if isinstance(one, s.Record)}
-    found: dict[str, Sequence[Way]] = {}
+    found: dict[str, Sequence[ComponentNames]] = {}
 
-    def ways(low: str) -> Sequence[Way]:
+    def ways(low: str) -> Sequence[ComponentNames]:
         if low not in found:
             found[low] = ()  # a record that holds itself ends here
-            parts: list[Way] = []
+            parts: list[ComponentNames] = []
             for type, name in known[low].components:
-                if type.lower() == TYPE:
+                if type.lower() == BYTES_TYPE:
                     parts.append((name,))
                 elif type.lower() in known:
                     parts += ((name, *way) for way in ways(type.lower()))

@@ -12,13 +12,13 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain.exchanging import exchanged
-from assistant.languages.rapid.lift.plain.scopes import Fresh
+from assistant.languages.rapid.lift.plain.exchanging import rewritten
+from assistant.languages.rapid.lift.plain.scopes import FreshNames
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import mentions, nodes
 
-REMOVE: Final = "removefile"
-ASK: Final = "isfile"
+REMOVE_INSTRUCTION: Final = "removefile"
+IS_FILE: Final = "isfile"
 
 
 def with_emptied_files(
@@ -27,60 +27,62 @@ def with_emptied_files(
     """The modules of some files without such statements, and the findings of each."""
     nothing: list[list[Diagnostic]] = [[] for _ in modules]
     own = {i.name.lower() for m in modules for i in m.items if isinstance(i, s.Routine)}
-    if {REMOVE, ASK} & own or not mentions(files, (REMOVE,)):
+    if {REMOVE_INSTRUCTION, IS_FILE} & own or not mentions(files, (REMOVE_INSTRUCTION,)):
         return modules, nothing
-    name = Fresh(modules)("removed")
-    made = [exchanged(module, lambda node: _said(node, name)) for module in modules]
+    name = FreshNames(modules)("removed")
+    made = [rewritten(module, lambda node: _emptied(node, name)) for module in modules]
     for at, module in enumerate(modules):
-        if made[at] is not module and name in _opened(made[at]):
+        if made[at] is not module and name in _opened_names(made[at]):
             data = s.Data("LOCAL", "VAR", "iodev", name)
             made[at] = replace(made[at], items=(data, *made[at].items))
-        nothing[at] += _told(module)
+        nothing[at] += _removed_file_findings(module)
     return made, nothing
 
 
-def _said(node: s.StatementNode, name: str) -> Iterator[s.StatementNode]:
+def _emptied(node: s.StatementNode, name: str) -> Iterator[s.StatementNode]:
     match node:
-        case s.ProcedureCall(str(word), (s.Positional(path, None),)) if word.lower() == REMOVE:
+        case s.ProcedureCall(str(word), (s.Positional(path, None),)) if (
+            word.lower() == REMOVE_INSTRUCTION
+        ):
             channel = s.Positional(s.NameRef(name))
             opened = (s.Positional(path), channel, s.Option("Write", None))
             yield s.ProcedureCall("Open", opened, span=node.span)
             yield s.ProcedureCall("Close", (channel,), span=node.span)
-        case s.IfThen((s.IfBranch(condition, body),), None) if _only_if_there(
-            condition, _plain(body), name
+        case s.IfThen((s.IfBranch(condition, body),), None) if _only_removes_existing(
+            condition, _without_comments(body), name
         ):
             yield from body
         case _:
             yield node
 
 
-def _plain(body: Sequence[s.StatementNode]) -> list[s.StatementNode]:
+def _without_comments(body: Sequence[s.StatementNode]) -> list[s.StatementNode]:
     return [one for one in body if not isinstance(one, s.CommentLine)]
 
 
-def _only_if_there(condition: Any, body: Sequence[Any], name: str) -> bool:
+def _only_removes_existing(condition: Any, body: Sequence[Any], name: str) -> bool:
     """True if a branch does nothing but remove the file that it asks for."""
     match condition, body:
         case (
             s.FunctionCall(str(word), (s.Positional(file, None), *_)),
             [s.ProcedureCall("Open", (s.Positional(path), s.Positional(s.NameRef(one)), *_)), _],
         ):
-            return (word.lower(), one) == (ASK, name) and file == path
+            return (word.lower(), one) == (IS_FILE, name) and file == path
         case s.Group(inner) | s.Infix("=", inner, s.BoolLiteral(True)), _:
-            return _only_if_there(inner, body, name)
+            return _only_removes_existing(inner, body, name)
     return False
 
 
-def _told(module: s.Module) -> Iterator[Diagnostic]:
+def _removed_file_findings(module: s.Module) -> Iterator[Diagnostic]:
     for node in nodes(module):
-        if isinstance(node, s.ProcedureCall) and str(node.name).lower() == REMOVE:
+        if isinstance(node, s.ProcedureCall) and str(node.name).lower() == REMOVE_INSTRUCTION:
             yield rules.LEFT_OUT(
                 what=str(node.name), loss="the file stays on the controller, and is empty",
                 cure="see that nothing asks whether it is there", span=node.span,
             )  # fmt: skip
 
 
-def _opened(module: s.Module) -> set[str]:
+def _opened_names(module: s.Module) -> set[str]:
     """Names of what a module opens."""
     calls = (one for one in nodes(module) if isinstance(one, s.ProcedureCall))
     given = (x for one in calls if one.name == "Open" for x in one.arguments[1:2])

@@ -7,10 +7,21 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Span
-from assistant.languages.rapid.lift.plain.layouts import HELD, PACES, SETTINGS, Layouts, Path
-from assistant.languages.rapid.lift.plain.mounted import FRAME, Mounted, mounted, steady_types
-from assistant.languages.rapid.lift.plain.outside import only_works_out, unused_axes
-from assistant.languages.rapid.lift.plain.parted import parted_parameters
+from assistant.languages.rapid.lift.plain.layouts import (
+    READ_ONLY_TYPES,
+    SETTING_TYPES,
+    SPEED_AND_ZONE,
+    ComponentPath,
+    RecordLayouts,
+)
+from assistant.languages.rapid.lift.plain.mounted import (
+    FRAME,
+    ChangedFrame,
+    changed_frame,
+    steady_types,
+)
+from assistant.languages.rapid.lift.plain.outside import only_computes, unused_axes
+from assistant.languages.rapid.lift.plain.parted import component_parameters
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.processes import MOVES
 from assistant.languages.rapid.tables.signatures import signature
@@ -36,7 +47,7 @@ class Datum:
     name: str
     type: str
     dimensions: int = 0
-    names: Mapping[Path, str] = field(default_factory=dict)
+    names: Mapping[ComponentPath, str] = field(default_factory=dict)
     value: s.Expression | None = None
     sizes: tuple[s.Expression, ...] = ()
 
@@ -47,11 +58,11 @@ PI: Final = "pi"
 """Data by lower-case name."""
 
 
-class Fresh:
+class FreshNames:
     """Gives names that nothing in some modules has. made: those that it gave, in lower case."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
-        self._taken = TakenNames(_said(modules))
+        self._taken = TakenNames(_all_names(modules))
         self.made: set[str] = set()
 
     def __call__(self, wanted: str) -> str:
@@ -61,7 +72,7 @@ class Fresh:
         return name
 
 
-class Program:
+class ProgramData:
     """All modules together.
 
     unused: components of external axes that nothing states a place of. at: where the statement at
@@ -72,11 +83,15 @@ class Program:
     """
 
     def __init__(
-        self, modules: Sequence[s.Module], layouts: Layouts, name: Fresh, displaced: str = ""
+        self,
+        modules: Sequence[s.Module],
+        layouts: RecordLayouts,
+        name: FreshNames,
+        displaced: str = "",
     ) -> None:
         self.layouts, self.name, self.displaced = layouts, name, displaced
         self.steady = steady_types(modules, layouts)
-        self.moving: dict[str, Mounted] = {}
+        self.moving: dict[str, ChangedFrame] = {}
         self.unused = unused_axes(modules)
         self.at: Span | None = None
         self.outside: list[tuple[Span | None, str]] = []
@@ -88,8 +103,8 @@ class Program:
                 routines.setdefault(item.name.lower(), []).append(item)
         self.routines = {name: own[0] for name, own in routines.items() if len(own) == 1}
         self.own = frozenset(routines)
-        self.parted = parted_parameters(self.routines, layouts)
-        self.uses = Uses(modules, self.parted)
+        self.parted = component_parameters(self.routines, layouts)
+        self.uses = NameUses(modules, self.parted)
         declared: dict[str, list[s.Data]] = {}
         for item in items:
             if isinstance(item, s.Data):
@@ -107,7 +122,7 @@ class Program:
         self._elsewhere: set[str] = set()
         """Names in lower case that no module declares data by."""
         self._parameters: dict[int, Datum] = {}
-        self._results: dict[int, Mapping[Path, str]] = {}
+        self._results: dict[int, Mapping[ComponentPath, str]] = {}
 
     @property
     def has_axes(self) -> bool:
@@ -123,7 +138,7 @@ class Program:
         for index, run in self._tables:
             row = int(index.row(name)[0])
             if row >= 0:
-                datum = Datum(run.names.name(row), "robtarget", value=of_row(run, row))
+                datum = Datum(run.names.name(row), "robtarget", value=row_value(run, row))
                 return self.data.setdefault(name, datum)
         self._elsewhere.add(name)
         return None
@@ -131,8 +146,8 @@ class Program:
     def only_works_out(self, name: str) -> bool:
         """Whether a function of the modules changes nothing; name: in lower case."""
         routine = self.routines.get(name)
-        own = set() if routine is None else {one.name.lower() for one in parameters(routine)}
-        return only_works_out(routine, {PI} - self._declared - own)
+        own = set() if routine is None else {one.name.lower() for one in parameter_nodes(routine)}
+        return only_computes(routine, {PI} - self._declared - own)
 
     def datum(self, node: s.Data | s.ParameterNode, shared: bool = False) -> Datum:
         """What a declaration declares, with names for its parts if it is taken apart.
@@ -141,7 +156,7 @@ class Program:
         """
         type, moves, steady = self.layouts.base(node.type), False, False
         if isinstance(node, s.ParameterNode):
-            apart = type not in SETTINGS or type in PACES or id(node) in self.parted
+            apart = type not in SETTING_TYPES or type in SPEED_AND_ZONE or id(node) in self.parted
             value, dimensions = None, node.dimensions
             sizes: tuple[s.Expression, ...] = ()
         else:
@@ -149,15 +164,17 @@ class Program:
             sizes = node.dimensions
             steady = node.storage == "CONST" or key not in self.uses.written
             value = node.value if steady else None
-            changing = type in PACES and not steady
-            apart = type not in SETTINGS or changing or self._is_data(key, steady)
+            changing = type in SPEED_AND_ZONE and not steady
+            apart = type not in SETTING_TYPES or changing or self._is_data(key, steady)
             named = key in self.uses.named and shared and not dimensions and type in self.steady
             moves = named and ((type == FRAME and bool(self.displaced)) or not (apart or steady))
             apart = apart or moves
         parts = (self.layouts.parts(type) or ()) if apart else ()
         names = {one.path: self.name(f"{node.name}_{one.name}") for one in parts}
         if names and moves and isinstance(node, s.Data):
-            self.moving[node.name.lower()] = mounted(node, type, names, self.displaced, steady)
+            self.moving[node.name.lower()] = changed_frame(
+                node, type, names, self.displaced, steady
+            )
         return Datum(node.name, type, dimensions, names, value, sizes)
 
     def _is_data(self, key: str, steady: bool) -> bool:
@@ -168,9 +185,9 @@ class Program:
     def stays(self, node: s.Data) -> bool:
         """Whether data that is taken apart is also used whole, by its name."""
         type = self.layouts.base(node.type)
-        if type in PACES and node.name.lower() in self.uses.written:
+        if type in SPEED_AND_ZONE and node.name.lower() in self.uses.written:
             return False
-        return type in SETTINGS and node.name.lower() in self.uses.named
+        return type in SETTING_TYPES and node.name.lower() in self.uses.named
 
     @property
     def made(self) -> set[str]:
@@ -183,7 +200,7 @@ class Program:
             self._parameters[id(node)] = self.datum(node)
         return self._parameters[id(node)]
 
-    def result(self, routine: s.Routine) -> Mapping[Path, str]:
+    def result(self, routine: s.Routine) -> Mapping[ComponentPath, str]:
         """Variables for the parts of the record that a function gives back, none of any other."""
         if id(routine) not in self._results:
             own = routine.kind == "FUNC" and self.routines.get(routine.name.lower()) is routine
@@ -199,7 +216,7 @@ class Program:
         return layouts.base(type) if plain else type
 
 
-class Uses:
+class NameUses:
     """How names are used anywhere, whatever they mean there, in lower case.
 
     written: may be changed. named: given to a routine or a move by their names. parted: a
@@ -246,20 +263,22 @@ class Uses:
         listed = known is not None and (not known.open or name.lower() in MOVES)
         slots = known.slots if known is not None and listed else None
         if own is not None:
-            slots = _slots(own[0]) if len(own) == 1 else None
+            slots = _parameter_slots(own[0]) if len(own) == 1 else None
         required = iter(() if slots is None else [one for one in slots if not one.optional])
-        apart = () if own is None or len(own) > 1 else _apart(own[0], arguments, self._parts)
+        apart = (
+            () if own is None or len(own) > 1 else _parted_arguments(own[0], arguments, self._parts)
+        )
         for argument in arguments:
             value = argument.variable if isinstance(argument, s.Conditional) else argument.value
             if any(argument is one for one in apart):
                 self._add(self.read, value)
             elif not isinstance(value, s.Component):
                 self._add(self.named, value)
-            if slots is None or _changes(argument, slots, required, own is None):
+            if slots is None or _may_change(argument, slots, required, own is None):
                 self._add(self.written, value)
 
 
-def _apart(
+def _parted_arguments(
     routine: s.Routine, arguments: Sequence[s.Argument], parted: Set[int]
 ) -> Sequence[s.Argument]:
     """Arguments of which a routine takes the parts."""
@@ -269,7 +288,7 @@ def _apart(
     return [one for group, one in pairs if id(group.alternatives[0]) in parted]
 
 
-def _slots(routine: s.Routine) -> tuple[Slot, ...]:
+def _parameter_slots(routine: s.Routine) -> tuple[Slot, ...]:
     """The places in the list of parameters of a routine."""
     return tuple(
         Slot(
@@ -284,7 +303,7 @@ def _slots(routine: s.Routine) -> tuple[Slot, ...]:
     )
 
 
-def _changes(
+def _may_change(
     argument: s.Argument, slots: Sequence[Slot], required: Iterator[Slot], standard: bool
 ) -> bool:
     """Whether a routine may change what it is given with an argument.
@@ -300,11 +319,11 @@ def _changes(
         meant = tuple(one for one in named if one.name.lower() == key)
     if not meant:
         return True
-    held = (one.mode == "PERS" and one.type in HELD and standard for one in meant)
+    held = (one.mode == "PERS" and one.type in READ_ONLY_TYPES and standard for one in meant)
     return any(one.mode and not only_read for one, only_read in zip(meant, held, strict=True))
 
 
-def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
+def parameter_nodes(routine: s.Routine) -> Iterator[s.ParameterNode]:
     for group in routine.parameters:
         yield from (one for one in group.alternatives if isinstance(one, s.ParameterNode))
 
@@ -315,25 +334,25 @@ def predefined_type(name: str) -> str:
     return "" if found is None else found.type
 
 
-_NAMING: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
+_NAMED_NODES: Final = (s.NameRef, s.Data, s.ParameterNode, s.Routine, s.Record, s.Alias)
 
 
-def of_row(run: TargetRun, row: int) -> s.Expression:
+def row_value(run: TargetRun, row: int) -> s.Expression:
     """The value of a row of a table as it would be written out."""
-    numbers = [_number(n) for n in run.values[row].tolist()]
+    numbers = [_number_literal(n) for n in run.values[row].tolist()]
     parts = (numbers[:3], numbers[3:7], numbers[7:11], numbers[11:])
     return s.AggregateNode(tuple(s.AggregateNode(tuple(part)) for part in parts))
 
 
-def _number(value: float) -> s.Expression:
+def _number_literal(value: float) -> s.Expression:
     text = s.NumberLiteral("9E9" if value >= UNUSED else f"{abs(value):.17g}")
     return s.Prefix("-", text) if value < 0.0 else text
 
 
-def _said(modules: Iterable[s.Module]) -> Iterator[str]:
+def _all_names(modules: Iterable[s.Module]) -> Iterator[str]:
     """Every name in the modules."""
     for node in nodes(tuple(modules)):
-        if isinstance(node, _NAMING):
+        if isinstance(node, _NAMED_NODES):
             yield node.name
         elif isinstance(node, s.ForLoop):
             yield node.variable

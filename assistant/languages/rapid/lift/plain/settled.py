@@ -13,8 +13,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import Layouts
-from assistant.languages.rapid.lift.plain.unread import LEFT_OUT
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
+from assistant.languages.rapid.lift.plain.unread import OMISSION_MARK
 from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
@@ -23,15 +23,15 @@ from assistant.languages.rapid.tree.walk import inner_names, lists, nodes
 from assistant.program.rewriting import rewrite
 
 _MOVES: Final = frozenset(("movej", "movel", "moveabsj", "movec"))
-_OWN_PACE: Final = frozenset("tv")
+_SPEED_OPTIONS: Final = frozenset("tv")
 """Options that say how fast a move is in the place of its speed."""
-_BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
+_WRITES_BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
 """Instructions that change data whose names are worked out."""
 _PREDEFINED: Final = {"speeddata": SPEEDS, "zonedata": ZONES}
 
 
 @dataclass(slots=True)
-class _One:
+class _Setting:
     """A speed or zone. values: what it is assigned, printed. uses: as an argument of a move.
     beside: data in lower case that each such move has beside it. runs: names that are assigned
     along with it, in each run of assignments.
@@ -45,14 +45,14 @@ class _One:
     runs: list[frozenset[str]] = field(default_factory=list)
 
 
-def with_settled(
-    modules: Sequence[s.Module], layouts: Layouts, kept: Collection[int]
+def with_constant_speeds(
+    modules: Sequence[s.Module], layouts: RecordLayouts, kept: Collection[int]
 ) -> list[s.Module]:
     """The modules with such constants; the assignments become comments `LEFT_OUT` and the name.
 
     kept: statements that stay as they are written, by `id`.
     """
-    found = _settled(modules, layouts)
+    found = _single_valued(modules, layouts)
     if found and kept:
         whole = [node for node in nodes(tuple(modules)) if id(node) in kept]
         text = {one.name.lower() for one in nodes(tuple(whole)) if isinstance(one, s.NameRef)}
@@ -66,20 +66,20 @@ def with_settled(
                 (value,) = one.values.values()
                 return replace(node, storage="CONST", value=value)
             case s.Assignment(s.NameRef(name)) if name.lower() in found:
-                return s.CommentLine(f"{LEFT_OUT}{name}", span=node.span)
+                return s.CommentLine(f"{OMISSION_MARK}{name}", span=node.span)
         return node
 
     return [rewrite(module, visit, ()) for module in modules]
 
 
-def _settled(modules: Sequence[s.Module], layouts: Layouts) -> Mapping[str, _One]:
+def _single_valued(modules: Sequence[s.Module], layouts: RecordLayouts) -> Mapping[str, _Setting]:
     """By lower-case name."""
     items = [item for module in modules for item in module.items]
     routines = [item for item in items if isinstance(item, s.Routine)]
     names = Counter(item.name.lower() for item in items if isinstance(item, s.Data))
     inner = {name.lower() for name in inner_names(routines)}
     every = {
-        item.name.lower(): _One(item)
+        item.name.lower(): _Setting(item)
         for item in items
         if isinstance(item, s.Data) and item.storage == "VAR" and not item.dimensions
         and layouts.base(item.type) in _PREDEFINED
@@ -93,20 +93,20 @@ def _settled(modules: Sequence[s.Module], layouts: Layouts) -> Mapping[str, _One
         match node:
             case s.NameRef(name):
                 said[name.lower()] += 1
-            case s.ProcedureCall(str(name)) if name.lower() in _BY_TEXT:
+            case s.ProcedureCall(str(name)) if name.lower() in _WRITES_BY_TEXT:
                 return {}
             case s.MoveRunNode(run):
                 for how in run.motions.table:
                     pair = [name.lower() for name in (how.speed, how.zone) if name]
-                    _moved(every, pair)
+                    _count_uses(every, pair)
                     said.update(pair)
             case s.ProcedureCall(str(name), given) if name.lower() in _MOVES - own:
-                if any(isinstance(a, s.Option) and a.name.lower() in _OWN_PACE for a in given):
+                if any(isinstance(a, s.Option) and a.name.lower() in _SPEED_OPTIONS for a in given):
                     continue
                 plain = [a.value for a in given if isinstance(a, s.Positional)]
-                _moved(every, [v.name.lower() for v in plain if isinstance(v, s.NameRef)])
+                _count_uses(every, [v.name.lower() for v in plain if isinstance(v, s.NameRef)])
     for body in (body for routine in routines for body in lists(routine)):
-        for row in _runs(body):
+        for row in _assignment_runs(body):
             together = frozenset(name for name, _ in row)
             for name, value in row:
                 if (one := every.get(name)) is not None:
@@ -117,20 +117,20 @@ def _settled(modules: Sequence[s.Module], layouts: Layouts) -> Mapping[str, _One
         name: one
         for name, one in every.items()
         if one.assigned and len(one.values) == 1 and said[name] == one.uses + one.assigned
-        and _is_constant(next(iter(one.values.values())), layouts.base(one.node.type))
+        and _is_constant_value(next(iter(one.values.values())), layouts.base(one.node.type))
         and (one.node.value is None or printed(one.node.value).lower() in one.values)
     }  # fmt: skip
-    return {name: one for name, one in steady.items() if _from_the_start(one, steady, layouts)}
+    return {name: one for name, one in steady.items() if _holds_throughout(one, steady, layouts)}
 
 
-def _moved(every: Mapping[str, _One], names: Sequence[str]) -> None:
+def _count_uses(every: Mapping[str, _Setting], names: Sequence[str]) -> None:
     for name in names:
         if (one := every.get(name)) is not None:
             one.uses += 1
             one.beside.append(frozenset(names))
 
 
-def _runs(body: Sequence[s.StatementNode]) -> Iterator[list[tuple[str, s.Expression]]]:
+def _assignment_runs(body: Sequence[s.StatementNode]) -> Iterator[list[tuple[str, s.Expression]]]:
     """Assignments to whole data that follow one another: names in lower case and values."""
     run: list[tuple[str, s.Expression]] = []
     for node in (*body, None):
@@ -144,7 +144,7 @@ def _runs(body: Sequence[s.StatementNode]) -> Iterator[list[tuple[str, s.Express
                 run = []
 
 
-def _is_constant(value: s.Expression, type: str) -> bool:
+def _is_constant_value(value: s.Expression, type: str) -> bool:
     match value:
         case s.NameRef(name):
             return name.lower() in _PREDEFINED[type]
@@ -153,7 +153,9 @@ def _is_constant(value: s.Expression, type: str) -> bool:
     return False
 
 
-def _from_the_start(one: _One, steady: Mapping[str, _One], layouts: Layouts) -> bool:
+def _holds_throughout(
+    one: _Setting, steady: Mapping[str, _Setting], layouts: RecordLayouts
+) -> bool:
     """Whether no move can meet another value; without a speed nothing moves."""
     if one.node.value is not None or layouts.base(one.node.type) == "speeddata":
         return True

@@ -14,13 +14,13 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
 
 _CHOOSING: Final = ("aliasio", "getdataval")
-_END: Final = s.Word("EXIT")
-READING: Final = frozenset((*(one.lower() for one in VALUES.values()), "testdi"))
+_END_PROGRAM: Final = s.Word("EXIT")
+READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUES.values()), "testdi"))
 """Functions of the value of a signal, in lower case."""
 
 
 @dataclass(slots=True)
-class Chosen:
+class ChosenSignal:
     """One variable. inside: the routine that declares it, None for a module. names: of what
     it may be. choice, function: what holds the choice, and what gives the value.
     """
@@ -48,12 +48,12 @@ def is_named(node: Any, name: str) -> bool:
 
 
 @dataclass(slots=True)
-class Rewriting:
+class ChoiceWriter:
     """Writes choices. remarks: by `id` of the module."""
 
-    chosen: Sequence[Chosen]
+    chosen: Sequence[ChosenSignal]
     remarks: dict[int, list[Diagnostic]] = field(default_factory=dict)
-    here: dict[str, Chosen] = field(default_factory=dict)
+    here: dict[str, ChosenSignal] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
 
     def module(self, module: s.Module) -> s.Module:
@@ -62,12 +62,12 @@ class Rewriting:
         for item in module.items:
             if isinstance(item, s.Data):
                 one = next((x for x in self.chosen if x.data is item), None)
-                items += [item] if one is None else _declared(one)
+                items += [item] if one is None else _choice_items(one)
             elif isinstance(item, s.Routine):
                 items.append(self.routine(item))
                 for one in self.chosen:
                     if one.inside is item:
-                        items += _declared(one)
+                        items += _choice_items(one)
             else:
                 items.append(item)
         same = len(items) == len(module.items)
@@ -136,7 +136,7 @@ class Rewriting:
                 yield self.value(node)
 
     def choice(
-        self, one: Chosen, source: s.Expression, node: s.ProcedureCall
+        self, one: ChosenSignal, source: s.Expression, node: s.ProcedureCall
     ) -> Iterator[s.StatementNode]:
         """`AliasIO` as the number of the signal that is chosen."""
         if not one.choice:
@@ -159,7 +159,7 @@ class Rewriting:
         if node.span is not None:
             shown = ", ".join(f"`{name}`" for name in one.names)
             self.said.append(rules.CHOSEN(name=one.data.name, names=shown, span=node.span))
-        yield s.IfThen(branches, (_END,), span=node.span)
+        yield s.IfThen(branches, (_END_PROGRAM,), span=node.span)
 
     def done(self, node: s.ProcedureCall) -> s.StatementNode:
         """An instruction, to whichever signal is chosen."""
@@ -168,13 +168,13 @@ class Rewriting:
             if not any(is_named(part, name) for part in nodes(node)):
                 continue
             if not one.choice:
-                made = _with(made, name, one.names[0])
+                made = _with_signal(made, name, one.names[0])
                 continue
             cases = tuple(
-                s.TestCase((s.NumberLiteral(str(at)),), (_with(made, name, signal),))
+                s.TestCase((s.NumberLiteral(str(at)),), (_with_signal(made, name, signal),))
                 for at, signal in enumerate(one.names, 1)
             )
-            made = s.TestOf(s.NameRef(one.choice), cases, (_END,), span=node.span)
+            made = s.TestOf(s.NameRef(one.choice), cases, (_END_PROGRAM,), span=node.span)
         return made
 
     def value(self, node: Any) -> Any:
@@ -183,7 +183,7 @@ class Rewriting:
         def visit(part: Any) -> Any:
             match part:
                 case s.FunctionCall(str(word), (s.Positional(s.FunctionCall(inner, ())),)):
-                    if word.lower() in READING and inner in functions:
+                    if word.lower() in READ_FUNCTIONS and inner in functions:
                         read = s.FunctionCall(inner, ())
                         if word.lower() == "testdi":
                             return s.Group(s.Infix("=", read, s.NumberLiteral("1")))
@@ -199,7 +199,7 @@ class Rewriting:
         return rewrite(node, visit, ())
 
 
-def _with(node: s.StatementNode, name: str, signal: str) -> s.StatementNode:
+def _with_signal(node: s.StatementNode, name: str, signal: str) -> s.StatementNode:
     def visit(part: Any) -> Any:
         return replace(part, name=signal) if is_named(part, name) else part
 
@@ -207,7 +207,7 @@ def _with(node: s.StatementNode, name: str, signal: str) -> s.StatementNode:
     return made
 
 
-def _declared(one: Chosen) -> list[s.Item]:
+def _choice_items(one: ChosenSignal) -> list[s.Item]:
     """What holds a choice, and what gives the value of the signal that is chosen."""
     if not one.choice:
         return []
@@ -219,7 +219,7 @@ def _declared(one: Chosen) -> list[s.Item]:
         )
         for at, name in enumerate(one.names, 1)
     )
-    test = s.TestOf(s.NameRef(one.choice), cases, (_END,))
+    test = s.TestOf(s.NameRef(one.choice), cases, (_END_PROGRAM,))
     body = (test, s.ReturnFrom(s.NumberLiteral("0")))
     return [
         s.Data("", "VAR", "num", one.choice, span=one.data.span),

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from assistant.languages.rapid.lift.plain.layouts import Path
+from assistant.languages.rapid.lift.plain.layouts import ComponentPath
 from assistant.languages.rapid.tree import syntax as s
 
-Spread = Mapping[Path, s.Expression]
+RecordValue = Mapping[ComponentPath, s.Expression]
 """A value of a record, part by part."""
 
 
-class Unsaid(Exception):
+class NotExpressible(Exception):
     """Something that a program with plain data cannot say. why: a clause."""
 
     def __init__(self, why: str) -> None:
@@ -20,7 +20,7 @@ class Unsaid(Exception):
         self.why = why
 
 
-def single(spread: Spread) -> Spread:
+def in_brackets(spread: RecordValue) -> RecordValue:
     """With brackets around what is worked out."""
     return {path: grouped(one) for path, one in spread.items()}
 
@@ -34,7 +34,7 @@ def element(name: s.NameRef, index: tuple[Any, ...]) -> Any:
     return s.Element(name, index) if index else name
 
 
-def product(a: Spread, b: Spread) -> Spread:
+def cross_product(a: RecordValue, b: RecordValue) -> RecordValue:
     """The vector that is at right angles to two."""
     x, y, z = (("x",), ("y",), ("z",))
     return {
@@ -43,9 +43,9 @@ def product(a: Spread, b: Spread) -> Spread:
     }
 
 
-def below(spread: Spread, path: Sequence[str]) -> Spread:
+def component_value(spread: RecordValue, path: Sequence[str]) -> RecordValue:
     key = tuple(one.lower() for one in path)
     found = {way[len(key) :]: one for way, one in spread.items() if way[: len(key)] == key}
     if not found:
-        raise Unsaid("it has no such component")
+        raise NotExpressible("it has no such component")
     return found

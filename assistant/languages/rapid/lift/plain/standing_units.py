@@ -20,7 +20,7 @@ from assistant.program.rewriting import rewrite
 Remarks = tuple[Diagnostic, ...]
 
 
-def with_standing_units(
+def with_fixed_units(
     modules: Sequence[s.Module],
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
     """The modules with such work objects, and the findings of each."""
@@ -40,18 +40,18 @@ def with_standing_units(
             return node
         _, _, _, _, object = node.items
         fixed = (s.BoolLiteral(False), s.BoolLiteral(True), s.StringLiteral(""))
-        return replace(node, items=(*fixed, _user(place), object))
+        return replace(node, items=(*fixed, _user_frame(place), object))
 
     made = [rewrite(module, stood, ()) for module in modules]
-    return made, [_told(module) for module in modules]
+    return made, [_unit_findings(module) for module in modules]
 
 
-def _user(place: s.AggregateNode) -> s.Expression:
+def _user_frame(place: s.AggregateNode) -> s.Expression:
     """The user frame of what the cell states, which has no object frame."""
     return place.items[3]
 
 
-def _told(module: s.Module) -> list[Diagnostic]:
+def _unit_findings(module: s.Module) -> list[Diagnostic]:
     """A finding for each statement and declaration that says such a work object."""
     return [
         rules.STANDS(unit=unit, frame=place_of(unit), span=node.span)

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any
 
-from assistant.languages.rapid.lift.plain.library import call_of
+from assistant.languages.rapid.lift.plain.library import function_call
 from assistant.languages.rapid.tables.states import (
     BY_NAME,
     LAST_ERROR,
@@ -27,7 +27,7 @@ from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
 from assistant.program.rewriting import rewrite
 
 
-def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_cell_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules that ask the cell's data; themselves where the cell says nothing of it."""
     known = {
         item.name.lower()
@@ -43,15 +43,15 @@ def with_told_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     def visit(node: Any) -> Any:
         match node:
             case s.FunctionCall(str(name)) | s.ProcedureCall(str(name)):
-                return node if name.lower() in own else _asked(node, known) or node
+                return node if name.lower() in own else _cell_answer(node, known) or node
         return node
 
     if LAST_ERROR.name in known:
-        modules = _without_errors(modules)
+        modules = _with_cell_errors(modules)
     return tuple(rewrite(module, visit, ()) for module in modules)
 
 
-def _without_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def _with_cell_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules that ask for the last error of the cell where they handle none."""
     handling = of_handlers(modules)
 
@@ -69,7 +69,7 @@ def _without_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     return [replace(module, items=tuple(map(item, module.items))) for module in modules]
 
 
-def _numbered(options: Mapping[str, s.Expression | None]) -> s.Expression | None:
+def _task_number_variable(options: Mapping[str, s.Expression | None]) -> s.Expression | None:
     """The variable that takes the number of the task, if that is all that is asked besides."""
     match [(name.lower(), value) for name, value in options.items()]:
         case [(name, (s.NameRef() | s.Component() | s.Element()) as value)] if name in NUMBERS:
@@ -77,7 +77,7 @@ def _numbered(options: Mapping[str, s.Expression | None]) -> s.Expression | None
     return None
 
 
-def _asked(
+def _cell_answer(
     node: s.FunctionCall | s.ProcedureCall, known: Set[str]
 ) -> s.Expression | s.StatementNode | None:
     """What a call gives of what is known, None for any other one, and for one that does more."""
@@ -89,9 +89,9 @@ def _asked(
     if call is None or len(call.given) != state.arguments or None in call.given:
         return None
     value: s.Expression = s.NameRef(state.name)
-    numbered = _numbered(call.options)
+    numbered = _task_number_variable(call.options)
     if numbered is not None and TASK_NUMBER.name in known and state is STATES["gettaskname"]:
-        value = call_of("text_and_number", value, s.NameRef(TASK_NUMBER.name), numbered)
+        value = function_call("text_and_number", value, s.NameRef(TASK_NUMBER.name), numbered)
     elif state.name not in OF_OPTIONS and not state.options.issuperset(call.options):
         return None
     if isinstance(node, s.FunctionCall):

@@ -24,8 +24,15 @@ from assistant.languages.rapid.tree.external_axes import (
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.rewriting import rewrite
 
-_NOT_THERE: Final = s.NumberLiteral("9E9")
-_TOLD: Final = (s.Data, s.Assignment, s.ProcedureCall, s.TargetRunNode, s.MoveRunNode, s.ReturnFrom)
+_NO_AXIS: Final = s.NumberLiteral("9E9")
+_REPORTED_NODES: Final = (
+    s.Data,
+    s.Assignment,
+    s.ProcedureCall,
+    s.TargetRunNode,
+    s.MoveRunNode,
+    s.ReturnFrom,
+)
 
 
 def with_still_axes(
@@ -47,7 +54,7 @@ def with_still_axes(
             return replace(node, run=replace(node.run, values=values))  # type: ignore[arg-type]
         *others, last = node.items
         places = zip(AXES, last.items, strict=True)
-        items = tuple(_NOT_THERE if axis in still else item for axis, item in places)
+        items = tuple(_NO_AXIS if axis in still else item for axis, item in places)
         return replace(node, items=(*others, replace(last, items=items)))
 
     made = []
@@ -58,14 +65,14 @@ def with_still_axes(
             if not (isinstance(item, s.Data) and item.name.lower() in said)
         )
         made.append(replace(module, items=items))
-    return made, [_told(module, still) for module in modules]
+    return made, [_still_axis_findings(module, still) for module in modules]
 
 
-def _told(module: s.Module, still: frozenset[str]) -> list[Diagnostic]:
+def _still_axis_findings(module: s.Module, still: frozenset[str]) -> list[Diagnostic]:
     """A finding for each statement and declaration that states a place of such an axis."""
     found: list[Diagnostic] = []
     for node in nodes(module):
-        if isinstance(node, _TOLD) and node.span is not None:
+        if isinstance(node, _REPORTED_NODES) and node.span is not None:
             inner = [node] if isinstance(node, s.TargetRunNode | s.MoveRunNode) else nodes(node)
             axes = sorted(frozenset().union(*map(stated, inner)) & still)
             found += (rules.STILL_AXIS(axis=axis, span=node.span) for axis in axes)

@@ -13,7 +13,7 @@ from assistant.languages.rapid.tree.runs import MotionNames
 from assistant.program.rewriting import rewrite
 
 
-def told(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
+def with_presence(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
     """A node in which it is known which optional parameters are there; lower-case names."""
     match node:
         case s.FunctionCall(word, (s.Positional(s.NameRef(name), None),)):
@@ -22,12 +22,12 @@ def told(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
         case s.Prefix("NOT", s.BoolLiteral(value)) | s.Prefix("NOT", s.Group(s.BoolLiteral(value))):
             return s.BoolLiteral(not value)
         case s.ProcedureCall(arguments=arguments) | s.FunctionCall(arguments=arguments):
-            given = tuple(g for a in arguments if (g := _handed_on(a, values)) is not None)
+            given = tuple(g for a in arguments if (g := _known_argument(a, values)) is not None)
             return node if given == arguments else replace(node, arguments=given)
     return node
 
 
-def _handed_on(
+def _known_argument(
     argument: s.Argument, values: Mapping[str, s.Expression | None]
 ) -> s.Argument | None:
     """An argument that hands a parameter on, as what that is; None if it is not there."""
@@ -38,35 +38,35 @@ def _handed_on(
     return argument
 
 
-def sound(body: Sequence[s.StatementNode]) -> tuple[s.StatementNode, ...]:
+def without_dead_branches(body: Sequence[s.StatementNode]) -> tuple[s.StatementNode, ...]:
     """Statements without branches that are never taken."""
-    return tuple(one for node in body for one in _taken(node))
+    return tuple(one for node in body for one in _live_statements(node))
 
 
-def _taken(node: s.StatementNode) -> Iterator[s.StatementNode]:
+def _live_statements(node: s.StatementNode) -> Iterator[s.StatementNode]:
     match node:
         case s.CompactIf(s.BoolLiteral(value), inner):
-            yield from _taken(inner) if value else ()
+            yield from _live_statements(inner) if value else ()
         case s.IfThen(branches, otherwise):
             left: list[s.IfBranch] = []
-            other = None if otherwise is None else sound(otherwise)
+            other = None if otherwise is None else without_dead_branches(otherwise)
             for branch in branches:
                 match branch.condition:
                     case s.BoolLiteral(False):
                         continue
                     case s.BoolLiteral(True):
-                        other = sound(branch.body)
+                        other = without_dead_branches(branch.body)
                         break
-                left.append(replace(branch, body=sound(branch.body)))
+                left.append(replace(branch, body=without_dead_branches(branch.body)))
             if left:
                 yield replace(node, branches=tuple(left), otherwise=other)
             else:
                 yield from other or ()
         case s.WhileLoop(body=body) | s.ForLoop(body=body):
-            yield replace(node, body=sound(body))
+            yield replace(node, body=without_dead_branches(body))
         case s.TestOf(cases=cases, otherwise=otherwise):
-            chosen = tuple(replace(case, body=sound(case.body)) for case in cases)
-            other = None if otherwise is None else sound(otherwise)
+            chosen = tuple(replace(case, body=without_dead_branches(case.body)) for case in cases)
+            other = None if otherwise is None else without_dead_branches(otherwise)
             yield replace(node, cases=chosen, otherwise=other)
         case _:
             yield node
@@ -78,16 +78,18 @@ def substituted(node: Any, named: Mapping[str, s.Expression | None]) -> Any:
         case s.NameRef(name) if (value := named.get(name.lower())) is not None:
             return replace(value, span=node.span)
         case MotionNames(speed, zone, tool, frame):
-            return MotionNames(*(_name(one, named) for one in (speed, zone, tool, frame)))
+            return MotionNames(
+                *(_substituted_name(one, named) for one in (speed, zone, tool, frame))
+            )
     return node
 
 
-def _name(name: str, named: Mapping[str, s.Expression | None]) -> str:
+def _substituted_name(name: str, named: Mapping[str, s.Expression | None]) -> str:
     value = named.get(name.lower())
     return value.name if isinstance(value, s.NameRef) else name
 
 
-def begun_with(
+def with_first_statements(
     first: Sequence[s.StatementNode], body: tuple[s.StatementNode, ...]
 ) -> tuple[s.StatementNode, ...]:
     """A body with statements behind its declarations."""
@@ -99,7 +101,7 @@ def begun_with(
     return (*body[:at], *first, *body[at:])
 
 
-def renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
+def with_routine_names(item: s.Item, names: Mapping[str, str]) -> s.Item:
     """An item with other names of routines, by lower-case name."""
 
     def visit(node: Any) -> Any:
@@ -113,7 +115,7 @@ def renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
     return made
 
 
-def way_of(value: s.Expression) -> str:
+def argument_key(value: s.Expression) -> str:
     """What tells the ways of calling a routine apart, and a copy's name from others."""
     return value.name.lower() if isinstance(value, s.NameRef) else printed(value)
 
@@ -124,7 +126,7 @@ def is_literal(node: s.Expression) -> bool:
     return isinstance(node, s.BoolLiteral | s.StringLiteral) or literal_number(node) is not None
 
 
-def is_row(value: s.Expression) -> bool:
+def is_table_row(value: s.Expression) -> bool:
     """Whether a value is a row of a table by its number."""
     if not isinstance(value, s.Element) or not isinstance(value.value, s.NameRef):
         return False

@@ -11,10 +11,10 @@ from assistant.languages.rapid.tree import syntax as s
 
 def with_traps(modules: Sequence[s.Module]) -> list[s.Module]:
     """The modules with a procedure for each trap routine."""
-    return list(map(_module, modules))
+    return list(map(_with_trap_procedures, modules))
 
 
-def _module(module: s.Module) -> s.Module:
+def _with_trap_procedures(module: s.Module) -> s.Module:
     if not any(_is_trap(item) for item in module.items):
         return module
     items = (replace(item, kind="PROC") if _is_trap(item) else item for item in module.items)

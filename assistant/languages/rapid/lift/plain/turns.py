@@ -5,28 +5,32 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from assistant.languages.rapid.lift.plain.assigning import names_in
-from assistant.languages.rapid.lift.plain.library import QUATERNION, TURN
+from assistant.languages.rapid.lift.plain.library import ORIENTATION, QUATERNION
 from assistant.languages.rapid.lift.plain.values import Values
 from assistant.languages.rapid.tree import syntax as s
 
 
-def joined_turns(values: Values, body: Sequence[s.StatementNode]) -> Iterator[s.StatementNode]:
+def with_joined_quaternions(
+    values: Values, body: Sequence[s.StatementNode]
+) -> Iterator[s.StatementNode]:
     """The statements; the four parts of a quaternion that are set one by one as a whole."""
     at = 0
     while at < len(body):
         group = body[at : at + len(QUATERNION)]
-        whole = _quaternion(values, group)
+        whole = _quaternion_assignment(values, group)
         yield body[at] if whole is None else whole
         at += 1 if whole is None else len(group)
 
 
-def _quaternion(values: Values, group: Sequence[s.StatementNode]) -> s.StatementNode | None:
+def _quaternion_assignment(
+    values: Values, group: Sequence[s.StatementNode]
+) -> s.StatementNode | None:
     parts: dict[str, s.Expression] = {}
     turns: list[s.Expression] = []
     for node in group:
         match node:
             case s.Assignment(s.Component(s.Component(_, turn) as whole, name), value) if (
-                turn.lower() == TURN
+                turn.lower() == ORIENTATION
             ):
                 parts[name.lower()] = value
                 turns.append(whole)

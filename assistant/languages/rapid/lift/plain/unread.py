@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages.rapid.lift.plain.scopes import Program, parameters
+from assistant.languages.rapid.lift.plain.scopes import ProgramData, parameter_nodes
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.program.rewriting import rewrite
@@ -17,37 +17,37 @@ MOST_ROUNDS: Final = 12
 """What is read only for the sake of what nothing reads is left out in the next round."""
 
 
-LEFT_OUT: Final = "\0"
+OMISSION_MARK: Final = "\0"
 """The comment that stands where a statement was left out, until the program is told to others."""
 
 
 @dataclass(frozen=True, slots=True)
-class Unread:
+class UnreadVariable:
     """A variable that is left out, and where the data that it was a part of is declared."""
 
     name: str
     span: Span | None
 
 
-def without_unread(
-    modules: Sequence[s.Module], program: Program
-) -> tuple[list[s.Module], list[tuple[Unread, ...]]]:
+def without_unread_data(
+    modules: Sequence[s.Module], program: ProgramData
+) -> tuple[list[s.Module], list[tuple[UnreadVariable, ...]]]:
     """The modules without the made variables that nothing reads, and those of each."""
     left = list(modules)
     gone: set[str] = set()
     for _ in range(MOST_ROUNDS if program.made else 0):
-        dead = _dead(left, program) - gone
+        dead = _dead_variables(left, program) - gone
         if not dead:
             break
         gone |= dead
-        cut = _Cut(dead, _dropped(left, dead, program))
+        cut = _DeadDataRemoval(dead, _dropped_parameters(left, dead, program))
         left = [cut.module(module) for module in left]
     told = []
     for before, after in zip(modules, left, strict=True):
         stay = {id(item) for item in after.items}
         told.append(
             tuple(
-                Unread(item.name, item.span)
+                UnreadVariable(item.name, item.span)
                 for item in before.items
                 if isinstance(item, s.Data) and item.name.lower() in gone and id(item) not in stay
             )
@@ -55,7 +55,7 @@ def without_unread(
     return left, told
 
 
-def _dead(modules: Sequence[s.Module], program: Program) -> set[str]:
+def _dead_variables(modules: Sequence[s.Module], program: ProgramData) -> set[str]:
     """Made variables that nothing asks for but what is assigned to others of these."""
     named: Counter[str] = Counter()
     inside: Counter[str] = Counter()
@@ -69,7 +69,7 @@ def _dead(modules: Sequence[s.Module], program: Program) -> set[str]:
                 live.add(name.lower())
             case s.Assignment(target, value) if (found := root(target)) is not None:
                 key = found.name.lower()
-                if key in program.made and not _calls((target, value), program):
+                if key in program.made and not _calls_own_routine((target, value), program):
                     for part in nodes((target, value)):
                         if isinstance(part, s.NameRef):
                             inside[part.name.lower()] += 1
@@ -83,7 +83,7 @@ def _dead(modules: Sequence[s.Module], program: Program) -> set[str]:
     return {name for name in program.made if name not in live}
 
 
-def _calls(value: Any, program: Program) -> bool:
+def _calls_own_routine(value: Any, program: ProgramData) -> bool:
     """Whether working a value out calls a routine of the program's own."""
     return any(
         isinstance(node, s.FunctionCall) and node.name.lower() in program.own
@@ -91,8 +91,8 @@ def _calls(value: Any, program: Program) -> bool:
     )
 
 
-def _dropped(
-    modules: Sequence[s.Module], dead: Collection[str], program: Program
+def _dropped_parameters(
+    modules: Sequence[s.Module], dead: Collection[str], program: ProgramData
 ) -> Mapping[str, frozenset[int]]:
     """Places of parameters that nothing reads, by routine, where every call can do without."""
     found: dict[str, frozenset[int]] = {}
@@ -101,7 +101,7 @@ def _dropped(
         for item in module.items:
             if isinstance(item, s.Routine) and item.name.lower() in program.routines:
                 plain = all(not g.optional and len(g.alternatives) == 1 for g in item.parameters)
-                names = [one.name.lower() for one in parameters(item)]
+                names = [one.name.lower() for one in parameter_nodes(item)]
                 places = frozenset(at for at, name in enumerate(names) if name in dead)
                 if plain and places:
                     found[item.name.lower()] = places
@@ -119,12 +119,12 @@ def _dropped(
             if len(values) != counts[key] or len(values) != len(node.arguments):
                 del found[key]
                 continue
-            busy = {at for at, value in enumerate(values) if _calls(value, program)}
+            busy = {at for at, value in enumerate(values) if _calls_own_routine(value, program)}
             found[key] = found[key] - busy
     return found
 
 
-class _Cut:
+class _DeadDataRemoval:
     """Takes variables out of modules. dropped: places of parameters by routine."""
 
     def __init__(self, dead: Collection[str], dropped: Mapping[str, frozenset[int]]) -> None:
@@ -159,7 +159,7 @@ class _Cut:
                     continue
                 case s.Assignment(target) if (found := root(target)) is not None:
                     if found.name.lower() in self.dead:
-                        yield s.CommentLine(LEFT_OUT, span=node.span)
+                        yield s.CommentLine(OMISSION_MARK, span=node.span)
                         continue
             yield self._inside(node)
 

@@ -8,58 +8,66 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED
-from assistant.languages.rapid.lift.plain.comparing import COMPARED, EQUAL, compared
-from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
-from assistant.languages.rapid.lift.plain.layouts import PACES, Part, Path
-from assistant.languages.rapid.lift.plain.library import (
-    PRODUCT,
-    QUATERNION,
-    TEXTS,
-    TURN,
-    WHOLE,
-    call_of,
-    is_written_out,
-    joined,
-    parts_of_turn,
-    worded,
+from assistant.languages.rapid.lift.plain.assembling import ASSEMBLED_TYPES
+from assistant.languages.rapid.lift.plain.comparing import (
+    COMPARED_TYPES,
+    CONJUNCTIONS,
+    compared_records,
 )
-from assistant.languages.rapid.lift.plain.outside import OUTSIDE, OUTSIDE_TEXT, is_outside
-from assistant.languages.rapid.lift.plain.own_task import READING
-from assistant.languages.rapid.lift.plain.scopes import Names, Program, predefined_type
+from assistant.languages.rapid.lift.plain.kinds import ORIENT, POS, Kind, Kinds
+from assistant.languages.rapid.lift.plain.layouts import SPEED_AND_ZONE, ComponentPath, Part
+from assistant.languages.rapid.lift.plain.library import (
+    ORIENTATION,
+    QUATERNION,
+    QUATERNION_PRODUCT,
+    TEXT_WRITERS,
+    WHOLE_TYPES,
+    function_call,
+    is_written_out,
+    library_call,
+    quaternion_parts,
+    sum_of_texts,
+)
+from assistant.languages.rapid.lift.plain.outside import NO_AXIS, NO_AXIS_TEXT, is_unused_axis
+from assistant.languages.rapid.lift.plain.own_task import TASK_READS
+from assistant.languages.rapid.lift.plain.scopes import Names, ProgramData, predefined_type
 from assistant.languages.rapid.lift.plain.spreads import (
-    Spread,
-    Unsaid,
-    below,
+    NotExpressible,
+    RecordValue,
+    component_value,
+    cross_product,
     element,
     grouped,
-    product,
-    single,
+    in_brackets,
 )
-from assistant.languages.rapid.lift.plain.standard import most, standard, standard_part
+from assistant.languages.rapid.lift.plain.standard import (
+    arm_maximum,
+    predefined_component,
+    predefined_value,
+)
 from assistant.languages.rapid.tables.processes import DATA
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 
-PLACE: Final = "cpos"
-TASKS: Final = "tasks"
+POSITION_FUNCTION: Final = "cpos"
+TASK_LIST_TYPE: Final = "tasks"
 """The type of lists of tasks, which stay as they are."""
 """The function that gives a position alone."""
-SHOWN: Final = "valtostr"
+TEXT_FUNCTION: Final = "valtostr"
 QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
 """What stands before and after a text that ValToStr writes."""
 
-Called = Callable[[s.FunctionCall], Spread]
+CallParts = Callable[[s.FunctionCall], RecordValue]
 """The parts of what a function of the program gives back, which is called before."""
 
-Built = Callable[[str, s.AggregateNode], s.Expression]
+AggregateVariable = Callable[[str, s.AggregateNode], s.Expression]
 """A variable of a type with a target or pose that is put together before."""
 
 
-Held = Callable[[str, s.FunctionCall], s.Expression]
+CallVariable = Callable[[str, s.FunctionCall], s.Expression]
 """A variable of a type with what a function gives that is called before."""
-ASKING: Final = {
+ASKING_FUNCTIONS: Final = {
     "uinumentry": "num", "uidnumentry": "num", "uimessagebox": "num",
     "readstr": "string", "readnum": "num",
 }  # fmt: skip
@@ -68,12 +76,12 @@ ASKING: Final = {
 Other languages have a statement for each."""
 
 
-def _not_held(type: str, value: s.FunctionCall) -> s.Expression:  # noqa: ARG001
+def _call_in_place(type: str, value: s.FunctionCall) -> s.Expression:  # noqa: ARG001
     return value
 
 
-def _not_built(type: str, value: s.AggregateNode) -> s.Expression:  # noqa: ARG001
-    raise Unsaid(f"it puts a {type} together where nothing can be done before")
+def _no_aggregate_variable(type: str, value: s.AggregateNode) -> s.Expression:  # noqa: ARG001
+    raise NotExpressible(f"it puts a {type} together where nothing can be done before")
 
 
 class Values(Kinds):
@@ -85,28 +93,28 @@ class Values(Kinds):
 
     def __init__(
         self,
-        program: Program,
+        program: ProgramData,
         names: Names,
-        called: Called,
-        built: Built | None = None,
-        hold: Held | None = None,
+        called: CallParts,
+        built: AggregateVariable | None = None,
+        hold: CallVariable | None = None,
         own_task: Callable[[s.FunctionCall], s.FunctionCall] = lambda call: call,
     ) -> None:
         super().__init__(program, names)
         self.called, self.own_task = called, own_task
-        self.hold = _not_held if hold is None else hold
-        self.built = _not_built if built is None else built
+        self.hold = _call_in_place if hold is None else hold
+        self.built = _no_aggregate_variable if built is None else built
 
     # ----------------------------------------------------------------------------- plain
 
     def plain(self, node: Any) -> Any:
         """An expression that is no record; raises Unsaid."""
-        node = worded(self, node)
+        node = library_call(self, node)
         match node:
             case s.Component(turn, name) if name.lower() in QUATERNION and (
                 place := self.whole_turn(turn)
             ):
-                return self.plain(parts_of_turn(place)[(name.lower(),)])
+                return self.plain(quaternion_parts(place)[(name.lower(),)])
             case s.NameRef() | s.Component() | s.Element():
                 return self._variable(node)
             case s.AggregateNode(items):
@@ -116,22 +124,22 @@ class Values(Kinds):
             case s.Prefix(_, operand):
                 return replace(node, operand=self.plain(operand))
             case s.Infix(operator, left, right):
-                if operator in EQUAL:
+                if operator in CONJUNCTIONS:
                     kind = self.kind(left) or self.kind(right)
-                    if kind is not None and (self.is_record(kind) or kind[0] in COMPARED):
-                        return compared(self, operator, left, right, kind)
+                    if kind is not None and (self.is_record(kind) or kind[0] in COMPARED_TYPES):
+                        return compared_records(self, operator, left, right, kind)
                 return replace(node, left=self.plain(left), right=self.plain(right))
             case s.FunctionCall("EulerZYX", (s.Option() as axis, s.Positional(turn))) if (
                 place := self.whole_turn(turn)
             ):
-                own = s.Positional(s.Component(place, TURN))
+                own = s.Positional(s.Component(place, ORIENTATION))
                 return replace(node, arguments=(axis, own))
-            case s.FunctionCall(name, (s.Positional(value),)) if name.lower() == SHOWN and (
+            case s.FunctionCall(name, (s.Positional(value),)) if name.lower() == TEXT_FUNCTION and (
                 shown := self._shown(value)
             ):
                 return shown
             case s.FunctionCall(str(name), ()) if not self.is_own(name) and (
-                known := most(name.lower())
+                known := arm_maximum(name.lower())
             ):
                 found = rules.TAKEN_FOR(what=name, value=known.text, span=self.program.at)
                 self.program.remarks.append(found)
@@ -141,21 +149,21 @@ class Values(Kinds):
                 if size is not None:
                     return size
                 made = replace(node, arguments=self.arguments(name, arguments))
-                if str(name).lower() in READING and not self.is_own(name):
+                if str(name).lower() in TASK_READS and not self.is_own(name):
                     made = self.own_task(made)
-                type = ASKING.get(str(name).lower(), "")
+                type = ASKING_FUNCTIONS.get(str(name).lower(), "")
                 return self.hold(type, made) if type and not self.is_own(name) else made
         return node
 
     def whole_turn(self, node: Any) -> s.Variable | None:
         """The plain target or pose that a node is the orientation of; None for any other."""
         match node:
-            case s.Component(value, name) if name.lower() == TURN:
+            case s.Component(value, name) if name.lower() == ORIENTATION:
                 kind = self.kind(value)
-                if kind is not None and kind[0] in WHOLE and not kind[1]:
+                if kind is not None and kind[0] in WHOLE_TYPES and not kind[1]:
                     try:
                         return self._variable(value)  # type: ignore[no-any-return]
-                    except Unsaid:
+                    except NotExpressible:
                         return None
         return None
 
@@ -166,9 +174,9 @@ class Values(Kinds):
             assert kind is not None
             return self._text(self.spread(value, kind), kind[0], ())
         type = "string" if self._is_text(value) else kind[0] if kind and not kind[1] else ""
-        if type in (*TEXTS, "string") or self.layouts.components(type):
+        if type in (*TEXT_WRITERS, "string") or self.layouts.components(type):
             return self._text_of(self.plain(value), type)
-        return OUTSIDE_TEXT if self._inside(value) is OUTSIDE else None
+        return NO_AXIS_TEXT if self._inside(value) is NO_AXIS else None
 
     def _is_text(self, value: Any) -> bool:
         match value:
@@ -180,28 +188,28 @@ class Values(Kinds):
                 return self._is_text(left) or self._is_text(right)
         return self.kind(value) == ("string", 0)
 
-    def _text(self, spread: Spread, type: str, path: Path) -> s.Expression:
+    def _text(self, spread: RecordValue, type: str, path: ComponentPath) -> s.Expression:
         if path in spread:
             return self._text_of(spread[path], type)
         parts: list[s.Expression] = []
         for name, of in self.layouts.components(type):
             mark = s.StringLiteral("," if parts else "[")
             parts += (mark, self._text(spread, of, (*path, name.lower())))
-        return s.Group(joined([*parts, s.StringLiteral("]")]))
+        return s.Group(sum_of_texts([*parts, s.StringLiteral("]")]))
 
     def _text_of(self, value: Any, type: str) -> s.Expression:
         """The text of a plain value, by the type that the place says."""
         base = self.layouts.base(type)
-        if value is OUTSIDE:
-            return OUTSIDE_TEXT
+        if value is NO_AXIS:
+            return NO_AXIS_TEXT
         if base == "string":
-            return s.Group(joined([QUOTE, value, QUOTE]))
-        if base in TEXTS:
-            return call_of(TEXTS[base], value)
-        parts: Spread = {
+            return s.Group(sum_of_texts([QUOTE, value, QUOTE]))
+        if base in TEXT_WRITERS:
+            return function_call(TEXT_WRITERS[base], value)
+        parts: RecordValue = {
             (name.lower(),): s.Component(value, name) for name, _ in self.layouts.components(base)
         }
-        return self._text(parts, base, ()) if parts else call_of("ValToStr", value)
+        return self._text(parts, base, ()) if parts else function_call("ValToStr", value)
 
     def _size(self, call: s.FunctionCall) -> s.Expression | None:
         """The extent that `Dim(list,1)` asks for, None of what is no declared array."""
@@ -230,15 +238,15 @@ class Values(Kinds):
         for argument in arguments:
             type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
-                case s.Positional(value) | s.Option(_, value) if type == TASKS or self._mounted(
-                    value
+                case s.Positional(value) | s.Option(_, value) if (
+                    type == TASK_LIST_TYPE or self._mounted(value)
                 ):
                     made.append(argument)
-                case s.Positional(s.AggregateNode() as value) if type in ASSEMBLED and (
+                case s.Positional(s.AggregateNode() as value) if type in ASSEMBLED_TYPES and (
                     not is_written_out(value)
                 ):
                     made.append(replace(argument, value=self.built(type, value)))
-                case s.Positional(value) if type in PACES:
+                case s.Positional(value) if type in SPEED_AND_ZONE:
                     made.append(replace(argument, value=self.given(value, type)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
                     whole = reading or (self.kind(value) or ("", 0))[0] in DATA
@@ -265,7 +273,7 @@ class Values(Kinds):
                     group = next(required, None)
                     one = None if group is None else group.alternatives[0]
                     if not isinstance(one, s.ParameterNode):
-                        raise Unsaid("nobody knows what it is given to")
+                        raise NotExpressible("nobody knows what it is given to")
                     datum = self.program.datum_of(one)
                     if datum.names:
                         spread = self.spread(value, (datum.type, max(one.dimensions, 0)))
@@ -282,7 +290,7 @@ class Values(Kinds):
         """A value; a record that is taken apart in brackets. type: of an aggregate, if known."""
         kind = self.kind(node)
         match node:
-            case s.AggregateNode() if type in ASSEMBLED and not is_written_out(node):
+            case s.AggregateNode() if type in ASSEMBLED_TYPES and not is_written_out(node):
                 return self.built(str(type), node)
             case s.AggregateNode(items) if type and (inner := self.layouts.components(type)):
                 if len(items) == len(inner):
@@ -293,7 +301,7 @@ class Values(Kinds):
                 kind is not None and self.is_record(kind) and self.is_apart(node)
             ):
                 return self._together(self.spread(node, kind), kind[0], ())
-            case s.FunctionCall(str(name)) if kind is not None and kind[0] in PACES:
+            case s.FunctionCall(str(name)) if kind is not None and kind[0] in SPEED_AND_ZONE:
                 if name.lower() in self.program.routines:
                     return self._together(self.spread(node, kind), kind[0], ())
         return self.plain(node)
@@ -308,11 +316,11 @@ class Values(Kinds):
             case s.NameRef() | s.Component() | s.Element():
                 try:
                     self._variable(node)
-                except Unsaid:
+                except NotExpressible:
                     return True
         return False
 
-    def _together(self, spread: Spread, type: str, path: Path) -> s.Expression:
+    def _together(self, spread: RecordValue, type: str, path: ComponentPath) -> s.Expression:
         """Parts as one value in brackets."""
         if path in spread:
             return spread[path]
@@ -327,7 +335,7 @@ class Values(Kinds):
             return node
         datum = self.find(base.name)
         if datum is None and path and not index:
-            return standard_part(self.layouts, base.name, path) or self._indexed(node)
+            return predefined_component(self.layouts, base.name, path) or self._indexed(node)
         if datum is None or not datum.names or (not path and datum.value is not None):
             return self._inside(self._indexed(node))
         for length in range(1, len(path) + 1):
@@ -335,7 +343,7 @@ class Values(Kinds):
             if name is not None:
                 made = element(s.NameRef(name), index)
                 return self._inside(reduce(s.Component, path[length:], made))
-        raise Unsaid(f"`{base.name}` is a record, which is used as a whole here")
+        raise NotExpressible(f"`{base.name}` is a record, which is used as a whole here")
 
     def _indexed(self, node: Any) -> Any:
         """A variable that stays, with plain indices."""
@@ -367,15 +375,15 @@ class Values(Kinds):
 
     # ---------------------------------------------------------------------------- spread
 
-    def spread(self, node: Any, kind: Kind) -> Spread:
+    def spread(self, node: Any, kind: Kind) -> RecordValue:
         """The parts of a record, or of an array of records; raises Unsaid."""
         type, dimensions = kind
         parts = self.layouts.parts(type)
         if parts is None:
-            raise Unsaid("nobody knows its parts")
-        node = worded(self, node)
+            raise NotExpressible("nobody knows its parts")
+        node = library_call(self, node)
         if kind == (ORIENT, 0) and (place := self.whole_turn(node)) is not None:
-            return {path: self.plain(one) for path, one in parts_of_turn(place).items()}
+            return {path: self.plain(one) for path, one in quaternion_parts(place).items()}
         match node:
             case s.Group(inner):
                 return self.spread(inner, kind)
@@ -394,16 +402,19 @@ class Values(Kinds):
                 inside = self.spread(operand, kind)
                 return {path: s.Prefix(operator, s.Group(one)) for path, one in inside.items()}
             case s.Infix("*", left, right) if type == ORIENT:
-                return self.spread(call_of(PRODUCT, left, right), kind)
-            case s.FunctionCall(str(name)) if name.lower() in (*self.program.routines, PLACE):
+                return self.spread(function_call(QUATERNION_PRODUCT, left, right), kind)
+            case s.FunctionCall(str(name)) if name.lower() in (
+                *self.program.routines,
+                POSITION_FUNCTION,
+            ):
                 return self.called(node)
-        raise Unsaid("what it gives is a record")
+        raise NotExpressible("what it gives is a record")
 
-    def _spread_items(self, items: Sequence[Any], type: str) -> Spread:
+    def _spread_items(self, items: Sequence[Any], type: str) -> RecordValue:
         inner = self.layouts.components(type)
         if len(items) != len(inner):
-            raise Unsaid("it has another number of components")
-        found: dict[Path, s.Expression] = {}
+            raise NotExpressible("it has another number of components")
+        found: dict[ComponentPath, s.Expression] = {}
         whole = {one.path for one in self.layouts.parts(type) or ()}
         for item, (name, of) in zip(items, inner, strict=True):
             if (name.lower(),) in whole:
@@ -413,18 +424,18 @@ class Values(Kinds):
                 found |= {(name.lower(), *path): value for path, value in part.items()}
         return found
 
-    def _spread_variable(self, node: Any, kind: Kind) -> Spread:
+    def _spread_variable(self, node: Any, kind: Kind) -> RecordValue:
         parts = self.layouts.parts(kind[0]) or ()
         base, index, path = self.steps(node)
         if base is None:
-            raise Unsaid("it has indices of its components")
+            raise NotExpressible("it has indices of its components")
         datum = self.find(base.name)
         if datum is None:
-            known = standard(base.name.lower())
+            known = predefined_value(base.name.lower())
             if known is None or index:
-                raise Unsaid(f"nothing tells the parts of `{base.name}`")
+                raise NotExpressible(f"nothing tells the parts of `{base.name}`")
             whole = self.spread(known, (predefined_type(base.name), 0))
-            return below(whole, path)
+            return component_value(whole, path)
         if datum.names:
             key = tuple(one.lower() for one in path)
             found = {}
@@ -440,36 +451,36 @@ class Values(Kinds):
             return self._components(self._indexed(node), parts)
         if datum.value is not None and not index and not datum.dimensions:
             return self.spread(datum.value, kind)
-        raise Unsaid(f"`{base.name}` is used as a whole")
+        raise NotExpressible(f"`{base.name}` is used as a whole")
 
-    def _components(self, node: Any, parts: Iterable[Part]) -> Spread:
+    def _components(self, node: Any, parts: Iterable[Part]) -> RecordValue:
         """The parts of a value that stays one variable."""
         return {one.path: self._inside(reduce(s.Component, one.path, node)) for one in parts}
 
     def _inside(self, node: Any) -> Any:
         """A part of a variable; what RAPID has for an external axis that there is none of."""
-        if not is_outside(node, self.program.unused):
+        if not is_unused_axis(node, self.program.unused):
             return node
         self.program.outside.append((self.program.at, node.name.lower()))
-        return OUTSIDE
+        return NO_AXIS
 
-    def _spread_worked_out(self, operator: str, left: Any, right: Any) -> Spread:
+    def _spread_worked_out(self, operator: str, left: Any, right: Any) -> RecordValue:
         """Positions that are added, or multiplied by a number or each other as vectors."""
         kinds = self._side(left), self._side(right)
         both = kinds == ((POS, 0), (POS, 0))
         if operator in "+-" and both:
-            first, second = (single(self.spread(side, (POS, 0))) for side in (left, right))
+            first, second = (in_brackets(self.spread(side, (POS, 0))) for side in (left, right))
             return {way: s.Infix(operator, first[way], second[way]) for way in first}
         if operator in "*/" and not both and (POS, 0) in kinds:
             if kinds[0] == (POS, 0):
                 by = grouped(self.plain(right))
-                first = single(self.spread(left, (POS, 0)))
+                first = in_brackets(self.spread(left, (POS, 0)))
                 return {way: s.Infix(operator, one, by) for way, one in first.items()}
             if operator == "*":
                 by = grouped(self.plain(left))
-                second = single(self.spread(right, (POS, 0)))
+                second = in_brackets(self.spread(right, (POS, 0)))
                 return {way: s.Infix(operator, by, one) for way, one in second.items()}
         if operator == "*" and both:
-            a, b = (single(self.spread(side, (POS, 0))) for side in (left, right))
-            return product(a, b)
-        raise Unsaid("it works with whole positions")
+            a, b = (in_brackets(self.spread(side, (POS, 0))) for side in (left, right))
+            return cross_product(a, b)
+        raise NotExpressible("it works with whole positions")

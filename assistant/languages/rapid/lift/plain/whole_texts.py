@@ -23,19 +23,19 @@ from typing import Any, Final
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.rewriting import rewrite
 
-LENGTH: Final = 3
+SHORTEST_LOOP: Final = 3
 """Statements that read a text; two more make a number of it."""
-ENDS: Final = frozenset(("\r", ","))
-BESIDE: Final = "\n"
+TEXT_ENDS: Final = frozenset(("\r", ","))
+SKIPPED_CHARACTER: Final = "\n"
 Body = tuple[s.StatementNode, ...]
 
 
-def with_whole_texts(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_line_reads(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules with one statement for each text that is read so."""
-    return [rewrite(module, _read, ()) for module in modules]
+    return [rewrite(module, _with_reads_in, ()) for module in modules]
 
 
-def _read(node: Any) -> Any:
+def _with_reads_in(node: Any) -> Any:
     match node:
         case s.Routine(body=body) | s.IfBranch(body=body) | s.ForLoop(body=body):
             pass
@@ -43,37 +43,37 @@ def _read(node: Any) -> Any:
             pass
         case _:
             return node
-    made = _body(body)
+    made = _with_line_reads(body)
     return node if made is body else replace(node, body=made)
 
 
-def _body(body: Body) -> Body:
+def _with_line_reads(body: Body) -> Body:
     made: list[s.StatementNode] = []
     at = 0
     while at < len(body):
-        text = _text(body[at : at + LENGTH])
+        text = _line_read(body[at : at + SHORTEST_LOOP])
         if text is None:
             made.append(body[at])
             at += 1
             continue
-        target = _number(body[at + LENGTH : at + LENGTH + 2], text.into)
+        target = _number_target(body[at + SHORTEST_LOOP : at + SHORTEST_LOOP + 2], text.into)
         word = "ReadStr" if target is None else "ReadNum"
         given = s.Positional(text.socket), s.Option("Delim", s.StringLiteral(","))
         into = text.into if target is None else target
         made.append(s.Assignment(into, s.FunctionCall(word, given), span=body[at].span))
-        at += LENGTH if target is None else LENGTH + 2
+        at += SHORTEST_LOOP if target is None else SHORTEST_LOOP + 2
     return tuple(made) if len(made) < len(body) else body
 
 
 @dataclass(frozen=True, slots=True)
-class _Text:
+class _LineRead:
     """A text that is read. into: its variable."""
 
     socket: s.Expression
     into: s.NameRef
 
 
-def _text(some: Body) -> _Text | None:
+def _line_read(some: Body) -> _LineRead | None:
     match some:
         case (
             s.Assignment(s.NameRef() as into, s.StringLiteral("")),
@@ -88,19 +88,19 @@ def _text(some: Body) -> _Text | None:
                 ),
             ),
         ):
-            received = _received(first)
+            received = _received_byte(first)
         case _:
             return None
     if received is None or first != again or (grown, one) != (into, into):
         return None
     socket, last = received
-    marks = {_other_than(left, last), _other_than(right, last)}
-    if marks != ENDS or _other_than(beside, last) != BESIDE or more != last:
+    marks = {_tested_text(left, last), _tested_text(right, last)}
+    if marks != TEXT_ENDS or _tested_text(beside, last) != SKIPPED_CHARACTER or more != last:
         return None
-    return _Text(socket, into)
+    return _LineRead(socket, into)
 
 
-def _received(call: s.ProcedureCall) -> tuple[s.Expression, s.Expression] | None:
+def _received_byte(call: s.ProcedureCall) -> tuple[s.Expression, s.Expression] | None:
     """The socket that a byte is received from, and the text that it comes into."""
     if not isinstance(call.name, str) or call.name.lower() != "socketreceive":
         return None
@@ -121,7 +121,7 @@ def _received(call: s.ProcedureCall) -> tuple[s.Expression, s.Expression] | None
     return socket, into
 
 
-def _other_than(condition: s.Expression | None, last: s.Expression) -> str | None:
+def _tested_text(condition: s.Expression | None, last: s.Expression) -> str | None:
     """The text that a condition says something is not."""
     match condition:
         case s.Infix("<>", left, s.StringLiteral(mark)) if left == last:
@@ -129,7 +129,7 @@ def _other_than(condition: s.Expression | None, last: s.Expression) -> str | Non
     return None
 
 
-def _number(some: Body, text: s.NameRef) -> s.Variable | None:
+def _number_target(some: Body, text: s.NameRef) -> s.Variable | None:
     """What gets the number of a text; the program ends where it is none."""
     match some:
         case (

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.plain.layouts import Layouts
-from assistant.languages.rapid.lift.plain.scopes import PI, Uses, of_row, predefined_type
-from assistant.languages.rapid.lift.plain.standard import standard
+from assistant.languages.rapid.lift.plain.layouts import RecordLayouts
+from assistant.languages.rapid.lift.plain.scopes import PI, NameUses, predefined_type, row_value
+from assistant.languages.rapid.lift.plain.standard import predefined_value
 from assistant.languages.rapid.lift.plain.substituting import is_literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -23,18 +23,18 @@ from assistant.languages.rapid.tree.walk import inner_names, nodes
 from assistant.languages.runs.columns import NameIndex
 from assistant.program.rewriting import rewrite
 
-_BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
+_WRITES_BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
 """Instructions that change variables whose names are worked out."""
 _PARTS: Final = ("robconf", "extax", "robax")
 """Components of targets that other languages have only as numbers, or of the same target."""
-MOST_DEEP: Final = 40
+MOST_NESTED: Final = 40
 """Constants that are declared by others; more is a circle."""
 
-Typed = tuple[str, s.Expression]
+TypedValue = tuple[str, s.Expression]
 """A value that is written out, and its type without aliases; empty if that is not known."""
 
 
-def with_written_out(modules: Sequence[s.Module]) -> Sequence[s.Module]:
+def with_constant_values(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules whose brackets, and extents of arrays, name constants only where they must."""
     if not any(map(_is_named, nodes(tuple(modules)))):
         return modules
@@ -55,11 +55,11 @@ class _Constants:
     """Data of the modules, and of the routine at hand, that nothing changes."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.layouts = Layouts(modules)
+        self.layouts = RecordLayouts(modules)
         every = list(nodes(tuple(modules)))
         calls = (one for one in every if isinstance(one, s.ProcedureCall))
-        by_text = any(str(one.name).lower() in _BY_TEXT for one in calls)
-        self._written = None if by_text else Uses(modules, frozenset()).written
+        by_text = any(str(one.name).lower() in _WRITES_BY_TEXT for one in calls)
+        self._written = None if by_text else NameUses(modules, frozenset()).written
         items = [item for module in modules for item in module.items]
         declared = [item for item in items if isinstance(item, s.Data)]
         self._tables = [
@@ -69,7 +69,7 @@ class _Constants:
         ]
         self._count = Counter(item.name.lower() for item in declared)
         self._data = {item.name.lower(): item for item in declared}
-        self._values: dict[str, Typed | None] = {}
+        self._values: dict[str, TypedValue | None] = {}
         self._own: dict[str, s.Data | None] = {}
         self._deep = 0
 
@@ -133,7 +133,7 @@ class _Constants:
         found = self._typed(node)
         return None if found is None else found[1]
 
-    def _typed(self, node: Any) -> Typed | None:
+    def _typed(self, node: Any) -> TypedValue | None:
         match node:
             case s.Group(inner):
                 return self._typed(inner)
@@ -151,7 +151,7 @@ class _Constants:
                 return "", node
             case s.Prefix("-" | "+") | s.Infix("+" | "-" | "*" | "/"):
                 number = self._number(node)
-                return None if number is None else ("num", _literal(number))
+                return None if number is None else ("num", _number_literal(number))
         return None if literal_number(node) is None else ("num", node)
 
     def _number(self, node: Any) -> float | int | None:
@@ -163,13 +163,13 @@ class _Constants:
                 one, two = self._number(left), self._number(right)
                 if one is None or two is None or (operator == "/" and not two):
                     return None
-                made = _worked_out(operator, one, two)
+                made = _computed(operator, one, two)
                 return made if math.isfinite(made) else None
         value = self.value(node)
         number = None if value is None else literal_number(value)
         return number if number is not None and math.isfinite(number) else None
 
-    def _named(self, low: str) -> Typed | None:
+    def _named(self, low: str) -> TypedValue | None:
         """The value of a name; none while it is looked for, as of data declared by themselves."""
         if low in self._own:
             node, self._own[low] = self._own[low], None
@@ -188,22 +188,22 @@ class _Constants:
         for index, run in self._tables:
             row = int(index.row(low)[0])
             if row >= 0:
-                return "robtarget", of_row(run, row)
+                return "robtarget", row_value(run, row)
         if low == PI:
             return "num", s.NumberLiteral(repr(math.pi))
-        known = standard(low) if low != "vmax" else None
+        known = predefined_value(low) if low != "vmax" else None
         return None if known is None else (predefined_type(low), known)
 
-    def _declared(self, node: s.Data) -> Typed | None:
+    def _declared(self, node: s.Data) -> TypedValue | None:
         changed = self._written is None or node.name.lower() in self._written
-        if node.value is None or (node.storage != "CONST" and changed) or self._deep > MOST_DEEP:
+        if node.value is None or (node.storage != "CONST" and changed) or self._deep > MOST_NESTED:
             return None
         self._deep += 1
         value = self.value(node.value)
         self._deep -= 1
         return None if value is None else (self.layouts.base(node.type), value)
 
-    def _component(self, of: Typed | None, name: str) -> Typed | None:
+    def _component(self, of: TypedValue | None, name: str) -> TypedValue | None:
         if of is None or not isinstance(of[1], s.AggregateNode):
             return None
         names = [inner.lower() for inner, _ in self.layouts.components(of[0])]
@@ -212,7 +212,9 @@ class _Constants:
         value = of[1].items[names.index(name.lower())]
         return self.layouts.component(of[0], name) or "", value
 
-    def _element(self, of: Typed | None, indices: Sequence[s.Expression | s.Whole]) -> Typed | None:
+    def _element(
+        self, of: TypedValue | None, indices: Sequence[s.Expression | s.Whole]
+    ) -> TypedValue | None:
         if of is None:
             return None
         type, value = of
@@ -227,7 +229,7 @@ class _Constants:
         return type, value
 
 
-def _worked_out(operator: str, one: float, two: float) -> float:
+def _computed(operator: str, one: float, two: float) -> float:
     if operator == "+":
         return one + two
     if operator == "-":
@@ -235,7 +237,7 @@ def _worked_out(operator: str, one: float, two: float) -> float:
     return one * two if operator == "*" else one / two
 
 
-def _literal(number: float) -> s.Expression:
+def _number_literal(number: float) -> s.Expression:
     whole = number == int(number) and abs(number) < 1e15
     text = s.NumberLiteral(str(abs(int(number))) if whole else repr(abs(number)))
     return s.Prefix("-", text) if number < 0 else text

@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
-from assistant.languages.rapid.lift.told.calls import call_of, word_of
+from assistant.languages.rapid.lift.told.calls import instruction_of, word_of
 from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -26,18 +26,18 @@ def with_aliases(program: Program) -> Program:
     given: Counter[str] = Counter()
     meant: dict[str, str] = {}
     for node in program.statements():
-        if isinstance(node, p.Opaque) and (pair := _alias(node)) is not None:
+        if isinstance(node, p.Opaque) and (pair := _alias_of(node)) is not None:
             given[pair[1]] += 1
             meant[pair[1]] = pair[0]
     if not meant:
         return program
-    declared = {name: signal for d in program.declarations for name, signal in _declared(d)}
+    declared = {name: signal for d in program.declarations for name, signal in _declared_signals(d)}
     inside = {
         name
         for q in program.procedures
         for node in walk(q.body)
         if isinstance(node, p.Opaque)
-        for name, _ in _declared(node)
+        for name, _ in _declared_signals(node)
     }
     known = {*program.variables, *(n for q in program.procedures for n in q.variables)}
     data = {name.lower() for name in known}
@@ -50,13 +50,15 @@ def with_aliases(program: Program) -> Program:
         and source.lower() not in data
         and source.lower() not in declared
     }
-    names = {alias: source for alias, source in names.items() if not _kept(program, alias)}
-    return _renamed(program, names, declared) if names else program
+    names = {
+        alias: source for alias, source in names.items() if not _is_named_in_text(program, alias)
+    }
+    return _with_signal_names(program, names, declared) if names else program
 
 
-def _alias(node: p.Opaque) -> tuple[str, str] | None:
+def _alias_of(node: p.Opaque) -> tuple[str, str] | None:
     """The signal and the lower-case name that it gets; None if it is not said by its name."""
-    call = call_of(node)
+    call = instruction_of(node)
     if call is None or word_of(call) != "aliasio":
         return None
     found = called(call)
@@ -66,7 +68,7 @@ def _alias(node: p.Opaque) -> tuple[str, str] | None:
     return None
 
 
-def _declared(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
+def _declared_signals(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
     read = verbatim.items if isinstance(kept, Declaration) else verbatim.statements
     match verbatim.understood(read, kept.text):
         case (s.Data(type=type, name=str(name), dimensions=()),) if type.lower() in SIGNALS:
@@ -74,18 +76,20 @@ def _declared(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
     return []
 
 
-def _kept(program: Program, alias: str) -> bool:
+def _is_named_in_text(program: Program, alias: str) -> bool:
     """Whether a text that stays names it."""
     word = re.compile(rf"\b{re.escape(alias)}\b", re.IGNORECASE)
     for record in records((program.procedures, program.declarations)):
         if isinstance(record, p.Opaque | e.Verbatim | Declaration) and word.search(record.text):
-            of_alias = isinstance(record, p.Opaque) and _alias(record) is not None
-            if not of_alias and not (isinstance(record, Declaration) and _declared(record)):
+            of_alias = isinstance(record, p.Opaque) and _alias_of(record) is not None
+            if not of_alias and not (isinstance(record, Declaration) and _declared_signals(record)):
                 return True
     return False
 
 
-def _renamed(program: Program, names: dict[str, str], declared: dict[str, Signal]) -> Program:
+def _with_signal_names(
+    program: Program, names: dict[str, str], declared: dict[str, Signal]
+) -> Program:
     def named(part: Any) -> Any:
         match part:
             case p.SetSignal(name) | p.WaitSignal(name) | p.Trigger(name):
@@ -95,14 +99,16 @@ def _renamed(program: Program, names: dict[str, str], declared: dict[str, Signal
         return part
 
     def gone(node: p.Statement) -> bool:
-        pair = _alias(node) if isinstance(node, p.Opaque) else None
+        pair = _alias_of(node) if isinstance(node, p.Opaque) else None
         return pair is not None and pair[1] in names
 
     def body(statements: Body) -> Body:
         return tuple(map_bodies(node, body) for node in statements if not gone(node))
 
     procedures = tuple(replace(q, body=body(rewrite(q.body, named))) for q in program.procedures)
-    left = tuple(d for d in program.declarations if not any(n in names for n, _ in _declared(d)))
+    left = tuple(
+        d for d in program.declarations if not any(n in names for n, _ in _declared_signals(d))
+    )
     signals = {n: x for n, x in program.signals.items() if n.lower() not in names}
     there = {n.lower() for n in signals}
     for alias, source in names.items():

@@ -28,26 +28,28 @@ from assistant.program.vendor_statements import effect_of
 
 T = TypeVar("T")
 
-FARTHEST: Final = 1e6
+FARTHEST_TIP: Final = 1e6
 """mm from the flange; no tool is that long, and other controllers refuse the number."""
-ELSEWHERE: Final = 2
+MOST_EXTERNAL_AXES: Final = 2
 """External axes at most of a target in the other languages here."""
 
 
 def with_needed_declarations(program: Program, findings: Findings) -> Program:
     """The program without declarations that say nothing, with a finding for each."""
-    data = {d: item for d in program.declarations if (item := _data(d)) is not None}
+    data = {d: item for d in program.declarations if (item := _declared_data(d)) is not None}
     if data:
-        said = Counter(_names(program))
-        idle = {d for d, item in data.items() if is_handle(item.type) or not _said(said, item, d)}
+        said = Counter(_used_names(program))
+        idle = {
+            d for d, item in data.items() if is_handle(item.type) or not _is_used(said, item, d)
+        }
         for one in idle:
-            _tell(findings, data[one], one)
+            _report_omission(findings, data[one], one)
         kept = tuple(d for d in program.declarations if d not in idle)
         program = replace(program, declarations=kept)
 
     program = _without_idle_targets(program, findings)
 
-    if not any(map(_local, _texts(program))):
+    if not any(map(_local_data, _vendor_texts(program))):
         return program
     procedures = tuple(_without_idle_locals(program, q, findings) for q in program.procedures)
     return replace(program, procedures=procedures)
@@ -55,16 +57,16 @@ def with_needed_declarations(program: Program, findings: Findings) -> Program:
 
 def _without_idle_locals(program: Program, procedure: Procedure, findings: Findings) -> Procedure:
     """A procedure without declarations of handles, and of what nothing in it speaks of."""
-    if not any(isinstance(node, p.Opaque) and _local(node) for node in walk(procedure.body)):
+    if not any(isinstance(node, p.Opaque) and _local_data(node) for node in walk(procedure.body)):
         return procedure
-    said = Counter(_names_in((procedure.body, procedure.variables)))
+    said = Counter(_names_in_record((procedure.body, procedure.variables)))
 
     def needed(node: p.Opaque) -> Iterator[p.Statement]:
-        item = _local(node)
-        if item is None or not (is_handle(item.type) or not _said(said, item, node)):
+        item = _local_data(node)
+        if item is None or not (is_handle(item.type) or not _is_used(said, item, node)):
             yield node
         else:
-            _tell(findings, item, node)
+            _report_omission(findings, item, node)
 
     (made,) = with_vendor_statements_replaced(
         replace(program, procedures=(procedure,)), needed
@@ -75,10 +77,10 @@ def _without_idle_locals(program: Program, procedure: Procedure, findings: Findi
 def _without_idle_targets(program: Program, findings: Findings) -> Program:
     """The program without such targets and tools that nothing speaks of."""
     idle: dict[ProgramTable, set[str]] = {
-        "targets": {n for n, one in program.targets.items() if _has_more_axes(one)},
-        "joint_targets": {n for n, one in program.joint_targets.items() if _has_more_axes(one)},
-        "tools": {n for n, one in program.tools.items() if _is_nowhere(one)},
-        "variables": {n for n, one in program.variables.items() if _has_more_axes(one.initial)},
+        "targets": {n for n, one in program.targets.items() if _has_too_many_axes(one)},
+        "joint_targets": {n for n, one in program.joint_targets.items() if _has_too_many_axes(one)},
+        "tools": {n for n, one in program.tools.items() if _is_out_of_reach(one)},
+        "variables": {n for n, one in program.variables.items() if _has_too_many_axes(one.initial)},
     }
     if not any(idle.values()):
         return program
@@ -92,37 +94,37 @@ def _without_idle_targets(program: Program, findings: Findings) -> Program:
             findings.append(rules.NOT_NEEDED(name=name, about=Declared(name, table)))
     return replace(
         program,
-        targets=_without(program.targets, idle["targets"]),
-        joint_targets=_without(program.joint_targets, idle["joint_targets"]),
-        tools=_without(program.tools, idle["tools"]),
-        variables=_without(program.variables, idle["variables"]),
+        targets=_without_names(program.targets, idle["targets"]),
+        joint_targets=_without_names(program.joint_targets, idle["joint_targets"]),
+        tools=_without_names(program.tools, idle["tools"]),
+        variables=_without_names(program.variables, idle["variables"]),
     )
 
 
-def _without(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
+def _without_names(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
     return {name: one for name, one in table.items() if name not in names}
 
 
-def _is_nowhere(tool: Tool) -> bool:
+def _is_out_of_reach(tool: Tool) -> bool:
     """Whether the tip of a tool is where none can be, as after a calibration that went wrong."""
-    return not all(abs(value) < FARTHEST for value in tool.tip.position)
+    return not all(abs(value) < FARTHEST_TIP for value in tool.tip.position)
 
 
-def _has_more_axes(value: Target | JointTarget | e.Expression | None) -> bool:
+def _has_too_many_axes(value: Target | JointTarget | e.Expression | None) -> bool:
     match value:
         case e.TargetValue(target) | e.JointValue(target):
-            return _has_more_axes(target)
+            return _has_too_many_axes(target)
         case Target() | JointTarget():
-            return any(place == place for place in value.external[ELSEWHERE:])
+            return any(place == place for place in value.external[MOST_EXTERNAL_AXES:])
     return False
 
 
-def _tell(findings: Findings, item: s.Data, node: Declaration | p.Opaque) -> None:
+def _report_omission(findings: Findings, item: s.Data, node: Declaration | p.Opaque) -> None:
     with findings.at(node.span):
         findings.append(rules.NOT_NEEDED(name=item.name))
 
 
-def _data(declaration: Declaration) -> s.Data | None:
+def _declared_data(declaration: Declaration) -> s.Data | None:
     if declaration.language != verbatim.LANGUAGE:
         return None
     match verbatim.understood(verbatim.items, declaration.text):
@@ -131,11 +133,11 @@ def _data(declaration: Declaration) -> s.Data | None:
     return None
 
 
-def _texts(program: Program) -> Iterator[p.Opaque]:
+def _vendor_texts(program: Program) -> Iterator[p.Opaque]:
     return (node for node in program.statements() if isinstance(node, p.Opaque))
 
 
-def _local(node: p.Opaque) -> s.Data | None:
+def _local_data(node: p.Opaque) -> s.Data | None:
     """The data that a statement declares."""
     if node.language != verbatim.LANGUAGE:
         return None
@@ -145,12 +147,12 @@ def _local(node: p.Opaque) -> s.Data | None:
     return None
 
 
-def _names(program: Program) -> Iterator[str]:
+def _used_names(program: Program) -> Iterator[str]:
     """Names in lower case that the program uses, also in text that is kept."""
-    yield from _names_in((program.procedures, program.declarations, program.variables))
+    yield from _names_in_record((program.procedures, program.declarations, program.variables))
 
 
-def _names_in(value: Any) -> Iterator[str]:
+def _names_in_record(value: Any) -> Iterator[str]:
     for part in records(value):
         match part:
             case e.Name(name):
@@ -161,7 +163,7 @@ def _names_in(value: Any) -> Iterator[str]:
                 yield from (tool.lower(), frame.lower())
 
 
-def _said(said: Counter[str], item: s.Data, declaration: Declaration | p.Opaque) -> bool:
+def _is_used(said: Counter[str], item: s.Data, declaration: Declaration | p.Opaque) -> bool:
     """Whether anything but its own declaration speaks of some data."""
     low = item.name.lower()
     return said[low] > (low in effect_of(declaration).names)

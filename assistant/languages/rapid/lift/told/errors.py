@@ -14,9 +14,9 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import StatementLift
 from assistant.languages.rapid.lift.told import handlers as h
 from assistant.languages.rapid.lift.told import searching
-from assistant.languages.rapid.lift.told.handled import Making
-from assistant.languages.rapid.lift.told.interrupts import with_own_errors
-from assistant.languages.rapid.lift.told.raising import ZERO, Errors
+from assistant.languages.rapid.lift.told.handled import ErrorLowering
+from assistant.languages.rapid.lift.told.interrupts import with_interrupt_errors
+from assistant.languages.rapid.lift.told.raising import ZERO, RaisedErrors
 from assistant.program import statements as p
 from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.program import Procedure, Program, Variable
@@ -25,22 +25,22 @@ from assistant.program.rewriting import Body, records
 
 def with_errors(program: Program, lift: StatementLift, findings: Findings) -> Program:
     """The program with its handlers where their errors may happen. lift: of what stands in them."""
-    if not any(_concerns(node) for node in program.statements()):
+    if not any(_involves_errors(node) for node in program.statements()):
         return program
-    return _said(Errors(program, lift, findings))
+    return _with_error_tests(RaisedErrors(program, lift, findings))
 
 
-def _concerns(node: p.Statement) -> bool:
+def _involves_errors(node: p.Statement) -> bool:
     if h.handlers_of(node) or searching.is_search(node):
         return True
-    return h.raised(node) is not None or h.word(node) == "EXITCYCLE"
+    return h.raised_error(node) is not None or h.exit_word(node) == "EXITCYCLE"
 
 
-def _said(errors: Errors) -> Program:
-    procedures = tuple(_procedure(errors, key) for key in errors.known)
+def _with_error_tests(errors: RaisedErrors) -> Program:
+    procedures = tuple(_tested_procedure(errors, key) for key in errors.known)
     signals = with_used_signals(errors.program.signals, errors.meaning.used)
     program = replace(errors.program, procedures=procedures, signals=signals)
-    program = with_own_errors(program, errors.error)
+    program = with_interrupt_errors(program, errors.error)
     procedures = program.procedures
     if not any(record == errors.error for record in records(procedures)):
         return program
@@ -52,7 +52,7 @@ def _said(errors: Errors) -> Program:
     return replace(program, procedures=procedures, variables=variables)
 
 
-def _procedure(errors: Errors, key: str) -> Procedure:
+def _tested_procedure(errors: RaisedErrors, key: str) -> Procedure:
     one = errors.known[key]
     if one.text is not None:
         said = sorted(x for x in errors.raised(key) if errors.left(key, x) is not None)
@@ -60,6 +60,6 @@ def _procedure(errors: Errors, key: str) -> Procedure:
             errors.findings.append(rules.HANDLED(
                 name=one.procedure.name, errors=", ".join(said) or "none of its errors"
             ))  # fmt: skip
-    making = Making(errors, key)
+    making = ErrorLowering(errors, key)
     body = making.body(one.procedure.body)
     return replace(one.procedure, body=body, variables={**one.procedure.variables, **making.own})

@@ -10,8 +10,8 @@ from typing import Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.told import handlers as h
 from assistant.languages.rapid.lift.told import searching
-from assistant.languages.rapid.lift.told.raising import EXIT, ZERO, Errors, limit
-from assistant.languages.rapid.lift.told.waits import until_over
+from assistant.languages.rapid.lift.told.raising import EXIT_CYCLE, ZERO, RaisedErrors, limited_wait
+from assistant.languages.rapid.lift.told.waits import wait_until_over
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import TakenNames, Variable, identifier, walk
@@ -19,14 +19,14 @@ from assistant.program.rewriting import Body, map_bodies, map_expressions, recor
 
 RETRIES: Final = 4
 """How often a statement is tried again (system parameters: No Of Retry)."""
-LEFT_TO_TRY: Final = "remainingretries"
+REMAINING_RETRIES: Final = "remainingretries"
 _STOP: Final = p.Stop(end=True)
 
 
-class Making:
+class ErrorLowering:
     """One procedure. own: variables that it gets."""
 
-    def __init__(self, errors: Errors, key: str) -> None:
+    def __init__(self, errors: RaisedErrors, key: str) -> None:
         self.errors, self.key = errors, key
         self.own: dict[str, Variable] = {}
         taken = TakenNames(errors.taken)
@@ -44,11 +44,13 @@ class Making:
 
     def statement(self, node: p.Statement) -> Iterator[p.Statement]:
         errors = self.errors
-        wait = limit(node)
-        if wait is not None and self._is_taken(h.LONG_WAIT):
+        wait = limited_wait(node)
+        if wait is not None and self._is_taken(h.WAIT_TIMEOUT):
             self.own[self.over.name] = Variable("truth")
-            yield from self.tried((*until_over(wait, self.over),), self.over, h.LONG_WAIT, None)
-        elif name := h.raised(node):
+            yield from self.tried(
+                (*wait_until_over(wait, self.over),), self.over, h.WAIT_TIMEOUT, None
+            )
+        elif name := h.raised_error(node):
             if self._is_taken(name):
                 yield from self.tried((), None, name, None)
             else:
@@ -57,11 +59,14 @@ class Making:
                 yield _STOP
         elif searching.is_search(node):
             yield from self.searched(node)
-        elif h.word(node) == "EXITCYCLE":
+        elif h.exit_word(node) == "EXITCYCLE":
             yield from self.exit(node)
         elif isinstance(node, p.Call) and (left := errors.leaves.get(node.procedure.lower())):
             yield from self.called(node, sorted(left))
-        elif isinstance(node, p.Interrupt) and EXIT in errors.leaves[node.call.procedure.lower()]:
+        elif (
+            isinstance(node, p.Interrupt)
+            and EXIT_CYCLE in errors.leaves[node.call.procedure.lower()]
+        ):
             yield replace(node, ends=e.Binary("<>", errors.error, ZERO))
         else:
             yield node
@@ -101,8 +106,8 @@ class Making:
         """The end of the cycle: out of the entry at once, else by way of all callers."""
         if self.key == self.errors.entry:
             yield p.Return()
-        elif EXIT in self.errors.leaves[self.key]:
-            yield p.Assign(self.errors.error, self.errors.number(EXIT))
+        elif EXIT_CYCLE in self.errors.leaves[self.key]:
+            yield p.Assign(self.errors.error, self.errors.number(EXIT_CYCLE))
             yield p.Return()
         else:
             yield node
@@ -110,7 +115,7 @@ class Making:
     def called(self, node: p.Call, left: list[str]) -> Iterator[p.Statement]:
         """A call, and what becomes of the errors that it leaves."""
         error = self.errors.error
-        if left == [EXIT]:
+        if left == [EXIT_CYCLE]:
             yield node
             back: Body = (p.Return(),)
             if self.key == self.errors.entry:
@@ -162,21 +167,21 @@ class Making:
     def cared(self, error: str, again: str, behind: str, called: bool = False) -> Body:
         """What is done about an error, with jumps to where it is tried again, or behind it."""
         clear: Body = (p.Assign(self.errors.error, ZERO),) if called else ()
-        if error == EXIT:
+        if error == EXIT_CYCLE:
             return (*clear, p.Return()) if self.key == self.errors.entry else (p.Return(),)
         body = self.errors.left(self.key, error)
-        if body is not None and error in (searching.EARLY, searching.MISSED):
-            body = searching.without_way(body)
+        if body is not None and error in (searching.SIGNAL_EARLY, searching.SIGNAL_MISSED):
+            body = searching.without_path_recovery(body)
         if body is None:
             return tuple(self.leave(error))[-1:] if called else tuple(self.leave(error))
         body = tuple(map_expressions(node, self.left_to_try) for node in body)
-        if not _ends(body):
+        if not _always_exits(body):
             body = (*body, _STOP)
         return (*clear, *self.settled(body, error, again, behind, tail=True))
 
     def left_to_try(self, x: e.Expression) -> e.Expression:
         """`RemainingRetries()` of a handler: how often it may still be tried again."""
-        if isinstance(x, e.Apply) and x.function.lower() == LEFT_TO_TRY:
+        if isinstance(x, e.Apply) and x.function.lower() == REMAINING_RETRIES:
             self.own[self.tries.name] = Variable("number")
             return e.Binary("-", e.Number(RETRIES), self.tries)
         return x
@@ -194,7 +199,7 @@ class Making:
         made: list[p.Statement] = []
         for place, node in enumerate(body):
             last = tail and place == len(body) - 1
-            match h.word(node), h.raised(node):
+            match h.exit_word(node), h.raised_error(node):
                 case "RETRY", _:
                     made += self.again(again)
                 case "TRYNEXT", _:
@@ -216,7 +221,7 @@ class Making:
                     )
                     made.append(map_bodies(node, inner))
                     made += self.stopped_by(node)
-            if _ends((node,)):
+            if _always_exits((node,)):
                 break  # nothing leads behind it
         return tuple(made)
 
@@ -234,7 +239,7 @@ class Making:
         yield p.Goto(label)
 
 
-def _ends(body: Body) -> bool:
+def _always_exits(body: Body) -> bool:
     """Whether nothing leads behind statements of a handler but what says where."""
     if not body:
         return False
@@ -242,7 +247,11 @@ def _ends(body: Body) -> bool:
         case p.Return() | p.Stop(end=True):
             return True
         case p.If(branches, otherwise):
-            return _ends(otherwise) and all(_ends(b.body) for b in branches)
+            return _always_exits(otherwise) and all(_always_exits(b.body) for b in branches)
         case p.Opaque() as node:
-            return h.raised(node) is not None or h.word(node) in ("RETRY", "TRYNEXT", "EXITCYCLE")
+            return h.raised_error(node) is not None or h.exit_word(node) in (
+                "RETRY",
+                "TRYNEXT",
+                "EXITCYCLE",
+            )
     return False

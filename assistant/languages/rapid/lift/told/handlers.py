@@ -22,8 +22,8 @@ from assistant.program.rewriting import Body, head, map_bodies, map_expressions,
 from assistant.program.vendor_statements import effect_of
 
 ERRNO: Final = "errno"
-ANY: Final = "long_jmp_all_err"
-LONG_WAIT: Final = "err_wait_maxtime"
+ANY_ERROR: Final = "long_jmp_all_err"
+WAIT_TIMEOUT: Final = "err_wait_maxtime"
 MOST_STATEMENTS: Final = 40
 """Of what a handler does about one error: it is written wherever that error may happen."""
 
@@ -35,17 +35,17 @@ def handlers_of(node: p.Statement) -> tuple[s.Handler, ...]:
     return ()
 
 
-def takes(handler: s.Handler | None, error: str) -> bool:
+def handles(handler: s.Handler | None, error: str) -> bool:
     """Whether a handler is for an error, by its lower-case name: without a list for any."""
     if handler is None:
         return False
     listed = {one.name.lower() for one in handler.numbers if isinstance(one, s.NameRef)}
-    return not handler.numbers or error in listed or ANY in listed
+    return not handler.numbers or error in listed or ANY_ERROR in listed
 
 
-def raised(node: p.Statement) -> str | None:
+def raised_error(node: p.Statement) -> str | None:
     """The lower-case name of the error that a kept text raises, empty for the same one again."""
-    match _only(node):
+    match _single_statement(node):
         case s.RaiseError(s.NameRef(name)):
             return name.lower()
         case s.RaiseError(None):
@@ -53,9 +53,9 @@ def raised(node: p.Statement) -> str | None:
     return None
 
 
-def word(node: p.Statement) -> str:
+def exit_word(node: p.Statement) -> str:
     """`RETRY`, `TRYNEXT` or `ExitCycle` in upper case, if a statement is that alone."""
-    match _only(node):
+    match _single_statement(node):
         case s.Word(said):
             return said
         case s.ProcedureCall(str(name), ()):
@@ -63,7 +63,7 @@ def word(node: p.Statement) -> str:
     return ""
 
 
-def _only(node: p.Statement) -> s.StatementNode | None:
+def _single_statement(node: p.Statement) -> s.StatementNode | None:
     if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE and not handlers_of(node):
         match verbatim.understood(verbatim.statements, node.text):
             case (one,):
@@ -71,15 +71,17 @@ def _only(node: p.Statement) -> s.StatementNode | None:
     return None
 
 
-def left_of(handler: s.Handler, error: str, lift: StatementLift, span: Span | None) -> Body | None:
+def reduced_handler(
+    handler: s.Handler, error: str, lift: StatementLift, span: Span | None
+) -> Body | None:
     """What a handler does about an error; None if that asks more of the error than which it is."""
-    body = tuple(_without_questions(lift.block(handler.body), error))
-    body = tuple(_named(node, error) for node in body)
+    body = tuple(_with_known_error(lift.block(handler.body), error))
+    body = tuple(_with_error_name(node, error) for node in body)
     body = _with_own_lines(map_spans(body, lambda _: span))
     nodes = [*walk(body)]
     if len(nodes) > MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
         return None
-    return None if any(map(_asks, nodes)) else body
+    return None if any(map(_asks_error, nodes)) else body
 
 
 def _with_own_lines(body: Body) -> Body:
@@ -94,7 +96,7 @@ def _with_own_lines(body: Body) -> Body:
     return tuple(made)
 
 
-def _named(node: p.Statement, error: str) -> p.Statement:
+def _with_error_name(node: p.Statement, error: str) -> p.Statement:
     """A statement with the name of the error in place of `ERRNO`."""
 
     def known(x: e.Expression) -> e.Expression:
@@ -103,7 +105,7 @@ def _named(node: p.Statement, error: str) -> p.Statement:
     return map_expressions(node, known)
 
 
-def _asks(node: p.Statement) -> bool:
+def _asks_error(node: p.Statement) -> bool:
     for record in records(head(node)):
         match record:
             case e.Name(name) if name.lower() == ERRNO:
@@ -115,31 +117,31 @@ def _asks(node: p.Statement) -> bool:
     return False
 
 
-def _without_questions(body: Iterable[p.Statement], error: str) -> Iterator[p.Statement]:
+def _with_known_error(body: Iterable[p.Statement], error: str) -> Iterator[p.Statement]:
     """Statements with the ways alone that are taken for an error."""
     for node in body:
-        node = map_bodies(node, lambda inner: tuple(_without_questions(inner, error)))
-        node = _with_head(node, error)
+        node = map_bodies(node, lambda inner: tuple(_with_known_error(inner, error)))
+        node = _with_known_head(node, error)
         match node:
             case p.If(branches, otherwise):
-                yield from _chosen(branches, otherwise, node)
+                yield from _taken_branches(branches, otherwise, node)
             case p.Switch(e.Name(name), cases, otherwise) if name.lower() == ERRNO:
-                yield from _case(cases, otherwise, error, node)
+                yield from _taken_case(cases, otherwise, error, node)
             case _:
                 yield node
 
 
-def _with_head(node: Any, error: str) -> Any:
+def _with_known_head(node: Any, error: str) -> Any:
     if not isinstance(node, p.If):
         return node
     branches = tuple(
-        replace(b, condition=map_expressions(b.condition, lambda x: _known(x, error)))
+        replace(b, condition=map_expressions(b.condition, lambda x: _known_comparison(x, error)))
         for b in node.branches
     )
     return replace(node, branches=branches)
 
 
-def _known(x: e.Expression, error: str) -> e.Expression:
+def _known_comparison(x: e.Expression, error: str) -> e.Expression:
     """A comparison with `ERRNO` as a truth, and what follows from that."""
     match x:
         case e.Binary("=" | "<>" as operator, e.Name(one), e.Name(other)) if ERRNO in (
@@ -157,7 +159,9 @@ def _known(x: e.Expression, error: str) -> e.Expression:
     return x
 
 
-def _chosen(branches: Iterable[p.Branch], otherwise: Body, node: p.If) -> Iterator[p.Statement]:
+def _taken_branches(
+    branches: Iterable[p.Branch], otherwise: Body, node: p.If
+) -> Iterator[p.Statement]:
     """An `if` without the branches that are never taken, or what is always done of it."""
     kept: list[p.Branch] = []
     for branch in branches:
@@ -172,7 +176,7 @@ def _chosen(branches: Iterable[p.Branch], otherwise: Body, node: p.If) -> Iterat
         yield from otherwise
 
 
-def _case(
+def _taken_case(
     cases: Iterable[p.Case], otherwise: Body, error: str, node: p.Switch
 ) -> Iterator[p.Statement]:
     """The body that an error selects; the question itself where that is not by a name."""

@@ -9,16 +9,16 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.told.calls import call_of, word_of
-from assistant.languages.rapid.lift.told.left_out import INSTRUCTIONS
+from assistant.languages.rapid.lift.told.calls import instruction_of, word_of
+from assistant.languages.rapid.lift.told.left_out import OMITTED_INSTRUCTIONS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, map_head, records
 from assistant.program.vendor_statements import effect_of
 
-_HOLD, _LET_GO = "stopmove", "startmove"
-_ASKED: Final = re.compile(r"IsStopMoveAct\b.*", re.IGNORECASE | re.DOTALL)
+_STOP_MOVE, _START_MOVE = "stopmove", "startmove"
+_IS_STOPPED: Final = re.compile(r"IsStopMoveAct\b.*", re.IGNORECASE | re.DOTALL)
 
 
 def with_held_moves(program: Program, findings: Findings) -> Program:
@@ -31,8 +31,8 @@ def with_held_moves(program: Program, findings: Findings) -> Program:
         made: list[p.Statement] = []
         for place, node in enumerate(statements):
             behind = (*statements[place + 1 :], *after)
-            if _word(node) == _HOLD and _is_let_go(behind):
-                loss, cure = INSTRUCTIONS[_LET_GO]
+            if _instruction_word(node) == _STOP_MOVE and _is_released(behind):
+                loss, cure = OMITTED_INSTRUCTIONS[_START_MOVE]
                 with findings.at(node.span):
                     findings.append(rules.LEFT_OUT(what="StopMove", loss=loss, cure=cure))
             else:
@@ -40,23 +40,29 @@ def with_held_moves(program: Program, findings: Findings) -> Program:
                 made.append(map_bodies(node, partial(body, after=inside)))
         return tuple(made)
 
-    if any(_word(node) == _HOLD for node in program.statements()):
+    if any(_instruction_word(node) == _STOP_MOVE for node in program.statements()):
         procedures = (replace(q, body=body(q.body)) for q in program.procedures)
         program = replace(program, procedures=tuple(procedures))
-    return program if any(map(_holds, program.statements())) else _unasked(program, findings)
+    return (
+        program
+        if any(map(_holds_moves, program.statements()))
+        else _with_moves_never_held(program, findings)
+    )
 
 
-def _holds(node: p.Statement) -> bool:
+def _holds_moves(node: p.Statement) -> bool:
     """Whether moves are held behind a statement, as far as its text tells."""
-    return isinstance(node, p.Opaque) and _HOLD in node.text.lower()
+    return isinstance(node, p.Opaque) and _STOP_MOVE in node.text.lower()
 
 
-def _unasked(program: Program, findings: Findings) -> Program:
+def _with_moves_never_held(program: Program, findings: Findings) -> Program:
     """The program in which moves are never held."""
 
     def answered(part: Any) -> Any:
-        if isinstance(part, e.Verbatim) and _ASKED.fullmatch(part.text):
-            findings.append(rules.LEFT_OUT(what=part.text, loss=_NEVER[0], cure=_NEVER[1]))
+        if isinstance(part, e.Verbatim) and _IS_STOPPED.fullmatch(part.text):
+            findings.append(
+                rules.LEFT_OUT(what=part.text, loss=_NEVER_HELD[0], cure=_NEVER_HELD[1])
+            )
             return e.Truth(False)
         return part
 
@@ -68,34 +74,36 @@ def _unasked(program: Program, findings: Findings) -> Program:
             made.append(map_bodies(own, body))
         return tuple(made)
 
-    if not any(isinstance(r, e.Verbatim) and _ASKED.fullmatch(r.text) for r in records(program)):
+    if not any(
+        isinstance(r, e.Verbatim) and _IS_STOPPED.fullmatch(r.text) for r in records(program)
+    ):
         return program
     procedures = (replace(q, body=body(q.body)) for q in program.procedures)
     return replace(program, procedures=tuple(procedures))
 
 
-_NEVER: Final = (
+_NEVER_HELD: Final = (
     "it is false, as nothing here holds the moves of the arm",
     "ask for a signal if anybody else may hold it",
 )
 
 
-def _word(node: p.Statement) -> str:
-    call = call_of(node) if isinstance(node, p.Opaque) else None
+def _instruction_word(node: p.Statement) -> str:
+    call = instruction_of(node) if isinstance(node, p.Opaque) else None
     return "" if call is None else word_of(call)
 
 
-def _is_let_go(behind: Body) -> bool:
+def _is_released(behind: Body) -> bool:
     """Whether moves are let go before anything may move the arm or lead elsewhere."""
     for node in behind:
-        if _word(node) == _LET_GO:
+        if _instruction_word(node) == _START_MOVE:
             return True
-        if any(map(_goes_on, walk((node,)))):
+        if any(map(_continues_unmoved, walk((node,)))):
             return False
     return False
 
 
-def _goes_on(node: p.Statement) -> bool:
+def _continues_unmoved(node: p.Statement) -> bool:
     match node:
         case p.Opaque():
             effect = effect_of(node)

@@ -16,9 +16,9 @@ from typing import Any, Final
 from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.instructions import NameResolver
 from assistant.languages.rapid.lift.told import waits
-from assistant.languages.rapid.lift.told.calls import call_of
+from assistant.languages.rapid.lift.told.calls import instruction_of
 from assistant.languages.rapid.tables.signal_types import SIGNALS
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -50,18 +50,18 @@ from assistant.program.undeclared_names import interrupts
 
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
-EDGE: Final = 2.0
-_SIDES: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS.items()}
+EDGE_LEVEL: Final = 2.0
+_SIGNAL_ORDERS: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS.items()}
 """By the instruction in lower case, what its signal is."""
-_ONE: Final = frozenset(("idelete", "isleep", "iwatch"))
-_ALL: Final = {"idisable": "off", "ienable": "on"}
+_SINGLE_INSTRUCTIONS: Final = frozenset(("idelete", "isleep", "iwatch"))
+_GLOBAL_INSTRUCTIONS: Final = {"idisable": "off", "ienable": "on"}
 BROKEN_OFF: Final = e.Reason(
     "the move that the interrupt came in is not made to its end, and the program goes on",
     "end the cycle behind it with ExitCycle, or search with SearchL",
 )
-_CLEARS: Final = re.compile(r"ClearPath\b", re.IGNORECASE)
-_RAISES: Final = re.compile(r"\bRAISE\b", re.IGNORECASE)
-_ORDERS: Final = frozenset((*_SIDES, "itimer", "ipers"))
+_CLEAR_PATH: Final = re.compile(r"ClearPath\b", re.IGNORECASE)
+_RAISE_WORD: Final = re.compile(r"\bRAISE\b", re.IGNORECASE)
+_ORDERS: Final = frozenset((*_SIGNAL_ORDERS, "itimer", "ipers"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class _Watch:
 
 
 @dataclass(frozen=True, slots=True)
-class _Made:
+class _Ordered:
     """name: of the interrupt. trap: the routine that answers it."""
 
     name: str
@@ -90,35 +90,35 @@ class _Made:
 
 def with_interrupts(program: Program, findings: Findings) -> Program:
     """The program that watches for its interrupts. Those that cannot be said stay as their text."""
-    asked = [node for node in program.statements() if _asked(node) is not None]
+    asked = [node for node in program.statements() if _interrupt_instruction(node) is not None]
     if not asked:
         return program
-    return _Telling(program, findings).said()
+    return _InterruptLowering(program, findings).said()
 
 
-def _asked(node: p.Statement) -> tuple[str, str, Call | s.Connect] | None:
+def _interrupt_instruction(node: p.Statement) -> tuple[str, str, Call | s.Connect] | None:
     """The word of an instruction in lower case, its interrupt, and itself."""
     if not isinstance(node, p.Opaque):
         return None
     match verbatim.understood(verbatim.statements, node.text):
         case (s.Connect(variable) as connect,):
-            name = _variable(variable)
+            name = _interrupt_name(variable)
             return None if name is None else ("connect", name, connect)
-    call = call_of(node)
+    call = instruction_of(node)
     found = None if call is None else called(call)
     if found is None:
         return None
     word = found.word.lower()
-    if word in _ALL and not found.given:
+    if word in _GLOBAL_INSTRUCTIONS and not found.given:
         return word, "", found
-    if (word in _ONE or word in _ORDERS) and found.given:
+    if (word in _SINGLE_INSTRUCTIONS or word in _ORDERS) and found.given:
         last = found.given[-1]
-        name = None if last is None else _variable(last)
+        name = None if last is None else _interrupt_name(last)
         return None if name is None else (word, name, found)
     return None
 
 
-def _variable(node: s.Expression) -> str | None:
+def _interrupt_name(node: s.Expression) -> str | None:
     """What an interrupt is called here: its variable, an element with its number."""
     match node:
         case s.NameRef(name):
@@ -129,12 +129,12 @@ def _variable(node: s.Expression) -> str | None:
     return None
 
 
-class _Telling:
+class _InterruptLowering:
     """traps: what each interrupt is connected to, orders: how it is ordered, by lower-case name."""
 
     def __init__(self, program: Program, findings: Findings) -> None:
         self.program, self.findings = program, findings
-        self.meaning = Meaning()
+        self.meaning = NameResolver()
         self.taken = TakenNames(declared(program))
         self.variables: dict[str, Variable] = {}
         self.procedures: list[Procedure] = []
@@ -148,13 +148,13 @@ class _Telling:
         """Of interrupts, which are apart from all others."""
         self.answers: dict[str, str] = {}
         self._gather()
-        self.made: dict[str, list[_Made]] = {}
+        self.made: dict[str, list[_Ordered]] = {}
         for key, orders in self.orders.items():
             self._make(key, list(orders.values()))
 
     def _gather(self) -> None:
         for node in self.program.statements():
-            match _asked(node):
+            match _interrupt_instruction(node):
                 case "connect", name, s.Connect(trap=trap):
                     self.traps.setdefault(name.lower(), {})[trap.lower()] = None
                 case word, name, Called() as call if word in _ORDERS:
@@ -177,7 +177,7 @@ class _Telling:
                 self.kept.add(key)
                 return
             single = bool(call.options.keys() & {"single", "singlesafe"})
-            made.append(_Made(own, self.known[traps[0]].name, watch, single))
+            made.append(_Ordered(own, self.known[traps[0]].name, watch, single))
         self.made[key] = made
 
     def _can_answer(self, trap: str) -> bool:
@@ -192,7 +192,7 @@ class _Telling:
             seen.add(key)
             pending += calls_of(procedure)
             for node in walk(procedure.body):
-                if isinstance(node, p.Opaque) and _RAISES.search(node.text):
+                if isinstance(node, p.Opaque) and _RAISE_WORD.search(node.text):
                     return False
         return True
 
@@ -213,15 +213,15 @@ class _Telling:
     def signal(self, call: Call, name: str) -> _Watch | None:
         """A signal that changes to a value, or at all."""
         match call.given:
-            case (s.NameRef(signal), value, _) if (level := _level(value)) is not None:
+            case (s.NameRef(signal), value, _) if (level := _level_number(value)) is not None:
                 pass
             case (s.NameRef(signal), _):
-                level = EDGE
+                level = EDGE_LEVEL
             case _:
                 return None
-        self.meaning.used.append((signal, _SIDES[call.word.lower()]))
+        self.meaning.used.append((signal, _SIGNAL_ORDERS[call.word.lower()]))
         watch = self.changing(e.Name(signal), f"{name}_seen")
-        if level == EDGE:
+        if level == EDGE_LEVEL:
             return watch
         (note,) = watch.noted
         assert isinstance(note, p.Assign)
@@ -276,12 +276,12 @@ class _Telling:
         )
 
     def statement(self, node: p.Opaque) -> tuple[p.Statement, ...]:
-        asked = _asked(node)
+        asked = _interrupt_instruction(node)
         if asked is None:
             return (node,)
         word, name, call = asked
         key = name.lower()
-        if word in _ALL:
+        if word in _GLOBAL_INSTRUCTIONS:
             return (p.SwitchInterrupts("off" if word == "idisable" else "on", span=node.span),)
         if key in self.kept:
             return (node,)
@@ -305,11 +305,11 @@ class _Telling:
             said += (p.SwitchInterrupt(one.name, "off") for one in made)
         return tuple(replace(one, span=node.span) for one in said)
 
-    def _on(self, made: _Made) -> Iterator[p.Statement]:
+    def _on(self, made: _Ordered) -> Iterator[p.Statement]:
         yield from made.watch.begin
         yield p.SwitchInterrupt(made.name, "on")
 
-    def _answer(self, made: _Made, node: p.Opaque) -> str:
+    def _answer(self, made: _Ordered, node: p.Opaque) -> str:
         """The procedure that an interrupt calls, which calls the trap routine."""
         name = self.answers.get(made.name)
         if name is None:
@@ -324,7 +324,7 @@ class _Telling:
         return name
 
 
-def with_moves_broken_off(program: Program) -> Program:
+def with_moves_ended_by_interrupts(program: Program) -> Program:
     """The program in which `ClearPath` stays where an interrupt does not end the cycle with it.
 
     Elsewhere the arm would go on to the end of the move that the interrupt came in.
@@ -334,12 +334,12 @@ def with_moves_broken_off(program: Program) -> Program:
         for one in records_in_procedures(program, p.Interrupt)
         if one.ends is None
     }
-    inside = _inside(program, going_on)
+    inside = _called_procedures(program, going_on)
 
     def body(statements: Body) -> Body:
         return tuple(
             replace(node, reason=BROKEN_OFF)
-            if isinstance(node, p.Opaque) and _CLEARS.match(node.text)
+            if isinstance(node, p.Opaque) and _CLEAR_PATH.match(node.text)
             else map_bodies(node, body)
             for node in statements
         )
@@ -350,29 +350,29 @@ def with_moves_broken_off(program: Program) -> Program:
     return replace(program, procedures=tuple(procedures)) if inside else program
 
 
-def with_own_waits(program: Program) -> Program:
+def with_interrupt_wait_timers(program: Program) -> Program:
     """The program whose interrupts have a timer of their own for the longest time of waits."""
-    inside = _inside(program, _answers(program))
+    inside = _called_procedures(program, _answer_procedures(program))
     if not inside:
         return program
 
     def own(part: Any) -> Any:
         match part:
-            case e.Elapsed(waits.TIMER) | p.StartTimer(waits.TIMER):
-                return replace(part, timer=f"{waits.TIMER}_of_interrupts")
+            case e.Elapsed(waits.WAIT_TIMER) | p.StartTimer(waits.WAIT_TIMER):
+                return replace(part, timer=f"{waits.WAIT_TIMER}_of_interrupts")
         return part
 
     procedures = (rewrite(q, own) if q.name.lower() in inside else q for q in program.procedures)
     return replace(program, procedures=tuple(procedures))
 
 
-def with_own_errors(program: Program, error: e.Name) -> Program:
+def with_interrupt_errors(program: Program, error: e.Name) -> Program:
     """The program whose interrupts leave its error as it was, if they come back.
 
     error: the number of the error that is on its way to a handler.
     """
-    answers = _answers(program)
-    inside = _inside(program, answers)
+    answers = _answer_procedures(program)
+    inside = _called_procedures(program, answers)
     used = any(error in records(q) for q in program.procedures if q.name.lower() in inside)
     if not used:
         return program
@@ -387,12 +387,12 @@ def with_own_errors(program: Program, error: e.Name) -> Program:
     return replace(program, procedures=tuple(procedures), variables=variables)
 
 
-def _answers(program: Program) -> set[str]:
+def _answer_procedures(program: Program) -> set[str]:
     """What interrupts call, in lower case."""
     return {one.call.procedure.lower() for one in interrupts(program)}
 
 
-def _inside(program: Program, answers: set[str]) -> set[str]:
+def _called_procedures(program: Program, answers: set[str]) -> set[str]:
     """The same with all that this calls."""
     calls = {q.name.lower(): set(calls_of(q)) for q in program.procedures}
     found: set[str] = set()
@@ -402,7 +402,7 @@ def _inside(program: Program, answers: set[str]) -> set[str]:
     return found
 
 
-def _level(node: s.Expression | None) -> float | None:
+def _level_number(node: s.Expression | None) -> float | None:
     match node:
         case s.NameRef(name):
             return LEVELS.get(name.lower())
@@ -412,9 +412,11 @@ def _level(node: s.Expression | None) -> float | None:
     return number if number in LEVELS.values() else None
 
 
-_WATCHES: Final[Mapping[str, Callable[[_Telling, Call, str], _Watch | None]]] = {
-    **dict.fromkeys(("isignaldi", "isignaldo", "isignalgi", "isignalgo"), _Telling.signal),
+_WATCHES: Final[Mapping[str, Callable[[_InterruptLowering, Call, str], _Watch | None]]] = {
+    **dict.fromkeys(
+        ("isignaldi", "isignaldo", "isignalgi", "isignalgo"), _InterruptLowering.signal
+    ),
     **dict.fromkeys(("isignalai", "isignalao"), lambda *_: None),
-    "itimer": _Telling.timer,
-    "ipers": _Telling.persistent,
+    "itimer": _InterruptLowering.timer,
+    "ipers": _InterruptLowering.persistent,
 }

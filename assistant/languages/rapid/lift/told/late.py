@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.instructions import NameResolver
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -16,10 +16,12 @@ from assistant.program.rewriting import is_repeatable
 
 MOST_CASES: Final = 80
 """Routines that one call may choose from."""
-_STOP: Final = p.Stop(end=True)
+_END_PROGRAM: Final = p.Stop(end=True)
 
 
-def by_name(node: p.Opaque, program: Program, meaning: Meaning) -> Iterator[p.Statement]:
+def choice_of_calls(
+    node: p.Opaque, program: Program, meaning: NameResolver
+) -> Iterator[p.Statement]:
     """What a call by a text is, nothing if that is not said."""
     if node.language != verbatim.LANGUAGE:
         return
@@ -27,17 +29,19 @@ def by_name(node: p.Opaque, program: Program, meaning: Meaning) -> Iterator[p.St
         case (s.ProcedureCall(name=str(word)) as call,) if word.lower() == "callbyvar":
             match called(call):
                 case found if found is not None and not found.options:
-                    yield from _by_number(found.given, program, meaning)
+                    yield from _choice_by_number(found.given, program, meaning)
         case (s.ProcedureCall(name=s.StringLiteral(text)) as call,):
-            given = _given(call, meaning)
+            given = _plain_arguments(call, meaning)
             known = program.procedure(text.rpartition(":")[2])
             if known is not None and given is not None and len(given) == len(known.parameters):
                 yield p.Call(known.name, given)
         case (s.ProcedureCall(name=name) as call,) if not isinstance(name, str):
-            given = _given(call, meaning)
+            given = _plain_arguments(call, meaning)
             said = meaning.expression(name)
             if given is not None and is_repeatable(said) and not _names_module(said):
-                yield from _chosen(said, given, _called_so(said, program, len(given)))
+                yield from _procedure_choice(
+                    said, given, _matching_procedures(said, program, len(given))
+                )
 
 
 def _names_module(text: e.Expression) -> bool:
@@ -50,14 +54,16 @@ def _names_module(text: e.Expression) -> bool:
     return False
 
 
-def _given(call: s.ProcedureCall, meaning: Meaning) -> tuple[e.Expression, ...] | None:
+def _plain_arguments(
+    call: s.ProcedureCall, meaning: NameResolver
+) -> tuple[e.Expression, ...] | None:
     found = called(call)
     if found is None or found.options or None in found.given:
         return None
     return tuple(meaning.expression(one) for one in found.given if one is not None)
 
 
-def _called_so(text: e.Expression, program: Program, count: int) -> list[Procedure]:
+def _matching_procedures(text: e.Expression, program: Program, count: int) -> list[Procedure]:
     """Procedures that may be meant: those whose names begin and end as the text does."""
     begin = last = text
     while isinstance(begin, e.Binary) and begin.operator == "+":
@@ -78,16 +84,16 @@ def _called_so(text: e.Expression, program: Program, count: int) -> list[Procedu
     ]
 
 
-def _chosen(
+def _procedure_choice(
     text: e.Expression, given: tuple[e.Expression, ...], procedures: Sequence[Procedure]
 ) -> Iterator[p.Statement]:
     if 0 < len(procedures) <= MOST_CASES:
         cases = (p.Case((e.Text(q.name),), (p.Call(q.name, given),)) for q in procedures)
-        yield p.Switch(text, tuple(cases), (_STOP,))
+        yield p.Switch(text, tuple(cases), (_END_PROGRAM,))
 
 
-def _by_number(
-    given: Sequence[s.Expression | None], program: Program, meaning: Meaning
+def _choice_by_number(
+    given: Sequence[s.Expression | None], program: Program, meaning: NameResolver
 ) -> Iterator[p.Statement]:
     """`CallByVar "name", n`: the routine whose name ends with the number."""
     match given:
@@ -103,4 +109,4 @@ def _by_number(
                 and str(int(end)) == end
             ]
             if cases and is_repeatable(number):
-                yield p.Switch(number, tuple(cases), (_STOP,))
+                yield p.Switch(number, tuple(cases), (_END_PROGRAM,))

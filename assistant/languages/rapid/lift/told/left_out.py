@@ -17,31 +17,34 @@ from assistant.program.rewriting import records
 Loss = tuple[str, str]
 """What is lost, and what to do about it."""
 
-_NONE: Final = "none is needed"
-_OWN: Final = "set what the other controller has of the kind, or leave it"
-_LIMIT: Final = "state speeds and accelerations that the part can take"
-_ACCELERATIONS: Final = ("the arm accelerates as fast as its load lets it", _LIMIT)
-_SOFT: Final = (
+_NO_CURE: Final = "none is needed"
+_USE_EQUIVALENT: Final = "set what the other controller has of the kind, or leave it"
+_LIMIT_SPEEDS: Final = "state speeds and accelerations that the part can take"
+_ACCELERATIONS: Final = ("the arm accelerates as fast as its load lets it", _LIMIT_SPEEDS)
+_SOFT_SERVO: Final = (
     "the axes stay stiff",
     "use the other arm's soft mode, or see that nothing presses against it",
 )
-_TUNED: Final = ("the servos work as the controller has them", _OWN)
-_STRAIGHT: Final = (
+_TUNED: Final = ("the servos work as the controller has them", _USE_EQUIVALENT)
+_WRIST_ON_LINES: Final = (
     "the tool keeps its orientation on straight moves and arcs: near a straight wrist the arm may "
     "stop, where RAPID turns the tool a little",
     "see that no move passes a straight wrist",
 )
 
-_UNIT: Final = (
+_MECHANICAL_UNIT: Final = (
     "the unit stays as the controller has it",
     "switch it on and off at the other controller",
 )
-_PATHS: Final = (
+_STORED_PATHS: Final = (
     "no move is held, kept or taken up again: the arm stands where its program goes on",
     "see that nothing counts on a move that was interrupted",
 )
-_SHAPE: Final = ("the shape of the zone is not kept", "note its corners for the other controller")
-_ZONE: Final = (
+_ZONE_SHAPE: Final = (
+    "the shape of the zone is not kept",
+    "note its corners for the other controller",
+)
+_WORLD_ZONE: Final = (
     "nobody watches the zone: the arm is not stopped at its border",
     "set the zone in the other controller, among the areas that it watches, before the first run",
 )
@@ -51,11 +54,14 @@ _FOLDERS: Final = (
     "see that the names of files in several folders differ",
 )
 
-NO_AXES: Final = ("no target states a place of an external axis that it would move", _NONE)
+NO_EXTERNAL_AXES: Final = (
+    "no target states a place of an external axis that it would move",
+    _NO_CURE,
+)
 """What is lost of an offset of external axes where there are none."""
-INSTRUCTIONS: Final[Mapping[str, Loss]] = {
-    "tperase": ("what stands on the teach pendant stays there", _NONE),
-    "tpshow tp_latest": ("the teach pendant shows what it shows", _NONE),
+OMITTED_INSTRUCTIONS: Final[Mapping[str, Loss]] = {
+    "tperase": ("what stands on the teach pendant stays there", _NO_CURE),
+    "tpshow tp_latest": ("the teach pendant shows what it shows", _NO_CURE),
     "confl off": (
         "straight moves go on in the configuration that they begin in, whatever their targets "
         "state; another controller may stop where they state another",
@@ -66,15 +72,15 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
         "take the configuration that is stated",
         "see that the targets state the configurations that the arm takes",
     ),
-    "singarea wrist": _STRAIGHT,
-    "singarea lockaxis4": _STRAIGHT,
+    "singarea wrist": _WRIST_ON_LINES,
+    "singarea lockaxis4": _WRIST_ON_LINES,
     "pathacclim": _ACCELERATIONS,
     "worldacclim": _ACCELERATIONS,
-    "pathresol": ("the way is worked out as finely as the controller does it", _OWN),
+    "pathresol": ("the way is worked out as finely as the controller does it", _USE_EQUIVALENT),
     "cirpathmode": ("the tool turns on arcs as the controller has it", "state more targets"),
-    "motionsup": ("collisions are watched for as the controller has it", _OWN),
-    "softact": _SOFT,
-    "softdeact": ("the axes are as stiff as ever", _NONE),
+    "motionsup": ("collisions are watched for as the controller has it", _USE_EQUIVALENT),
+    "softact": _SOFT_SERVO,
+    "softdeact": ("the axes are as stiff as ever", _NO_CURE),
     "tuneservo": _TUNED,
     "tunereset": _TUNED,
     "gripload": (
@@ -82,19 +88,19 @@ INSTRUCTIONS: Final[Mapping[str, Loss]] = {
         "set the load of the hand in the other controller",
     ),
     "mechunitload": ("the load of the unit is not told", "set it in the other controller"),
-    **dict.fromkeys(("actunit", "deactunit"), _UNIT),
-    **dict.fromkeys(("clearpath", "storepath", "restopath", "startmove"), _PATHS),
-    **dict.fromkeys(("wzboxdef", "wzcyldef", "wzsphdef"), _SHAPE),
-    **dict.fromkeys(("wzlimjointdef", "wzhomejointdef"), _SHAPE),
-    **dict.fromkeys(("wzlimsup", "wzenable", "wzdisable", "wzfree"), _ZONE),
-    "bookerrno": ("the number of an error of the program's own is not reserved", _NONE),
+    **dict.fromkeys(("actunit", "deactunit"), _MECHANICAL_UNIT),
+    **dict.fromkeys(("clearpath", "storepath", "restopath", "startmove"), _STORED_PATHS),
+    **dict.fromkeys(("wzboxdef", "wzcyldef", "wzsphdef"), _ZONE_SHAPE),
+    **dict.fromkeys(("wzlimjointdef", "wzhomejointdef"), _ZONE_SHAPE),
+    **dict.fromkeys(("wzlimsup", "wzenable", "wzdisable", "wzfree"), _WORLD_ZONE),
+    "bookerrno": ("the number of an error of the program's own is not reserved", _NO_CURE),
     "save": (
         "no module is written to a file: the values of its data stay in the controller alone",
         "back the controller up",
     ),
     **dict.fromkeys(("makedir", "opendir", "closedir"), _FOLDERS),
-    "skipwarn": ("the log of the controller has what it has", _NONE),
-    "resetretrycount": ("retries are not counted", _NONE),
+    "skipwarn": ("the log of the controller has what it has", _NO_CURE),
+    "resetretrycount": ("retries are not counted", _NO_CURE),
 }
 """Instructions by their name, or by name, options and plain arguments, in lower case.
 
@@ -102,21 +108,21 @@ They set how the controller moves the arm, watches it or says something, but not
 (RAPID reference manual, instructions).
 """
 
-_TO_PEOPLE: Final = ("nobody is told what the program waits for", _NONE)
-_BESIDE: Final = (
+_WAIT_MESSAGE: Final = ("nobody is told what the program waits for", _NO_CURE)
+_CONCURRENT: Final = (
     "what follows is done when the arm has arrived, not while it moves",
     "see that nothing has to happen on the way, or set it there by TriggL",
 )
-_LOOKS: Final = dict.fromkeys(
+_DISPLAY_OPTIONS: Final = dict.fromkeys(
     (
         *("visualize", "header", "message", "msgarray", "wrap", "icon", "image"),
         *("visualizetime", "uiactivesignal"),
     ),
-    _TO_PEOPLE,
+    _WAIT_MESSAGE,
 )
-_ASKED: Final = ("how often the condition is asked", _NONE)
-_MOVED: Final[Mapping[str, Loss]] = {
-    "conc": _BESIDE,
+_POLL_RATE: Final = ("how often the condition is asked", _NO_CURE)
+_MOVE_OPTIONS: Final[Mapping[str, Loss]] = {
+    "conc": _CONCURRENT,
     "noeoffs": ("", ""),
     "id": (
         "the arm moves without waiting for those that would move together with it",
@@ -124,14 +130,16 @@ _MOVED: Final[Mapping[str, Loss]] = {
     ),
     "corr": ("corrections from a sensor are not added", "see that none are written"),
 }
-_SYNC: Final = ("the program does not wait until the output has its value", _NONE)
+_NO_SYNC: Final = ("the program does not wait until the output has its value", _NO_CURE)
 
-OPTIONS: Final[Mapping[str, Mapping[str, Loss]]] = {
-    **{f"wait{kind}": _LOOKS for kind in ("di", "do", "gi", "go", "ai", "ao")},
-    "waituntil": {**_LOOKS, "pollrate": _ASKED},
-    **dict.fromkeys(("movej", "movel", "movec", "moveabsj"), _MOVED),
-    "accset": {"finepointramp": ("the arm brakes at stop points as fast as anywhere", _LIMIT)},
-    "setdo": {"sync": _SYNC},
+OMITTED_OPTIONS: Final[Mapping[str, Mapping[str, Loss]]] = {
+    **{f"wait{kind}": _DISPLAY_OPTIONS for kind in ("di", "do", "gi", "go", "ai", "ao")},
+    "waituntil": {**_DISPLAY_OPTIONS, "pollrate": _POLL_RATE},
+    **dict.fromkeys(("movej", "movel", "movec", "moveabsj"), _MOVE_OPTIONS),
+    "accset": {
+        "finepointramp": ("the arm brakes at stop points as fast as anywhere", _LIMIT_SPEEDS)
+    },
+    "setdo": {"sync": _NO_SYNC},
 }
 """Options of instructions that can go, by instruction and option; without words nothing is lost."""
 
@@ -140,12 +148,12 @@ def has_external_axes(program: Program) -> bool:
     """Whether any target or path of a program states a place of an external axis."""
     given: list[Target | JointTarget] = [*program.targets.values()]
     given += program.joint_targets.values()
-    if any(map(_stated, given)):
+    if any(map(_states_external_axis, given)):
         return True
     for record in records((program.procedures, tuple(program.variables.values()))):
         match record:
             case e.TargetValue(target) | e.JointValue(target):
-                if _stated(target):
+                if _states_external_axis(target):
                     return True
             case p.Follow(path):
                 if np.isfinite(path.external).any():
@@ -153,5 +161,5 @@ def has_external_axes(program: Program) -> bool:
     return False
 
 
-def _stated(target: Target | JointTarget) -> bool:
+def _states_external_axis(target: Target | JointTarget) -> bool:
     return any(map(math.isfinite, target.external))

@@ -19,7 +19,7 @@ from assistant.program import statements as p
 from assistant.program.program import Program, Variable
 
 _ONE: Final = e.Number(1)
-TASKS: Final = "tasks"
+TASK_LIST_TYPE: Final = "tasks"
 """The type of data of the lists."""
 
 
@@ -36,29 +36,31 @@ def task_lists(program: Program) -> Mapping[str, e.Expression]:
     stated: dict[str, e.Expression] = {}
     for item in items:
         match item:
-            case s.Data(type=type, name=name, value=s.AggregateNode(rows)) if type.lower() == TASKS:
-                counts.setdefault(name.lower(), set()).add(sum(map(_names, rows)))
+            case s.Data(type=type, name=name, value=s.AggregateNode(rows)) if (
+                type.lower() == TASK_LIST_TYPE
+            ):
+                counts.setdefault(name.lower(), set()).add(sum(map(_names_task, rows)))
             case s.Data(name=name) if name.lower().endswith(COUNT):
                 stated[name.lower().removesuffix(COUNT)] = e.Name(name)
             case s.Routine():
                 for node in nodes(item):
                     match node:
                         case s.Assignment(s.NameRef(name), s.AggregateNode(rows)) if rows and all(
-                            map(_is_task, rows)
+                            map(_is_task_row, rows)
                         ):
-                            counts.setdefault(name.lower(), set()).add(sum(map(_names, rows)))
+                            counts.setdefault(name.lower(), set()).add(sum(map(_names_task, rows)))
     known = {name: e.Number(*found) for name, found in counts.items() if len(found) == 1}
     return {**{name: one for name, one in stated.items() if name not in counts}, **known}
 
 
-def _is_task(row: s.Expression) -> bool:
+def _is_task_row(row: s.Expression) -> bool:
     match row:
         case s.AggregateNode((s.StringLiteral(),)):
             return True
     return False
 
 
-def _names(row: s.Expression) -> bool:
+def _names_task(row: s.Expression) -> bool:
     """Whether a row of a list names a task: those that are not needed are empty."""
     match row:
         case s.AggregateNode((s.StringLiteral(name),)):
@@ -66,7 +68,7 @@ def _names(row: s.Expression) -> bool:
     return True
 
 
-def together(program: Program) -> frozenset[str]:
+def synchronised_lists(program: Program) -> frozenset[str]:
     """Lists of tasks in lower case whose arms are to move together anywhere."""
     calls = (
         node
@@ -78,34 +80,36 @@ def together(program: Program) -> frozenset[str]:
         listed.lower()
         for node in calls
         if isinstance(node, s.ProcedureCall) and str(node.name).lower() == "syncmoveon"
-        for listed in (_listed(node),)
+        for listed in (_list_name(node),)
         if listed
     )
 
 
-def _listed(call: s.ProcedureCall) -> str:
+def _list_name(call: s.ProcedureCall) -> str:
     match [one.value for one in call.arguments if isinstance(one, s.Positional)]:
         case [_, s.NameRef(name)]:
             return name
     return ""
 
 
-def shared(point: str) -> tuple[str, Variable]:
+def sync_counter(point: str) -> tuple[str, Variable]:
     """The count of a point that all programs of a controller have: its name, and what it is."""
     return f"M_{point}", Variable("number", storage="persistent")
 
 
-DUE: Final = "all_there"
+SYNC_DUE: Final = "all_there"
 """The count at which a program goes on."""
 
 
-def met(call: Called[s.Expression], lists: Mapping[str, e.Expression]) -> Iterator[p.Statement]:
+def task_sync(
+    call: Called[s.Expression], lists: Mapping[str, e.Expression]
+) -> Iterator[p.Statement]:
     """A wait for all tasks of a list; the arm stands there where it says so."""
     match call.given:
         case (s.NameRef(point), s.NameRef(listed)) if listed.lower() in lists:
             if call.options.keys() - {"inpos"}:
                 return
-            here, due = e.Name(shared(point)[0]), e.Name(DUE)
+            here, due = e.Name(sync_counter(point)[0]), e.Name(SYNC_DUE)
             count = lists[listed.lower()]
             if call.options:
                 text = "WaitRob\\InPos;"

@@ -13,16 +13,16 @@ from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 
-_NEITHER: Final = ("open", "close")
+_WITHOUT_MODE: Final = ("open", "close")
 
 
-def one_way(program: Program) -> Mapping[str, p.ChannelMode]:
+def file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
     """Which of the two, by lower-case name; without those of which neither is sure."""
     ways: dict[str, set[str]] = {}
     for node in program.statements():
         for part in records(head(node)):
-            for word, name in _named(part):
-                ways.setdefault(name.lower(), set()).add(_way(word.lower()))
+            for word, name in _named_files(part):
+                ways.setdefault(name.lower(), set()).add(_access_of(word.lower()))
     modes: dict[str, p.ChannelMode] = {}
     for name, found in ways.items():
         match found - {""}:
@@ -33,27 +33,27 @@ def one_way(program: Program) -> Mapping[str, p.ChannelMode]:
     return modes
 
 
-def _way(word: str) -> str:
+def _access_of(word: str) -> str:
     """What an instruction or function does to a file that it names."""
-    if word in _NEITHER:
+    if word in _WITHOUT_MODE:
         return ""
     return next((way for way in ("write", "read") if word.startswith(way)), "both")
 
 
-def _named(part: Any) -> Iterator[tuple[str, str]]:
+def _named_files(part: Any) -> Iterator[tuple[str, str]]:
     """What names something, and the name: calls of texts that are kept, and other calls."""
     match part:
         case p.Opaque(verbatim.LANGUAGE, text):
-            yield from _in_tree(verbatim.understood(verbatim.statements, text))
+            yield from _files_in_tree(verbatim.understood(verbatim.statements, text))
         case e.Verbatim(verbatim.LANGUAGE, text):
-            yield from _in_tree(verbatim.understood(verbatim.expression, text))
+            yield from _files_in_tree(verbatim.understood(verbatim.expression, text))
         case e.Apply(word, arguments) | p.Call(word, arguments):
             for one in arguments:
                 if isinstance(one, e.Name):
                     yield word, one.name
 
 
-def _in_tree(tree: Any) -> Iterator[tuple[str, str]]:
+def _files_in_tree(tree: Any) -> Iterator[tuple[str, str]]:
     for call in nodes(tree) if tree is not None else ():
         if isinstance(call, s.ProcedureCall | s.FunctionCall) and isinstance(call.name, str):
             for argument in call.arguments:

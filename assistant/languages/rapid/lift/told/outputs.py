@@ -8,7 +8,7 @@ from typing import Final
 from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.instructions import NameResolver, lift_call
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -17,12 +17,12 @@ from assistant.program.program import Program
 from assistant.program.rewriting import records
 from assistant.program.vendor_statements import effect_of
 
-USUAL: Final = e.Number(0.2)
+DEFAULT_PULSE: Final = e.Number(0.2)
 """Seconds of a pulse that states none (RAPID reference manual, PulseDO)."""
 _ZERO, _ONE = e.Number(0), e.Number(1)
 
 
-def switched(program: Program) -> frozenset[str]:
+def switched_outputs(program: Program) -> frozenset[str]:
     """Lower-case names of outputs that something may switch on, and not only for a pulse."""
     found: set[str] = set()
     for record in records((program.procedures, program.declarations)):
@@ -39,42 +39,42 @@ def switched(program: Program) -> frozenset[str]:
     return frozenset(found)
 
 
-def pulse(
-    call: Called[s.Expression], meaning: Meaning, on: Container[str], findings: Findings
+def inverse_pulse(
+    call: Called[s.Expression], meaning: NameResolver, on: Container[str], findings: Findings
 ) -> Iterator[p.Statement]:
     r"""`PulseDO` without `\High`: the value that the output does not have.
 
     on: lower-case names of outputs that may be on there.
     """
-    signal = _signal(call, meaning)
+    signal = _digital_output(call, meaning)
     length = call.options.get("plength")
     if signal is None or call.options.keys() - {"plength"} or len(call.given) != 1:
         return
-    seconds = USUAL if length is None else meaning.expression(length)
+    seconds = DEFAULT_PULSE if length is None else meaning.expression(length)
     if signal.lower() in on:
-        yield _either(signal, seconds)
+        yield _other_value(signal, seconds)
     else:
         findings.append(rules.PULSE_FROM_OFF(name=signal))
         yield p.SetSignal(signal, _ONE, seconds)
 
 
-def inverted(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statement]:
+def inverted_output(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     """`InvertDO`."""
-    signal = _signal(call, meaning)
+    signal = _digital_output(call, meaning)
     if signal is not None and len(call.given) == 1 and not call.options:
-        yield _either(signal, None)
+        yield _other_value(signal, None)
 
 
-def _either(signal: str, seconds: e.Expression | None) -> p.If:
+def _other_value(signal: str, seconds: e.Expression | None) -> p.If:
     """The other value than that which an output has, for some seconds or from now on."""
     is_off = e.Binary("=", e.Name(signal), _ZERO)
     on, off = (p.SetSignal(signal, value, seconds) for value in (_ONE, _ZERO))
     return p.If((p.Branch(is_off, (on,)),), (off,))
 
 
-def delayed(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statement]:
+def delayed_output(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     r"""`SetDO \SDelay`: until then the output has the value that it has, which is a pulse of it."""
-    signal, delay = _signal(call, meaning), call.options.get("sdelay")
+    signal, delay = _digital_output(call, meaning), call.options.get("sdelay")
     if signal is None or delay is None or len(call.options) != 1 or len(call.given) != 2:
         return
     value = None if call.given[1] is None else meaning.known(meaning.expression(call.given[1]))
@@ -91,10 +91,10 @@ def delayed(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statemen
     yield p.If((p.Branch(changes, (later,)),))
 
 
-def _signal(call: Called[s.Expression], meaning: Meaning) -> str | None:
+def _digital_output(call: Called[s.Expression], meaning: NameResolver) -> str | None:
     """The name of the output that a call is about, which is digital then."""
     match call.given:
         case (s.NameRef() as node, *_):
-            said = of_call(Called("SetDO", (node, s.NumberLiteral("1"))), meaning)
+            said = lift_call(Called("SetDO", (node, s.NumberLiteral("1"))), meaning)
             return said.signal if isinstance(said, p.SetSignal) else None
     return None

@@ -16,8 +16,8 @@ from typing import Final
 
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift import processes
-from assistant.languages.rapid.lift.instructions import Meaning, of_call
-from assistant.languages.rapid.lift.told.calls import call_of, word_of
+from assistant.languages.rapid.lift.instructions import NameResolver, lift_call
+from assistant.languages.rapid.lift.told.calls import instruction_of, word_of
 from assistant.languages.rapid.tables import processes as table
 from assistant.languages.rapid.tables.processes import MOVES, Process
 from assistant.languages.rapid.text import verbatim
@@ -30,15 +30,15 @@ from assistant.program.passes.implicit_motion_state import stopped
 from assistant.program.program import Declaration, Program
 from assistant.program.vendor_statements import effect_of
 
-_USUAL: Final = tuple(map(s.NumberLiteral, ("500", "5000", "1000")))
+_DEFAULT_RATES: Final = tuple(map(s.NumberLiteral, ("500", "5000", "1000")))
 """The other parts of a speed: deg/s, and of external axes, as every predefined one has them."""
-_PLAIN: Final = frozenset(("wobj", "tload"))
+_PLAIN_OPTIONS: Final = frozenset(("wobj", "tload"))
 """Options that any move takes."""
 
 
 def weld_speeds(program: Program) -> Mapping[str, float]:
     """mm/s of declared welds by lower-case name: the first part of each."""
-    first = ((name, _first(one)) for name, one in _declared(program, table.WELD_DATA))
+    first = ((name, _first_number(one)) for name, one in _declared_data(program, table.WELD_DATA))
     return {name: speed for name, speed in first if speed is not None and speed > 0}
 
 
@@ -47,11 +47,11 @@ def spot_programs(program: Program) -> Mapping[str, float]:
 
     Without those that anything but a weld speaks of, which may change them.
     """
-    found = {name: _first(one) for name, one in _declared(program, table.SPOTS)}
+    found = {name: _first_number(one) for name, one in _declared_data(program, table.SPOTS)}
     if not found:
         return {}
     kept = [one for one in program.statements() if isinstance(one, p.Opaque)]
-    others: list[p.Opaque | Declaration] = [one for one in kept if not _is_process(one)]
+    others: list[p.Opaque | Declaration] = [one for one in kept if not _is_process_call(one)]
     others += program.declarations
     named: Counter[str] = Counter()
     for one in others:
@@ -60,13 +60,13 @@ def spot_programs(program: Program) -> Mapping[str, float]:
     return {name: number for name, number in steady if number is not None}
 
 
-def beads(program: Program) -> Mapping[str, int]:
+def bead_numbers(program: Program) -> Mapping[str, int]:
     """Numbers of the declared beads by lower-case name, in their order."""
-    names = dict.fromkeys(name for name, _ in _declared(program, table.BEADS))
+    names = dict.fromkeys(name for name, _ in _declared_data(program, table.BEADS))
     return {name: number for number, name in enumerate(names, 1)}
 
 
-def _declared(program: Program, type: str) -> Iterator[tuple[str, s.Data]]:
+def _declared_data(program: Program, type: str) -> Iterator[tuple[str, s.Data]]:
     """Declared data of a type, by lower-case name."""
     for declaration in program.declarations:
         if type in declaration.text.lower():
@@ -75,7 +75,7 @@ def _declared(program: Program, type: str) -> Iterator[tuple[str, s.Data]]:
                     yield name.lower(), data
 
 
-def _first(data: s.Data) -> float | None:
+def _first_number(data: s.Data) -> float | None:
     match data.value:
         case s.AggregateNode(items=(first, *_)):
             number = literal_number(first)
@@ -83,13 +83,13 @@ def _first(data: s.Data) -> float | None:
     return None
 
 
-def _is_process(node: p.Opaque) -> bool:
-    call = call_of(node)
+def _is_process_call(node: p.Opaque) -> bool:
+    call = instruction_of(node)
     return call is not None and word_of(call) in MOVES
 
 
-def _move(
-    known: Process, call: Called[s.Expression], meaning: Meaning, more: frozenset[str]
+def _plain_move(
+    known: Process, call: Called[s.Expression], meaning: NameResolver, more: frozenset[str]
 ) -> p.MoveStatement | None:
     """The move of an instruction, None where it states what no move does.
 
@@ -100,16 +100,16 @@ def _move(
     if len(call.given) != between + known.given + zone + 1:
         return None
     options = {name: x for name, x in call.options.items() if name not in known.beside | more}
-    if not options.keys() <= _PLAIN:
+    if not options.keys() <= _PLAIN_OPTIONS:
         return None
     places, behind = call.given[:between], call.given[between + known.given :]
     given = [*places, *behind] if zone else [*places, s.NameRef("fine"), *behind]
-    move = of_call(Called(known.plain, given, options), meaning)
+    move = lift_call(Called(known.plain, given, options), meaning)
     return move if isinstance(move, p.MoveStatement) else None
 
 
-def welded(
-    call: Called[s.Expression], meaning: Meaning, speeds: Mapping[str, float]
+def weld_move(
+    call: Called[s.Expression], meaning: NameResolver, speeds: Mapping[str, float]
 ) -> Iterator[p.Statement]:
     """A move of a weld, and what it does to the arc."""
     known = MOVES[call.word.lower()]
@@ -119,9 +119,9 @@ def welded(
     weld = call.given[speed + 2]
     if known.part != "start" and isinstance(weld, s.AggregateNode) and weld.items:
         given = [*call.given]
-        given[speed] = s.AggregateNode((weld.items[0], *_USUAL))
+        given[speed] = s.AggregateNode((weld.items[0], *_DEFAULT_RATES))
         call = replace(call, given=given)
-    move = _move(known, call, meaning, frozenset())
+    move = _plain_move(known, call, meaning, frozenset())
     if move is None or not isinstance(weld, s.NameRef | s.AggregateNode):
         return
     meaning.used.append((table.BURNS, table.OUTPUT))
@@ -136,19 +136,19 @@ def welded(
         yield p.SetSignal(table.BURNS, e.Number(int(known.part == "start")))
 
 
-def spotted(
-    call: Called[s.Expression], meaning: Meaning, programs: Mapping[str, float]
+def spot_move(
+    call: Called[s.Expression], meaning: NameResolver, programs: Mapping[str, float]
 ) -> Iterator[p.Statement]:
     """A move to a spot, the number of the weld, and the signals to the gun and from it."""
     known, guns = MOVES[call.word.lower()], processes.guns(call)
-    move = _move(known, call, meaning, frozenset((*table.GUNS, "retract")))
+    move = _plain_move(known, call, meaning, frozenset((*table.GUNS, "retract")))
     if move is None or not guns:
         return
-    stated = [_program(gun.spot, meaning, programs) for gun in guns]
+    stated = [_spot_program(gun.spot, meaning, programs) for gun in guns]
     numbers = [one for one in stated if one is not None]
     if len(numbers) != len(guns):
         return
-    meaning.used += processes.signals_of(call)
+    meaning.used += processes.process_signals(call)
     yield stopped(move)
     for gun, number in zip(guns, numbers, strict=True):
         yield p.SetSignal(gun.name + table.PROGRAM, number)
@@ -159,8 +159,8 @@ def spotted(
     yield from (p.SetSignal(name, e.Number(0)) for name in (*starts, *wide))
 
 
-def _program(
-    spot: s.Expression | None, meaning: Meaning, programs: Mapping[str, float]
+def _spot_program(
+    spot: s.Expression | None, meaning: NameResolver, programs: Mapping[str, float]
 ) -> e.Expression | None:
     """The number that data of a spot begin with, None where nobody knows it."""
     match spot:
@@ -171,12 +171,12 @@ def _program(
     return None
 
 
-def dispensed(
-    call: Called[s.Expression], meaning: Meaning, numbers: Mapping[str, int]
+def bead_move(
+    call: Called[s.Expression], meaning: NameResolver, numbers: Mapping[str, int]
 ) -> Iterator[p.Statement]:
     """A move of a bead, and what begins or ends at its target."""
     known = MOVES[call.word.lower()]
-    move = _move(known, call, meaning, frozenset(("on", "off")))
+    move = _plain_move(known, call, meaning, frozenset(("on", "off")))
     if move is None or call.options.keys() >= {"on", "off"}:
         return
     bead = call.given[known.points + 1]
@@ -193,14 +193,14 @@ def dispensed(
         yield p.SetSignal(table.FLOWS, e.Number(1))
 
 
-def painted(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statement]:
+def paint_move(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     """A move with a brush: which one, is set before."""
-    move = _move(MOVES[call.word.lower()], call, meaning, frozenset())
+    move = _plain_move(MOVES[call.word.lower()], call, meaning, frozenset())
     if move is not None:
         yield move
 
 
-def brushed(call: Called[s.Expression], meaning: Meaning) -> Iterator[p.Statement]:
+def brush_change(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     """`SetBrush` without a place: the number of the brush, at once."""
     if len(call.given) == 1 and call.given[0] is not None and not call.options:
         meaning.used.append((table.BRUSH, table.NUMBER))

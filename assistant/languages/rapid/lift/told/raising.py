@@ -7,18 +7,18 @@ from typing import Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.instructions import NameResolver
 from assistant.languages.rapid.lift.statements import StatementLift
 from assistant.languages.rapid.lift.told import handlers as h
 from assistant.languages.rapid.lift.told import searching
-from assistant.languages.rapid.lift.told.waits import condition
+from assistant.languages.rapid.lift.told.waits import wait_condition
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, TakenNames, identifier, walk
 from assistant.program.rewriting import Body, is_repeatable
 
-EXIT: Final = "exitcycle"
+EXIT_CYCLE: Final = "exitcycle"
 """Stands for the end of the cycle, which no handler is for."""
 ZERO: Final = e.Number(0)
 
@@ -32,7 +32,7 @@ class _Handled:
     text: p.Opaque | None
 
 
-class Errors:
+class RaisedErrors:
     """numbers: by which errors are told. leaves: by procedure, what it may leave to its callers.
 
     label: counts the places that are jumped to.
@@ -40,7 +40,7 @@ class Errors:
 
     def __init__(self, program: Program, lift: StatementLift, findings: Findings) -> None:
         self.program, self.lift, self.findings = program, lift, findings
-        self.meaning = Meaning(
+        self.meaning = NameResolver(
             speeds={name.lower(): one for name, one in program.speeds.items()},
             blends={name.lower(): one for name, one in program.blends.items()},
         )
@@ -49,13 +49,13 @@ class Errors:
         self.taken = TakenNames(n for q in program.procedures for n in q.variables)
         self.taken.update(program.variables, program.signals, program.targets)
         self.error = e.Name(identifier("error_number", self.taken))
-        self.numbers: dict[str, int] = {EXIT: -1}
-        self.called = {key: _calls(one.procedure.body) for key, one in self.known.items()}
+        self.numbers: dict[str, int] = {EXIT_CYCLE: -1}
+        self.called = {key: _called_names(one.procedure.body) for key, one in self.known.items()}
         self.callers: dict[str, set[str]] = {key: set() for key in self.known}
         for key, names in self.called.items():
             for name in names & self.known.keys():
                 self.callers[name].add(key)
-        self.begun = {key: _begun(one.procedure.body) for key, one in self.known.items()}
+        self.begun = {key: _own_errors(one.procedure.body) for key, one in self.known.items()}
         """By procedure, the errors that its own statements may raise."""
         self.above: dict[str, set[str]] = {}
         self.about: dict[tuple[str, str], Body | None] = {}
@@ -76,7 +76,7 @@ class Errors:
                     if one.kind == "ERROR":
                         handler, text = one, node
                     else:
-                        loss, cure = _OTHERS[one.kind]
+                        loss, cure = _OTHER_HANDLERS[one.kind]
                         what = f"{one.kind} of {procedure.name}"
                         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         assert text is None or isinstance(text, p.Opaque)
@@ -96,7 +96,7 @@ class Errors:
                 after
                 for error in self.raised(key)
                 for after in self._after(key, error)
-                if after == EXIT or key in self._taken_above(after)
+                if after == EXIT_CYCLE or key in self._taken_above(after)
             )
             if found != self.leaves[key]:
                 self.leaves[key] = found
@@ -110,18 +110,18 @@ class Errors:
     def _after(self, key: str, error: str) -> set[str]:
         """What of an error in a procedure is left behind its handler."""
         handler = self.known[key].handler
-        if error == EXIT or not h.takes(handler, error):
+        if error == EXIT_CYCLE or not h.handles(handler, error):
             return {error}
         body = self.left(key, error)
-        names = (h.raised(node) for node in walk(body or ()))
+        names = (h.raised_error(node) for node in walk(body or ()))
         return {name or error for name in names if name is not None}
 
     def left(self, key: str, error: str) -> Body | None:
         """What the handler of a procedure does about an error, None if that is not said."""
         if (key, error) not in self.about:
             one, body = self.known[key], None
-            if one.handler is not None and one.text is not None and h.takes(one.handler, error):
-                body = h.left_of(one.handler, error, self.lift, one.text.span)
+            if one.handler is not None and one.text is not None and h.handles(one.handler, error):
+                body = h.reduced_handler(one.handler, error, self.lift, one.text.span)
             self.about[key, error] = body
         return self.about[key, error]
 
@@ -134,7 +134,7 @@ class Errors:
                 for name in self.called[pending.pop()] & self.known.keys():
                     if name not in found:
                         found.add(name)
-                        if not h.takes(self.known[name].handler, error):
+                        if not h.handles(self.known[name].handler, error):
                             pending.append(name)
             self.above[error] = found
         return self.above[error]
@@ -147,7 +147,7 @@ class Errors:
         return identifier(f"{what}_{self.at}", self.taken)
 
 
-_OTHERS: Final = {
+_OTHER_HANDLERS: Final = {
     "UNDO": (
         "it is not done when somebody takes the program out of the procedure",
         "see to it in the start of the program",
@@ -156,26 +156,26 @@ _OTHERS: Final = {
 }
 
 
-def limit(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
+def limited_wait(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
     """A wait with a longest time."""
     if isinstance(node, p.WaitSignal | p.WaitUntil) and node.timeout is not None:
-        return node if is_repeatable(condition(node)) else None
+        return node if is_repeatable(wait_condition(node)) else None
     return None
 
 
-def _begun(body: Body) -> set[str]:
+def _own_errors(body: Body) -> set[str]:
     found: set[str] = set()
     for node in walk(body):
-        if limit(node) is not None:
-            found.add(h.LONG_WAIT)
+        if limited_wait(node) is not None:
+            found.add(h.WAIT_TIMEOUT)
         elif searching.is_search(node):
-            found |= {searching.EARLY, searching.MISSED}
-        elif name := h.raised(node):
+            found |= {searching.SIGNAL_EARLY, searching.SIGNAL_MISSED}
+        elif name := h.raised_error(node):
             found.add(name)
-        elif h.word(node) == "EXITCYCLE":
-            found.add(EXIT)
+        elif h.exit_word(node) == "EXITCYCLE":
+            found.add(EXIT_CYCLE)
     return found
 
 
-def _calls(body: Body) -> set[str]:
+def _called_names(body: Body) -> set[str]:
     return {node.procedure.lower() for node in walk(body) if isinstance(node, p.Call)}

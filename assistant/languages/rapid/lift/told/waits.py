@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.patterns import Called
-from assistant.languages.rapid.lift.instructions import Meaning, of_call
+from assistant.languages.rapid.lift.instructions import NameResolver, lift_call
 from assistant.languages.rapid.lift.told.calls import is_by_gateway
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
@@ -15,26 +15,26 @@ from assistant.program.analysis.uses import called
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import is_repeatable, records
 
-TIMER: Final = "wait_time"
+WAIT_TIMER: Final = "wait_time"
 """The timer of all of them: no such wait begins in another one."""
 
 
-def limited(
-    call: Called[s.Expression], meaning: Meaning, program: Program
+def flagged_wait(
+    call: Called[s.Expression], meaning: NameResolver, program: Program
 ) -> Iterator[p.Statement]:
     """One that tells by a flag whether its time was over."""
     options = dict(call.options)
     flag = options.pop("timeflag", None)
-    wait = of_call(Called(call.word, call.given, options), meaning) if flag is not None else None
+    wait = lift_call(Called(call.word, call.given, options), meaning) if flag is not None else None
     if flag is None or not isinstance(wait, p.WaitSignal | p.WaitUntil) or wait.timeout is None:
         return
     over = meaning.expression(flag)
-    if isinstance(over, e.Name | e.Index) and _is_asked_again(condition(wait), program):
-        if over not in records(condition(wait)):
-            yield from until_over(wait, over)
+    if isinstance(over, e.Name | e.Index) and _is_free_of_effects(wait_condition(wait), program):
+        if over not in records(wait_condition(wait)):
+            yield from wait_until_over(wait, over)
 
 
-def _is_asked_again(asked: e.Expression, program: Program) -> bool:
+def _is_free_of_effects(asked: e.Expression, program: Program) -> bool:
     """Whether it does not matter how often it is worked out while the program waits for it.
 
     How often functions of the user's are called is the controller's own; they may do no more than
@@ -56,7 +56,7 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
             continue
         seen.add(key)
         if not all(
-            isinstance(node, _QUIET) or _ends(node) or is_by_gateway(node)
+            isinstance(node, _QUIET_STATEMENTS) or _ends_program(node) or is_by_gateway(node)
             for node in walk(known[key].body)
         ):
             return False
@@ -64,30 +64,30 @@ def _is_asked_again(asked: e.Expression, program: Program) -> bool:
     return True
 
 
-_QUIET: Final = (p.Assign, p.Call, p.Comment, p.If, p.For, p.While, p.Switch, p.Return)
+_QUIET_STATEMENTS: Final = (p.Assign, p.Call, p.Comment, p.If, p.For, p.While, p.Switch, p.Return)
 """Statements that give values to variables alone, and lead to them."""
 
 
-def _ends(node: p.Statement) -> bool:
+def _ends_program(node: p.Statement) -> bool:
     """True if it ends the program, which it does once."""
     return isinstance(node, p.Stop) and node.end
 
 
-def condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
+def wait_condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
     """What is waited for."""
     if isinstance(wait, p.WaitUntil):
         return wait.condition
     return e.Binary("=", e.Name(wait.signal), wait.value)
 
 
-def until_over(wait: p.WaitSignal | p.WaitUntil, over: e.Expression) -> Iterator[p.Statement]:
+def wait_until_over(wait: p.WaitSignal | p.WaitUntil, over: e.Expression) -> Iterator[p.Statement]:
     """A wait with a longest time, behind which `over` tells whether that has passed.
 
     It is asked before the time, so that no time is enough for what holds already.
     """
     assert wait.timeout is not None
-    asked = p.Assign(over, e.Unary("not", condition(wait)))
-    goes_on = e.Binary("and", over, e.Binary("<", e.Elapsed(TIMER), wait.timeout))
+    asked = p.Assign(over, e.Unary("not", wait_condition(wait)))
+    goes_on = e.Binary("and", over, e.Binary("<", e.Elapsed(WAIT_TIMER), wait.timeout))
     yield asked
-    yield p.StartTimer(TIMER)
+    yield p.StartTimer(WAIT_TIMER)
     yield p.While(goes_on, (asked,))

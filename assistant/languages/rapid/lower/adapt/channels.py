@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import reduce
 from typing import Any, ClassVar, Final
 
-from assistant.languages.rapid.lift.expressions import kept
+from assistant.languages.rapid.lift.expressions import verbatim_of
 from assistant.languages.rapid.lower.expressions import Expressions
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.text import verbatim
@@ -190,7 +190,7 @@ class _Channels(Rewording):
                 given: tuple[s.Argument, ...] = (s.Option("Delim", s.StringLiteral(",")),)
                 given += (FOR_EVER,) if kind == "serial" else ()
                 call = s.FunctionCall(word, (_named(channel.lower()), *given))
-                node = replace(node, value=kept(call))
+                node = replace(node, value=verbatim_of(call))
         yield node
 
     def received(self, target: e.Expression, channel: str, number: bool) -> Iterator[p.Statement]:

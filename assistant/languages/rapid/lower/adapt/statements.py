@@ -8,7 +8,12 @@ from typing import Any
 from assistant.base.diagnostics import Declared, Refused, has_errors
 from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.expressions import frame_name, lift, negative, tool_name
+from assistant.languages.rapid.lift.expressions import (
+    frame_name,
+    lift_expression,
+    negated,
+    tool_name,
+)
 from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.tables.hands import gripper
@@ -88,7 +93,7 @@ class StatementAdapter(Rewording):
         """An expression in the form that its text is read back as."""
         match x:
             case e.Unary("-", operand):
-                return negative(operand)
+                return negated(operand)
             case e.Number(value) if value == 0:
                 return e.Number(0)
             case e.Aggregate(items):
@@ -118,7 +123,7 @@ class StatementAdapter(Rewording):
 
 def _understood(x: e.Verbatim) -> e.Expression:
     try:
-        known = lift(verbatim.expression(x.text), str)
+        known = lift_expression(verbatim.expression(x.text), str)
     except Refused:
         return x  # a finding when it is built
     return x if known == x else known
