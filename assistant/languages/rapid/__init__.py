@@ -178,12 +178,12 @@ class Rapid(Language["File"]):
         return lift(with_single_rows(with_elsewhere(trees), unknown=False))
 
     def told(self, program: Program, to: Language[Any]) -> Program:
-        from assistant.languages.rapid.lift.plain_data import with_flat_data
+        from assistant.languages.rapid.lift.for_other_vendor import with_flat_data
 
         return program if to.family == self.family else with_flat_data(program).program
 
     def exported(self, program: Program, to: Language[Any], arm: Robot | None) -> Adapted:
-        from assistant.languages.rapid.lift.exported import for_other_vendor
+        from assistant.languages.rapid.lift.for_other_vendor import for_other_vendor
 
         return Adapted(program) if to.family == self.family else for_other_vendor(program, arm)
 

@@ -1,39 +1,210 @@
-r"""Files, serial lines and sockets of RAPID as channels, as other languages are told them.
+"""Files, serial lines and sockets as channels, for other languages.
 
-A file, or a line, is opened and closed as it is. Of a socket that listens only the clients that
-it accepts are channels; a socket that connects tries again until somebody is there, or the time is
-over. Reference manual of instructions: Open, Write, WriteStrBin, SocketAccept and their kin; of
-functions: ReadStr, ReadNum, SocketGetStatus. Text and bytes are the same there, in Latin-1.
+A file or a serial line is opened and closed as it is. Of a listening socket only the clients that
+it accepts are channels; a socket that connects tries again until the server answers or the time is
+over. A file opened for both directions is for writing or reading alone if the program does only
+that with it. The state of a socket is kept as a number where the program asks for more than whether
+it is connected. A socket of bytes goes through a gateway, with which the program exchanges a
+greeting first (option `Gateway` in `tables/bytes.txt`). Text and bytes are the same, in Latin-1.
+Reference manual of instructions: Open, Write, WriteStrBin, SocketAccept and their kin; of
+functions: ReadStr, ReadNum, SocketGetStatus.
 """
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.gateways import GATEWAY_OPTION, Gateways
-from assistant.languages.rapid.lift.instructions import NameResolver
-from assistant.languages.rapid.lift.kept_calls import (
+from assistant.languages.rapid.lift.statements import NameResolver
+from assistant.languages.rapid.lift.vendor_statements import (
+    GATEWAY,
     NotExpressible,
     Replacement,
     VendorCall,
+    instruction_of,
     with_lowered_calls,
 )
-from assistant.languages.rapid.lift.socket_states import SocketStates
-from assistant.languages.rapid.lift.told.calls import instruction_of
-from assistant.languages.rapid.lift.told.one_way import file_modes
+from assistant.languages.rapid.tables.words import SOCKET_STATES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program import undeclared_names
-from assistant.program.program import Procedure, Program, walk
-from assistant.program.rewriting import Body, map_bodies, rewrite, with_vendor_statements_replaced
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
+from assistant.program.rewriting import (
+    Body,
+    head,
+    map_bodies,
+    records,
+    rewrite,
+    with_vendor_statements_replaced,
+)
+
+_WITHOUT_MODE: Final = ("open", "close")
+
+
+def file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
+    """Which of the two, by lower-case name; without those of which neither is sure."""
+    ways: dict[str, set[str]] = {}
+    for node in program.statements():
+        for part in records(head(node)):
+            for word, name in _named_files(part):
+                ways.setdefault(name.lower(), set()).add(_access_of(word.lower()))
+    modes: dict[str, p.ChannelMode] = {}
+    for name, found in ways.items():
+        match found - {""}:
+            case one if one == {"write"}:
+                modes[name] = "write"
+            case one if one == {"read"}:
+                modes[name] = "read"
+    return modes
+
+
+def _access_of(word: str) -> str:
+    """What an instruction or function does to a file that it names."""
+    if word in _WITHOUT_MODE:
+        return ""
+    return next((way for way in ("write", "read") if word.startswith(way)), "both")
+
+
+def _named_files(part: Any) -> Iterator[tuple[str, str]]:
+    """What names something, and the name: calls of texts that are kept, and other calls."""
+    match part:
+        case p.Opaque(verbatim.LANGUAGE, text):
+            yield from _files_in_tree(verbatim.understood(verbatim.statements, text))
+        case e.Verbatim(verbatim.LANGUAGE, text):
+            yield from _files_in_tree(verbatim.understood(verbatim.expression, text))
+        case e.Apply(word, arguments) | p.Call(word, arguments):
+            for one in arguments:
+                if isinstance(one, e.Name):
+                    yield word, one.name
+
+
+def _files_in_tree(tree: Any) -> Iterator[tuple[str, str]]:
+    for call in nodes(tree) if tree is not None else ():
+        if isinstance(call, s.ProcedureCall | s.FunctionCall) and isinstance(call.name, str):
+            for argument in call.arguments:
+                if isinstance(argument, s.Positional) and isinstance(argument.value, s.NameRef):
+                    yield call.name, argument.value.name
+
+
+STATUS_FUNCTION: Final = "socketgetstatus"
+_STATE_CHANGES: Final = {
+    "socketcreate": (0, 1), "socketconnect": (0, 2), "socketaccept": (1, 2),
+    "socketbind": (0, 3), "socketlisten": (0, 4), "socketclose": (0, 5),
+}  # fmt: skip
+"""By lower-case instruction the place of its socket, and the state that this has behind it."""
+
+
+class SocketStates:
+    """names: of the variables of sockets by their lower-case names, where a program asks for more
+    than whether one is connected.
+    """
+
+    def __init__(self, program: Program) -> None:
+        asked: dict[str, str] = {}
+        times: Counter[str] = Counter()
+        plain: Counter[str] = Counter()
+        for part in records((program.procedures, program.variables)):
+            match part:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
+                    asked.setdefault(name.lower(), name)
+                    times[name.lower()] += 1
+                case e.Binary("=" | "<>", e.Apply(function, (e.Name(name),)), e.Name(state)) if (
+                    function.lower() == STATUS_FUNCTION and state.lower() == "socket_connected"
+                ):
+                    plain[name.lower()] += 1
+        other = {name for name, count in times.items() if count > plain[name]}
+        taken = TakenNames((*program.variables, *program.signals, *program.targets))
+        self.names = {
+            low: identifier(f"{asked[low]}_state", taken) for low in asked if low in other
+        }
+
+    def variables(self) -> dict[str, Variable]:
+        closed = e.Number(SOCKET_STATES["socket_closed"])
+        return {name: Variable("number", closed) for name in self.names.values()}
+
+    def behind(self, word: str, names: list[str]) -> Iterator[p.Statement]:
+        """What an instruction makes of a state. names: that it is given, empty for others."""
+        place, state = _STATE_CHANGES.get(word, (0, 0))
+        own = self.names.get(names[place].lower()) if state and place < len(names) else None
+        if own is not None:
+            yield p.Assign(e.Name(own), e.Number(state))
+
+    def asked(self, program: Program) -> Program:
+        """The program with these variables where it asks for states."""
+
+        def change(part: Any) -> Any:
+            match part:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
+                    own = self.names.get(name.lower())
+                    return part if own is None else e.Name(own)
+            return part
+
+        return rewrite(program, change) if self.names else program
+
+
+GATEWAY_OPTION: Final = GATEWAY
+GREETING: Final = "GATEWAY 1"
+"""Both say it when a line is open: the number is that of the words that they speak."""
+
+
+class Gateways:
+    """Those of a program. sockets: that need one, in lower case. answer: what one said first."""
+
+    def __init__(self, program: Program) -> None:
+        self.sockets: set[str] = set()
+        self._routines: set[str] = set()
+        for one in program.procedures:
+            found = {name for node in walk(one.body) if (name := _gateway_socket(node))}
+            if found:
+                self.sockets |= found
+                self._routines.add(one.name.lower())
+        taken = TakenNames((*program.variables, *program.signals, *program.targets))
+        self.answer = identifier("gateway_said", taken)
+
+    def variables(self) -> dict[str, Variable]:
+        return {self.answer: Variable("text")} if self.sockets else {}
+
+    def greeting(self, socket: str) -> Iterator[p.Statement]:
+        """Behind what opens a socket that needs one."""
+        if socket.lower() in self.sockets:
+            answer = e.Name(self.answer)
+            yield p.Send(socket, "line", (e.Text(GREETING),))
+            yield p.Assign(answer, e.Apply("received", (e.Text(socket),)))
+            other = e.Binary("<>", answer, e.Text(GREETING))
+            yield p.If((p.Branch(other, (p.Stop(end=True),)),))
+
+    def tell(self, program: Program, findings: Findings) -> None:
+        """At each statement that sends or takes bytes."""
+        for node in program.statements():
+            if node.span is not None and any(map(self._is_used, records(head(node)))):
+                with findings.at(node.span):
+                    findings.append(rules.GATEWAY())
+
+    def _is_used(self, part: Any) -> bool:
+        match part:
+            case p.Call(name) | e.Apply(name):
+                return name.lower() in self._routines
+        return False
+
+
+def _gateway_socket(node: p.Statement) -> str:
+    """The socket that a text says something for a gateway to, in lower case; else nothing."""
+    if not isinstance(node, p.Opaque) or f"\\{GATEWAY_OPTION}" not in node.text.lower():
+        return ""
+    match instruction_of(node):
+        case s.ProcedureCall(arguments=(s.Positional(s.NameRef(name)), *_)):
+            return name.lower()
+    return ""
+
 
 CHANNEL_TYPES: Final = frozenset(("iodev", "socketdev"))
 SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)

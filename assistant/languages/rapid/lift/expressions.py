@@ -1,9 +1,16 @@
-"""Expressions of RAPID as the pseudo-program's; what it has no word for stays verbatim."""
+"""Expressions of RAPID as those of the pseudo-program, and the text of the date.
+
+An expression that the pseudo-program cannot express becomes `Verbatim`, its text unchanged. `CDate`
+writes the date as 2026-01-31 (functions manual), other languages write it with slashes: the date of
+one language is put together from the parts of the other one's.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from typing import Final
+from dataclasses import replace
+from functools import reduce
+from typing import Any, Final
 
 from assistant.languages.patterns import Reading
 from assistant.languages.rapid.tables import functions
@@ -19,7 +26,9 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.program import Signal
+from assistant.program.program import Program, Signal
+from assistant.program.rewriting import rewrite
+from assistant.program.statement_index import records_in_procedures
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
 _OF_ARM: Final = {word.lower(): name for name, word in functions.OF_ARM.items()}
@@ -162,3 +171,43 @@ def tool_name(name: str) -> str:
 
 def frame_name(name: str) -> str:
     return BASE if name.lower() in ("", "wobj0", BASE) else name
+
+
+RAPID_DATE: Final = "cdate"
+NEUTRAL_DATE: Final = "date_today"
+_DATE_PARTS: Final = ((1, 4), (6, 2), (9, 2))
+"""First character and length of year, month and day."""
+
+
+def with_neutral_dates(program: Program) -> Program:
+    """The program with dates as other languages have them."""
+    return _with_date_function(program, RAPID_DATE, NEUTRAL_DATE, "-")
+
+
+def with_own_dates(program: Program) -> Program:
+    """The program with dates of RAPID."""
+    return _with_date_function(program, NEUTRAL_DATE, RAPID_DATE, "/")
+
+
+def _with_date_function(program: Program, old: str, new: str, between: str) -> Program:
+    used = any(part.function.lower() == old for part in records_in_procedures(program, e.Apply))
+    if not used or program.procedure(old) is not None:
+        return program
+    pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _DATE_PARTS]
+    first, *others = pieces
+    made = reduce(_joined_by(between), others, first)
+
+    def visit(part: Any) -> Any:
+        match part:
+            case e.Apply(name, ()) if name.lower() == old:
+                return made
+        return part
+
+    return replace(program, procedures=rewrite(program.procedures, visit))
+
+
+def _joined_by(between: str) -> Any:
+    def join(left: e.Expression, right: e.Expression) -> e.Expression:
+        return e.Binary("+", e.Binary("+", left, e.Text(between)), right)
+
+    return join

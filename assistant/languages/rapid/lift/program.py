@@ -1,9 +1,13 @@
-"""From the typed trees of modules to the pseudo-program: its data and routines."""
+"""The typed trees of modules as one pseudo-program: its data, routines and comments.
+
+Modules that a task holds beside its main one are units, and a call of what another module declares
+is a call of that unit.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -11,17 +15,19 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from assistant.base.source_text import starts_of
-from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.instructions import NameResolver
-from assistant.languages.rapid.lift.kept_signals import signals_in
-from assistant.languages.rapid.lift.local_names import with_unique_data_names
-from assistant.languages.rapid.lift.modules import with_unit_calls
-from assistant.languages.rapid.lift.paths import PathLift
-from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lift.plain.chosen_signals import chosen_signals
-from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
-from assistant.languages.rapid.lift.timers import timer_clocks
-from assistant.languages.rapid.lift.triggers import TRIGGER_REASONS, TriggerReader
+from assistant.languages.rapid.lift.clocks import timer_clocks
+from assistant.languages.rapid.lift.declared_data import DataLift, PathLift
+from assistant.languages.rapid.lift.flatten.chosen_signals import chosen_signals
+from assistant.languages.rapid.lift.name_clashes import with_unique_data_names
+from assistant.languages.rapid.lift.statements import (
+    TRIGGER_REASONS,
+    NameResolver,
+    StatementLift,
+    TriggerReader,
+    handler,
+    opaque,
+)
+from assistant.languages.rapid.lift.vendor_effects import signals_in, with_places
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
@@ -47,7 +53,47 @@ from assistant.program.program import (
     Variable,
     identifier,
 )
-from assistant.program.rewriting import with_names_replaced, with_spans_from
+from assistant.program.rewriting import Body, map_bodies, with_names_replaced, with_spans_from
+
+
+def with_unit_calls(program: Program) -> Program:
+    """A program whose calls of what stands in another module are calls of that unit."""
+    homes = {q.name.lower(): q.unit for q in program.procedures}
+
+    def home(call: p.Call, own: str | None) -> str | None:
+        there = homes.get(call.procedure.lower())
+        return there if call.unit is None and there != own else call.unit
+
+    return _with_units_changed(program, lambda unit: unit, home)
+
+
+def as_one_unit(program: Program) -> Program:
+    """A program of one unit, where its modules say that the task holds them all."""
+    origin = program.origin
+    modules = () if origin is None else (m for file in origin.trees for m in file.modules)
+    if not any(opening(module).resident for module in modules):
+        return program
+    return _with_units_changed(program, lambda _: None, lambda call, own: None)  # noqa: ARG005
+
+
+def _with_units_changed(
+    program: Program,
+    of: Callable[[str | None], str | None],
+    home: Callable[[p.Call, str | None], str | None],
+) -> Program:
+    def body(statements: Body, own: str | None) -> Body:
+        return tuple(
+            replace(node, unit=home(node, own))
+            if isinstance(node, p.Call)
+            else map_bodies(node, lambda inner: body(inner, own))
+            for node in statements
+        )
+
+    procedures = (
+        replace(q, unit=of(q.unit), body=body(q.body, q.unit)) for q in program.procedures
+    )
+    return replace(program, procedures=tuple(procedures))
+
 
 NOTHING_KEPT: Final = MappingProxyType[int, str]({})
 

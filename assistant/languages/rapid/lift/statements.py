@@ -1,32 +1,222 @@
-"""Statements of RAPID as the pseudo-program's; what it has no word for stays verbatim."""
+"""Statements of RAPID as those of the pseudo-program, with calls of instructions and triggers.
+
+A statement that the pseudo-program cannot express stays as its text (`Opaque`), with the reason. An
+instruction is matched against the rows of `tables/statements.py`. `TriggL` and its kin, with the
+data that `TriggIO` and `TriggEquip` set up, are outputs set on the way of a move.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from assistant.base.diagnostics import Refused, span_over
-from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.instructions import (
-    INSTRUCTION_REASONS,
-    NameResolver,
-    lift_instruction,
+from assistant.languages.patterns import Called, Read, Slot
+from assistant.languages.rapid.lift.clocks import restarted_clock
+from assistant.languages.rapid.lift.declared_data import DataLift, PathLift
+from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
+from assistant.languages.rapid.tables.hands import hand_of
+from assistant.languages.rapid.tables.motions import (
+    BLENDS,
+    SPEED_PARTS,
+    SPEEDS,
+    ZONE_SIZES,
+    computed_zone,
+    speed_of,
+    zone_of,
 )
-from assistant.languages.rapid.lift.paths import PathLift
-from assistant.languages.rapid.lift.timers import restarted_clock
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.statements import ROWS
+from assistant.languages.rapid.tables.triggers import (
+    MEASURES,
+    MORE,
+    MOVES,
+    OUTPUTS,
+    SETUPS,
+    TYPE,
+    Move,
+    Setup,
+)
 from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.triggers import set_up, taken
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.vendor_statements import INTERRUPTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.loops import ascends
-from assistant.program.program import Program
+from assistant.program.passes.trigger_data import (
+    Reasons,
+    Told,
+    TriggerData,
+    TriggeredMove,
+    TriggerSetUp,
+)
+from assistant.program.program import Declaration, Program, Signal
+from assistant.program.vendor_statements import VendorText
+
+EMPTY: Final = MappingProxyType[str, Any]({})
+
+
+class NameResolver:
+    """What the names in instructions stand for.
+
+    original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
+    numbers: values of constants whose names mean nothing else anywhere, by lower-case name.
+    timers: lower-case names of the clocks that are timers. alone: joint targets without external
+    axes, by lower-case names that mean nothing else anywhere.
+    used: signals as instructions use them, filled as statements are lifted.
+    """
+
+    def __init__(
+        self,
+        original: Callable[[str], str] = str,
+        speeds: Mapping[str, Speed] = EMPTY,
+        blends: Mapping[str, Blend] = EMPTY,
+        numbers: Mapping[str, e.Number] = EMPTY,
+        timers: Collection[str] = (),
+        alone: Collection[str] = (),
+    ) -> None:
+        self.original, self.timers = original, timers
+        self.speeds, self.blends, self.numbers, self.alone = speeds, blends, numbers, alone
+        expressions = Expressions(original, timers)
+        self.used = expressions.used
+        self.expression, self.oriented = expressions.of, expressions.oriented
+        kinds: dict[str, Read[s.Expression]] = {
+            **expressions.reading.kinds,
+            "target": lambda node, _: self._place(node),
+            "speed": lambda node, _: self._speed(node),
+            "blend": lambda node, _: self._blend(node),
+            "other": expressions.reading.kinds["frame"],
+            "load": lambda node, _: node if _is_no_load(node) else None,
+            "robot": lambda node, _: self._robot_alone(self.expression(node)),
+            "hand": lambda node, _: self._hand(node),
+            "signal": lambda node, _: self._name(node),
+            **dict.fromkeys(("digital", "analog", "group"), self._signal),
+        }
+        self.reading = replace(expressions.reading, kinds=kinds)
+
+    def _name(self, node: s.Expression) -> str | None:
+        return self.original(node.name) if isinstance(node, s.NameRef) else None
+
+    def _signal(self, node: s.Expression, slot: Slot) -> str | None:
+        """A signal, which is of the kind and direction that the slot tells."""
+        name, kind, direction = self._name(node), slot.kind, slot.of or "output"
+        if name is not None:
+            self.used.append((name, Signal(kind, direction)))  # type: ignore[arg-type]
+        return name
+
+    def _hand(self, node: s.Expression) -> int | None:
+        name = self._name(node)
+        return None if name is None else hand_of(name)
+
+    def _place(self, node: s.Expression) -> e.Expression | None:
+        variable = isinstance(node, s.NameRef | s.Element | s.Component)
+        return self.expression(node) if variable else None
+
+    def known(self, value: e.Expression) -> e.Expression:
+        """The number that a constant stands for; anything else as it is."""
+        return self.numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
+
+    def _robot_alone(self, joints: e.Expression) -> e.Expression | None:
+        """A joint target that says nothing of external axes."""
+        match joints:
+            case e.JointValue(target) if not any(v == v for v in target.external):
+                return joints
+            case e.Name(name) if name.lower() in self.alone:
+                return joints
+        return None
+
+    def _speed(self, node: s.Expression) -> Speed | p.ComputedSpeed | e.Name | None:
+        """By its name, or written out in numbers or in what is worked out."""
+        match node:
+            case s.NameRef(name):
+                return self.speed(name)
+            case s.AggregateNode(items) if len(items) == len(SPEED_PARTS):
+                values = _aggregate_numbers(node)
+                return speed_of(values) if values else p.ComputedSpeed(*map(self._part, items))
+        return None
+
+    def _part(self, node: s.Expression) -> e.Expression:
+        return self.known(self.expression(node))
+
+    def _blend(self, node: s.Expression) -> Blend | p.ComputedBlend | e.Name | None:
+        """By its name, or written out; a stop point has no sizes."""
+        match node:
+            case s.NameRef(name):
+                return self.blend(name)
+            case s.AggregateNode((stop, *sizes)) if len(sizes) == len(ZONE_SIZES) and not (
+                isinstance(stop, s.BoolLiteral)
+                and _aggregate_numbers(s.AggregateNode(tuple(sizes)))
+            ):
+                return computed_zone(self.expression(stop), tuple(map(self._part, sizes)))
+            case s.AggregateNode((s.BoolLiteral(fine), *sizes)):
+                values = _aggregate_numbers(s.AggregateNode(tuple(sizes)))
+                zone = zone_of(fine, values) if len(values) == 6 else None
+                return None if zone is None or (zone.radius is None and any(values)) else zone
+        return None
+
+    def speed(self, name: str) -> Speed | e.Name:
+        return SPEEDS.meant(name, self.speeds) or e.Name(self.original(name))
+
+    def blend(self, name: str) -> Blend | e.Name:
+        return BLENDS.meant(name, self.blends) or e.Name(self.original(name))
+
+    def motion(self, speed: str, zone: str, tool: str, frame: str) -> p.Motion:
+        """frame: empty for none."""
+        named = tool_name(self.original(tool)), frame_name(self.original(frame))
+        return p.Motion(self.speed(speed), self.blend(zone), *named)
+
+
+def lift_instruction(node: s.ProcedureCall, meaning: NameResolver) -> p.Statement | None:
+    """The statement that a call of an instruction is, None if there is none in this form."""
+    call = called(node)
+    return None if call is None else lift_call(call, meaning)
+
+
+def lift_call(call: Called[s.Expression], meaning: NameResolver) -> p.Statement | None:
+    """The same of a call as the rows of tables have it."""
+    said: p.Statement | None = ROWS.read(call, meaning.reading)
+    return said
+
+
+def _is_no_load(node: s.Expression) -> bool:
+    return isinstance(node, s.NameRef) and node.name.lower() == "load0"
+
+
+def _aggregate_numbers(node: s.Expression) -> list[float]:
+    """The numbers in brackets, none if there is anything else in them."""
+    items = node.items if isinstance(node, s.AggregateNode) else ()
+    numbers = [literal_number(item) for item in items]
+    return [] if None in numbers else [float(n) for n in numbers if n is not None]
+
+
+_INTERRUPT_INSTRUCTIONS: Final = (
+    *("isignaldi", "isignaldo", "isignalgi", "isignalgo", "isignalai", "isignalao", "itimer"),
+    *("idelete", "isleep", "iwatch", "ienable", "idisable", "ipers", "ierror", "triggint"),
+)
+_SYNCHRONISED_MOVES: Final = ("syncmoveon", "syncmoveoff", "syncmovesuspend", "syncmoveresume")
+_SEVERAL_ARMS: Final = e.Reason(
+    "arms of several tasks move together there, which no program of one arm does",
+    "move them one after the other, each in its own program",
+)
+INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
+    "pulsedo": e.Reason(
+        r"without \High the pulse is the other value than that which the signal has",
+        r"write `\High`, or set the signal, wait and set it back",
+    ),
+    **dict.fromkeys(_INTERRUPT_INSTRUCTIONS, INTERRUPTS),
+    **dict.fromkeys(_SYNCHRONISED_MOVES, _SEVERAL_ARMS),
+}
+"""Why calls of instructions stay as their text, by lower-case name."""
+
 
 BY_COMPONENTS: Final = "say it with the components, one by one"
 """What to do where a record is used in a way that no plain data can be."""
@@ -202,3 +392,88 @@ def handler(node: s.Handler) -> p.Opaque:
 def _opaque(node: s.Node, text: str) -> p.Opaque:
     effect = effects.of_nodes((node,), text)
     return p.Opaque(verbatim.LANGUAGE, text, span=node.span, effect=effect)
+
+
+TRIGGER_REASONS: Final = Reasons(
+    special=e.Reason(
+        "what happens on the way of the move is not only that one output is given a number there",
+        r"set an output by TriggIO or TriggEquip with \DOp, \GOp or \AOp and no more options",
+    ),
+    uncertain=e.Reason(
+        "which output the move sets where depends on how the program came here",
+        "set the triggdata up with plain numbers, in the statements before the move",
+    ),
+    move=e.Reason(
+        "the move states more than its speed, zone, tool and work object",
+        "leave out its other options",
+    ),
+)
+
+
+class TriggerReader:
+    """Understands kept texts. own: whether a lower-case name is that of a routine of the user's."""
+
+    def __init__(self, meaning: NameResolver, own: Callable[[str], bool]) -> None:
+        self.meaning, self.own = meaning, own
+
+    def told(self, kept: VendorText) -> Told | None:
+        """What a text is to outputs on the way of moves."""
+        match _trigger_node(kept):
+            case s.Data(storage=storage, type=type, name=name) as node if type.lower() == TYPE:
+                plain = storage == "VAR" and node.scope != "TASK" and not node.dimensions
+                inside = not isinstance(kept, Declaration)
+                return TriggerData(name.lower(), plain, own=inside or node.scope == "LOCAL")
+            case s.ProcedureCall(str(word)) as node if word.lower() in MOVES:
+                return self._taking(MOVES[word.lower()], node)
+            case s.ProcedureCall(str(word)) as node if name := set_up(node):
+                return self._set_up(SETUPS[word.lower()], name, node)
+        return None
+
+    def _taking(self, known: Move, node: s.ProcedureCall) -> TriggeredMove:
+        """It can be said where plain variables alone are taken."""
+        call, names = called(node), tuple(one.name.lower() for one in taken(node))
+        if call is None:
+            return TriggeredMove(names, None)
+        given = [*call.given[: known.place], *call.given[known.place + 1 :]]
+        options = {name: x for name, x in call.options.items() if name not in MORE}
+        plain = len(names) == 1 + len(call.options) - len(options)
+        move = lift_call(Called(known.plain, given, options), self.meaning) if plain else None
+        return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
+
+    def _set_up(self, known: Setup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
+        """It can be said of one output, without more options or functions of the user's.
+
+        Those are to be called once, and there.
+        """
+        call, calls = called(node), (x for x in nodes(node) if isinstance(x, s.FunctionCall))
+        if call is None or any(self.own(x.name.lower()) for x in calls):
+            return TriggerSetUp(name)
+        kinds = [kind for option, kind in OUTPUTS.items() if option in call.options]
+        signals = [x for option, x in call.options.items() if option in OUTPUTS]
+        measures = [option for option in call.options if option in known.measures]
+        alone = len(call.options) == len(signals) + len(measures) and len(measures) <= 1
+        given = [one for one in call.given if one is not None]
+        match signals:
+            case [s.NameRef(signal)] if alone and len(given) == known.count:
+                _, amount, *delay, value = map(self.meaning.expression, given)
+                measure = MEASURES["".join(measures)]
+                values = (value, amount, *delay)
+                trigger = p.Trigger(
+                    self.meaning.original(signal), value, amount, measure, None, *delay
+                )
+                fixed = all(isinstance(self.meaning.known(x), e.Number) for x in values)
+                return TriggerSetUp(name, trigger, Signal(kinds[0], "output"), fixed)
+        return TriggerSetUp(name)
+
+
+def _trigger_node(kept: VendorText) -> Any:
+    """The one declaration or statement that a text is, if it has to do with triggers."""
+    if kept.language != verbatim.LANGUAGE or "trigg" not in kept.text.lower():
+        return None
+    read: Callable[[str], tuple[s.Node, ...]] = (
+        verbatim.items if isinstance(kept, Declaration) else verbatim.statements
+    )
+    match verbatim.understood(read, kept.text):
+        case (node,):
+            return node
+    return None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.lift.timers import CLOCK_TYPE as CLOCK
+from assistant.languages.rapid.lift.clocks import CLOCK_TYPE as CLOCK
 from assistant.languages.rapid.lower.expressions import RECORDS, Expressions, bracketed
 from assistant.languages.rapid.tables.motions import (
     speed_name,

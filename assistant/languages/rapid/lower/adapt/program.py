@@ -9,9 +9,9 @@ from assistant.base.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.languages.language_types import Adapted
 from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.data import fixed_target
-from assistant.languages.rapid.lift.dates import with_own_dates
-from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lift.declared_data import fixed_target
+from assistant.languages.rapid.lift.expressions import with_own_dates
+from assistant.languages.rapid.lift.vendor_effects import with_places
 from assistant.languages.rapid.lower.adapt.breaking import with_breaks
 from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS

@@ -1,0 +1,1 @@
+"""Flattening: RAPID's records, optional parameters and routines by reference as plain data."""

@@ -1,0 +1,604 @@
+"""Signals that are chosen as the program runs: `AliasIO` with a text, or in several places.
+
+`VAR signaldo x` that may be `doA` and `doB` becomes a number: `AliasIO "do"+c,x;` chooses it,
+`SetDO x,1;` sets the chosen signal, and `x` in an expression becomes a function of the program. A
+variable that always stands for one signal is that signal. `GetDataVal` of a signal variable does
+what `AliasIO` does. For any other name the program ends. A text variable may have any text that the
+program assigns to it anywhere; texts that are read, cut or received are not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from assistant.base.diagnostics import Diagnostic
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.flatten.data_names import FreshNames
+from assistant.languages.rapid.lift.name_clashes import with_unique_data_names
+from assistant.languages.rapid.tables.signal_types import SIGNALS, VALUES
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import lists, mentions, nodes, root
+from assistant.program.program import Signal
+from assistant.program.rewriting import rewrite
+
+_CHOOSING: Final = ("aliasio", "getdataval")
+_END_PROGRAM: Final = s.Word("EXIT")
+READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUES.values()), "testdi"))
+"""Functions of the value of a signal, in lower case."""
+
+
+@dataclass(slots=True)
+class ChosenSignal:
+    """One variable. inside: the routine that declares it, None for a module. names: of what
+    it may be. choice, function: what holds the choice, and what gives the value.
+    """
+
+    data: s.Data
+    inside: s.Routine | None
+    names: tuple[str, ...] = ()
+    choice: str = ""
+    function: str = ""
+
+    @property
+    def key(self) -> tuple[int, str]:
+        return (0 if self.inside is None else id(self.inside)), self.data.name.lower()
+
+
+def chooses(node: Any) -> bool:
+    match node:
+        case s.ProcedureCall(str(word), (s.Positional(), s.Positional(s.NameRef()))):
+            return word.lower() in _CHOOSING
+    return False
+
+
+def is_named(node: Any, name: str) -> bool:
+    return isinstance(node, s.NameRef) and node.name.lower() == name
+
+
+@dataclass(slots=True)
+class ChoiceWriter:
+    """Writes choices. remarks: by `id` of the module."""
+
+    chosen: Sequence[ChosenSignal]
+    remarks: dict[int, list[Diagnostic]] = field(default_factory=dict)
+    here: dict[str, ChosenSignal] = field(default_factory=dict)
+    said: list[Diagnostic] = field(default_factory=list)
+
+    def module(self, module: s.Module) -> s.Module:
+        self.said = self.remarks.setdefault(id(module), [])
+        items: list[s.Item] = []
+        for item in module.items:
+            if isinstance(item, s.Data):
+                one = next((x for x in self.chosen if x.data is item), None)
+                items += [item] if one is None else _choice_items(one)
+            elif isinstance(item, s.Routine):
+                items.append(self.routine(item))
+                for one in self.chosen:
+                    if one.inside is item:
+                        items += _choice_items(one)
+            else:
+                items.append(item)
+        same = len(items) == len(module.items)
+        same = same and all(a is b for a, b in zip(items, module.items, strict=True))
+        return module if same else replace(module, items=tuple(items))
+
+    def routine(self, routine: s.Routine) -> s.Routine:
+        own = {x.name.lower() for x in nodes(routine) if isinstance(x, s.Data | s.ParameterNode)}
+        self.here = {
+            one.data.name.lower(): one
+            for one in self.chosen
+            if one.inside is routine or (one.inside is None and one.data.name.lower() not in own)
+        }
+        names = {x.name.lower() for x in nodes(routine) if isinstance(x, s.NameRef)}
+        if names.isdisjoint(self.here):
+            return routine
+        self.here = {name: one for name, one in self.here.items() if name in names}
+        body = self.body(routine.body)
+        handlers = tuple(replace(h, body=self.body(h.body)) for h in routine.handlers)
+        return replace(routine, body=body, handlers=handlers)
+
+    def body(self, body: Sequence[s.StatementNode]) -> tuple[s.StatementNode, ...]:
+        return tuple(made for node in body for made in self.statement(node))
+
+    def statement(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
+        match node:
+            case s.Data() if any(node is one.data for one in self.here.values()):
+                return
+            case s.ProcedureCall(str(), (s.Positional(source), s.Positional(s.NameRef(name)))) if (
+                chooses(node) and name.lower() in self.here
+            ):
+                yield from self.choice(self.here[name.lower()], source, node)
+            case s.ProcedureCall():
+                yield self.done(node)
+            case s.IfThen(branches, otherwise):
+                made = tuple(
+                    replace(
+                        b,
+                        condition=b.condition and self.value(b.condition),
+                        body=self.body(b.body),
+                    )
+                    for b in branches
+                )
+                other = None if otherwise is None else self.body(otherwise)
+                yield replace(node, branches=made, otherwise=other)
+            case s.CompactIf(condition, statement):
+                inner = self.body((statement,))
+                asked = self.value(condition)
+                if len(inner) == 1:
+                    yield replace(node, condition=asked, statement=inner[0])
+                else:
+                    yield s.IfThen((s.IfBranch(asked, inner),), span=node.span)
+            case s.WhileLoop(condition, body):
+                yield replace(node, condition=self.value(condition), body=self.body(body))
+            case s.ForLoop(body=body):
+                outer = self.value(replace(node, body=()))
+                yield replace(outer, body=self.body(body))
+            case s.TestOf(subject, cases, otherwise):
+                tried = tuple(
+                    replace(c, values=self.value(c.values), body=self.body(c.body)) for c in cases
+                )
+                other = None if otherwise is None else self.body(otherwise)
+                subject = self.value(subject)
+                yield replace(node, subject=subject, cases=tried, otherwise=other)
+            case _:
+                yield self.value(node)
+
+    def choice(
+        self, one: ChosenSignal, source: s.Expression, node: s.ProcedureCall
+    ) -> Iterator[s.StatementNode]:
+        """`AliasIO` as the number of the signal that is chosen."""
+        if not one.choice:
+            return
+        target = s.NameRef(one.choice)
+        names = {name.lower(): at for at, name in enumerate(one.names, 1)}
+        said = source.value if isinstance(source, s.StringLiteral) else ""
+        said = source.name if isinstance(source, s.NameRef) else said
+        if said.lower() in names:
+            number = s.NumberLiteral(str(names[said.lower()]))
+            yield s.Assignment(target, number, span=node.span)
+            return
+        branches = tuple(
+            s.IfBranch(
+                s.Infix("=", source, s.StringLiteral(name)),
+                (s.Assignment(target, s.NumberLiteral(str(at)), span=node.span),),
+            )
+            for at, name in enumerate(one.names, 1)
+        )
+        if node.span is not None:
+            shown = ", ".join(f"`{name}`" for name in one.names)
+            self.said.append(rules.CHOSEN(name=one.data.name, names=shown, span=node.span))
+        yield s.IfThen(branches, (_END_PROGRAM,), span=node.span)
+
+    def done(self, node: s.ProcedureCall) -> s.StatementNode:
+        """An instruction, to whichever signal is chosen."""
+        made: s.StatementNode = node
+        for name, one in self.here.items():
+            if not any(is_named(part, name) for part in nodes(node)):
+                continue
+            if not one.choice:
+                made = _with_signal(made, name, one.names[0])
+                continue
+            cases = tuple(
+                s.TestCase((s.NumberLiteral(str(at)),), (_with_signal(made, name, signal),))
+                for at, signal in enumerate(one.names, 1)
+            )
+            made = s.TestOf(s.NameRef(one.choice), cases, (_END_PROGRAM,), span=node.span)
+        return made
+
+    def value(self, node: Any) -> Any:
+        """An expression, or a statement without others in it, that reads the chosen signal."""
+
+        def visit(part: Any) -> Any:
+            match part:
+                case s.FunctionCall(str(word), (s.Positional(s.FunctionCall(inner, ())),)):
+                    if word.lower() in READ_FUNCTIONS and inner in functions:
+                        read = s.FunctionCall(inner, ())
+                        if word.lower() == "testdi":
+                            return s.Group(s.Infix("=", read, s.NumberLiteral("1")))
+                        return read
+                case s.NameRef(name) if name.lower() in self.here:
+                    one = self.here[name.lower()]
+                    if not one.choice:
+                        return replace(part, name=one.names[0])
+                    return s.FunctionCall(one.function, ())
+            return part
+
+        functions = {one.function for one in self.here.values() if one.choice}
+        return rewrite(node, visit, ())
+
+
+def _with_signal(node: s.StatementNode, name: str, signal: str) -> s.StatementNode:
+    def visit(part: Any) -> Any:
+        return replace(part, name=signal) if is_named(part, name) else part
+
+    made: s.StatementNode = rewrite(node, visit, ())
+    return made
+
+
+def _choice_items(one: ChosenSignal) -> list[s.Item]:
+    """What holds a choice, and what gives the value of the signal that is chosen."""
+    if not one.choice:
+        return []
+    read = VALUES[one.data.type.lower()]
+    cases = tuple(
+        s.TestCase(
+            (s.NumberLiteral(str(at)),),
+            (s.ReturnFrom(s.FunctionCall(read, (s.Positional(s.NameRef(name)),))),),
+        )
+        for at, name in enumerate(one.names, 1)
+    )
+    test = s.TestOf(s.NameRef(one.choice), cases, (_END_PROGRAM,))
+    body = (test, s.ReturnFrom(s.NumberLiteral("0")))
+    return [
+        s.Data("", "VAR", "num", one.choice, span=one.data.span),
+        s.Routine("FUNC", False, one.function, body, "num"),
+    ]
+
+
+MOST_TEXTS: Final = 60
+"""Texts of one expression; of more nobody chooses one by one."""
+_READING_INSTRUCTIONS: Final = frozenset(
+    {"tpwrite", "errwrite", "errlog", "eventlog", "aliasio", "getdataval", "write", "strlen",
+     "strpart", "strfind", "strmatch", "strtoval", "valtostr"}
+)  # fmt: skip
+"""What is given a text and does not change it, beside routines of the program that take a value."""
+
+TextScope = s.Routine | None
+"""Where a name stands: in a routine, or in the modules."""
+
+
+class KnownTexts:
+    """Knows the texts of a program."""
+
+    def __init__(self, modules: Sequence[s.Module]) -> None:
+        items = [item for module in modules for item in module.items]
+        self.routines: dict[str, s.Routine] = {}
+        twice: set[str] = set()
+        for item in items:
+            if isinstance(item, s.Routine):
+                twice |= {item.name.lower()} & self.routines.keys()
+                self.routines[item.name.lower()] = item
+        self.declared = {i.name.lower(): i for i in items if isinstance(i, s.Data)}
+        self.parameters = {
+            (id(r), name) for r in self.routines.values() for name in _value_parameters(r)
+        }
+        self.own = {
+            id(item): _declared_names(item) for item in items if isinstance(item, s.Routine)
+        }
+        self.given: dict[tuple[int, str], list[tuple[TextScope, s.Expression]]] = {}
+        self.lost: set[tuple[int, str]] = set()
+        """Variables that something changes beside assignments, by scope and lower-case name."""
+        for item in items:
+            scope = item if isinstance(item, s.Routine) else None
+            for node in nodes(item):
+                self._look(node, scope)
+        for name in twice:
+            self.lost |= {key for key in self.given if key[0] == id(self.routines[name])}
+
+    def _key(self, name: str, scope: TextScope) -> tuple[int, str]:
+        inside = scope is not None and name.lower() in self.own.get(id(scope), ())
+        return (id(scope) if inside else 0), name.lower()
+
+    def _look(self, node: Any, scope: TextScope) -> None:
+        match node:
+            case s.Assignment(s.NameRef(name), value):
+                self.given.setdefault(self._key(name, scope), []).append((scope, value))
+            case s.Assignment(target):
+                found = root(target)
+                if found is not None:
+                    self.lost.add(self._key(found.name, scope))
+            case s.Data(name=name, value=value, dimensions=()) if value is not None:
+                self.given.setdefault(self._key(name, scope), []).append((scope, value))
+            case s.ProcedureCall() | s.FunctionCall():
+                self._called(node, scope)
+
+    def _called(self, node: s.ProcedureCall | s.FunctionCall, scope: TextScope) -> None:
+        word = node.name.lower() if isinstance(node.name, str) else ""
+        routine = self.routines.get(word)
+        modes: Mapping[str, str] = {}
+        places: Iterator[s.ParameterNode | None] = iter(())
+        if routine is not None:
+            groups = [g for g in routine.parameters if not g.optional]
+            places = (_single_parameter(group) for group in groups)
+            every = (one for g in routine.parameters for one in g.alternatives)
+            modes = {x.name.lower(): x.mode for x in every if isinstance(x, s.ParameterNode)}
+        for argument in node.arguments:
+            value = getattr(argument, "value", None)
+            if isinstance(argument, s.Positional):
+                taken = next(places, None)
+                name = "" if taken is None else taken.name
+            else:
+                name = argument.name
+            mode = modes.get((name or "").lower())
+            if routine is not None and mode == "" and value is not None:
+                key = id(routine), str(name).lower()
+                self.given.setdefault(key, []).append((scope, value))
+            elif isinstance(argument, s.Conditional):
+                self.lost.add((id(routine), argument.name.lower()))
+            elif word not in _READING_INSTRUCTIONS and (found := root(value)) is not None:
+                self.lost.add(self._key(found.name, scope))
+                if routine is not None:
+                    self.lost.add((id(routine), str(name).lower()))
+
+    # ------------------------------------------------------------------------------ texts
+
+    def of(self, node: s.Expression, scope: TextScope) -> frozenset[str] | None:
+        """The texts that an expression may give, None if that is not known."""
+        return self._of(node, scope, frozenset())
+
+    def _of(
+        self, node: s.Expression, scope: TextScope, asked: frozenset[tuple[int, str]]
+    ) -> frozenset[str] | None:
+        match node:
+            case s.StringLiteral(value):
+                return frozenset((value,))
+            case s.Group(inner):
+                return self._of(inner, scope, asked)
+            case s.Infix("+", left, right):
+                first, second = self._of(left, scope, asked), self._of(right, scope, asked)
+                if first is None or second is None or len(first) * len(second) > MOST_TEXTS:
+                    return None
+                return frozenset(a + b for a in first for b in second)
+            case s.NameRef(name):
+                return self._named(name, scope, asked)
+        return None
+
+    def _named(
+        self, name: str, scope: TextScope, asked: frozenset[tuple[int, str]]
+    ) -> frozenset[str] | None:
+        key = self._key(name, scope)
+        if key in self.lost or key in asked:
+            return None
+        if key not in self.given and key not in self.parameters:
+            return None
+        if key[0] == 0 and key[1] not in self.declared:
+            return None
+        found: frozenset[str] = frozenset()
+        for where, value in self.given.get(key, ()):
+            texts = self._of(value, where, asked | {key})
+            if texts is None or len(found | texts) > MOST_TEXTS:
+                return None
+            found |= texts
+        return found
+
+
+def _single_parameter(group: s.ParameterGroup) -> s.ParameterNode | None:
+    match group.alternatives:
+        case (s.ParameterNode() as one,):
+            return one
+    return None
+
+
+def _value_parameters(routine: s.Routine) -> Iterator[str]:
+    """Parameters that take a value, in lower case, which they have from calls alone."""
+    for group in routine.parameters:
+        for one in group.alternatives:
+            if isinstance(one, s.ParameterNode) and not one.mode:
+                yield one.name.lower()
+
+
+def _declared_names(routine: s.Routine) -> frozenset[str]:
+    """What a routine declares, in lower case."""
+    return frozenset(
+        node.name.lower() for node in nodes(routine) if isinstance(node, s.Data | s.ParameterNode)
+    )
+
+
+_CHOICE_INSTRUCTIONS: Final = ("aliasio", "getdataval")
+LEAST_CHOICES: Final = 2
+"""Letters that a name has to begin with before names of signals are taken for what it may be."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignalChoices:
+    """modules: with choices for such signals. remarks: findings of each. signals: that may be
+    chosen. gone: the variables that stood for them, in lower case.
+    """
+
+    modules: Sequence[s.Module]
+    remarks: Sequence[tuple[Diagnostic, ...]]
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    gone: frozenset[str] = frozenset()
+
+
+def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
+    """The modules with choices; themselves where there are none."""
+    chosen: list[ChosenSignal] = []
+    if any(map(chooses, nodes(tuple(modules)))):
+        chosen = _SignalVariables(modules).found()
+    if not chosen:
+        return SignalChoices(modules, ((),) * len(modules))
+    fresh = FreshNames(modules)
+    for one in chosen:
+        if len(one.names) > 1:
+            one.choice = fresh(f"{one.data.name}_choice")
+            one.function = fresh(f"{one.data.name}_value")
+    work = ChoiceWriter(chosen)
+    made = [work.module(module) for module in modules]
+    remarks = tuple(tuple(work.remarks[id(module)]) for module in modules)
+    signals = {name: SIGNALS[one.data.type.lower()] for one in chosen for name in one.names}
+    gone = frozenset(one.data.name.lower() for one in chosen)
+    return SignalChoices(made, remarks, signals, gone)
+
+
+def chosen_signals(files: Sequence[s.File]) -> Mapping[str, Signal]:
+    """Signals that texts alone may name."""
+    if not mentions(files, _CHOICE_INSTRUCTIONS):
+        return {}
+    modules = with_unique_data_names([module for file in files for module in file.modules])
+    return with_chosen_signals(modules).signals
+
+
+class _SignalVariables:
+    """What signal variables may stand for."""
+
+    def __init__(self, modules: Sequence[s.Module]) -> None:
+        self.texts = KnownTexts(modules)
+        self.items = [item for module in modules for item in module.items]
+        self.variables: dict[tuple[int, str], ChosenSignal] = {}
+        for item in self.items:
+            inside = item if isinstance(item, s.Routine) else None
+            for node in (item,) if inside is None else inside.body:
+                match node:
+                    case s.Data(storage="VAR", type=type, dimensions=()) if type.lower() in VALUES:
+                        one = ChosenSignal(node, inside)
+                        self.variables[one.key] = one
+        self.sources: dict[tuple[int, str], set[str] | None] = {}
+
+    def found(self) -> list[ChosenSignal]:
+        declared = {i.name.lower() for i in self.items if isinstance(i, s.Data)}
+        self.declared = declared
+        signals = {n for n in self._names() if n.lower() not in declared}
+        for item in self.items:
+            if isinstance(item, s.Routine):
+                for body in lists(item):
+                    self._look(body, item, signals)
+        chosen = []
+        for key, names in self.sources.items():
+            one = self.variables.get(key)
+            if one is None or not names or len(names) > MOST_TEXTS:
+                continue
+            spelled = {name.lower(): name for name in sorted(names, reverse=True)}
+            one.names = tuple(sorted(spelled.values(), key=str.lower))
+            if self._is_only_used_well(one):
+                chosen.append(one)
+        return chosen
+
+    def _names(self) -> Iterator[str]:
+        for node in nodes(tuple(self.items)):
+            if isinstance(node, s.NameRef):
+                yield node.name
+
+    def variable(self, name: str, inside: s.Routine) -> ChosenSignal | None:
+        low = name.lower()
+        if low in self.texts.own.get(id(inside), ()):
+            return self.variables.get((id(inside), low))
+        return self.variables.get((0, low))
+
+    def _look(self, body: Sequence[s.StatementNode], inside: s.Routine, signals: set[str]) -> None:
+        for at, node in enumerate(body):
+            match node:
+                case s.ProcedureCall(str(), (s.Positional(source), s.Positional(s.NameRef(name)))):
+                    if chooses(node) and (one := self.variable(name, inside)) is not None:
+                        names = self._sources(source, body[:at], inside, signals)
+                        known = self.sources.setdefault(one.key, set())
+                        both = None if names is None or known is None else known | names
+                        self.sources[one.key] = both
+
+    def _sources(
+        self,
+        source: s.Expression,
+        before: Sequence[s.StatementNode],
+        inside: s.Routine,
+        signals: set[str],
+    ) -> set[str] | None:
+        """Names of signals that a first argument may mean."""
+        if isinstance(source, s.NameRef):
+            low = source.name.lower()
+            own = self.texts.own.get(id(inside), ())
+            if low not in own and low not in self.declared:
+                return {source.name}
+            if self.variable(low, inside) is not None:
+                return None
+            source = _assigned_before(low, before) or source
+        texts = self.texts.of(source, inside)
+        if texts is not None:
+            return set(texts)
+        start = self._start(source, inside)
+        like = {
+            name for name in signals if len(start) >= LEAST_CHOICES and _starts_with(name, start)
+        }
+        return like or None
+
+    def _start(self, source: s.Expression, inside: s.Routine) -> str:
+        """What a text surely begins with."""
+        while isinstance(source, s.Infix) and source.operator == "+":
+            source = source.left
+        texts = self.texts.of(source, inside)
+        return next(iter(texts)) if texts is not None and len(texts) == 1 else ""
+
+    def _is_only_used_well(self, one: ChosenSignal) -> bool:
+        """Whether every use of a variable is one that a choice may stand for."""
+        if len(one.names) == 1:
+            return True
+        for item in self.items if one.inside is None else (one.inside,):
+            if not isinstance(item, s.Routine):
+                continue
+            if one.inside is None and one.data.name.lower() in self.texts.own[id(item)]:
+                continue
+            for body in lists(item):
+                for node in body:
+                    if not _is_supported(node, one.data.name.lower()):
+                        return False
+        return True
+
+
+def _starts_with(name: str, start: str) -> bool:
+    return name.lower().startswith(start.lower()) and len(name) > len(start)
+
+
+def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expression | None:
+    """What a variable was given right before, in the same list of statements."""
+    for node in reversed(before):
+        match node:
+            case s.Assignment(s.NameRef(target), value):
+                if target.lower() == name:
+                    return value
+            case s.ProcedureCall() if chooses(node):
+                continue
+            case s.CommentLine():
+                continue
+            case _:
+                return None
+    return None
+
+
+def _is_supported(node: s.StatementNode, name: str) -> bool:
+    """Whether a statement, without the blocks in it, may name a variable as it does."""
+    if isinstance(node, s.ProcedureCall | s.Data):
+        return True
+    shallow = _own_expressions(node)
+    plain = sum(is_named(part, name) for part in nodes(shallow))
+    return plain == sum(_is_value_read(part, name) for part in nodes(shallow)) + _bare_uses(
+        shallow, name
+    )
+
+
+def _own_expressions(node: Any) -> Any:
+    """The expressions of a statement."""
+    match node:
+        case s.IfThen(branches):
+            return tuple(b.condition for b in branches if b.condition is not None)
+        case s.CompactIf(condition):
+            return (condition,)
+        case s.WhileLoop(condition):
+            return (condition,)
+        case s.ForLoop(first=first, last=last, step=step):
+            return tuple(one for one in (first, last, step) if one is not None)
+        case s.TestOf(subject, cases):
+            return (subject, *(value for case in cases for value in case.values))
+    return (node,)
+
+
+def _is_value_read(node: Any, name: str) -> bool:
+    """Whether it is a function of the value of a signal, or the signal compared."""
+    match node:
+        case s.FunctionCall(str(word), (s.Positional(s.NameRef(inner)),)):
+            return inner.lower() == name and word.lower() in READ_FUNCTIONS
+    return False
+
+
+def _bare_uses(shallow: Any, name: str) -> int:
+    """How often it stands for its value by itself: as a side of an operation, or as the whole."""
+    count = sum(is_named(one, name) for one in shallow)
+    for node in nodes(shallow):
+        match node:
+            case s.Infix(_, left, right):
+                count += is_named(left, name) + is_named(right, name)
+            case s.Prefix(_, inner) | s.Group(inner):
+                count += is_named(inner, name)
+            case s.Assignment(_, value) | s.ReturnFrom(value):
+                count += is_named(value, name)
+    return count

@@ -1,0 +1,1 @@
+"""Constructs that RAPID alone has, as neutral statements for other languages."""
