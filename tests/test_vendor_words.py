@@ -18,7 +18,7 @@ import pytest
 
 from assistant import languages
 from assistant.languages.melfa_basic.tables import vocabulary
-from assistant.languages.rapid.tables.predefined import taken
+from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.tables.words import RESERVED, SPEEDS, ZONES
 from assistant.robots import programming
 
@@ -80,7 +80,7 @@ EXCEPTIONS: Final = {
 
 def vendor_words() -> frozenset[str]:
     """Lower-case words of every language's tables, and what the languages are called."""
-    found = {*taken(), *RESERVED} - {*SPEEDS, *ZONES}
+    found = {*taken_names(), *RESERVED} - {*SPEEDS, *ZONES}
     for row in vocabulary.statements().values():
         found.update(row.word.lower().split())
     found |= {name.lower() for name in (*vocabulary.functions(), *vocabulary.variables())}

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText
 from assistant.languages.language import Language
 from assistant.languages.language_types import ARITHMETIC, Adapted, Part, Precision
-from assistant.languages.rapid.reading.tasks import LOADING, program_of, surroundings
+from assistant.languages.rapid.reading.tasks import LOADING, surroundings, task_folder
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program
@@ -119,25 +119,25 @@ class Rapid(Language["File"]):
         return EditableRapid()
 
     def parts(self, tree: File) -> Iterator[Part]:
-        from assistant.languages.rapid.tree.walk import data
+        from assistant.languages.rapid.tree.walk import source_parts
 
-        return data(tree)
+        return source_parts(tree)
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.rapid.checks.wanted import wanted
-        from assistant.languages.rapid.text.elsewhere import with_elsewhere
+        from assistant.languages.rapid.text.elsewhere import with_controller_data
 
-        return wanted(with_elsewhere(trees))
+        return wanted(with_controller_data(trees))
 
     def supplied(self, given: Supplied, trees: Sequence[File]) -> str:
-        from assistant.languages.rapid.lower.supplied import supplied
+        from assistant.languages.rapid.lower.supplied import cell_module_text
 
-        return supplied(given, [one.name.lower() for tree in trees for one in tree.modules])
+        return cell_module_text(given, [one.name.lower() for tree in trees for one in tree.modules])
 
     def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
-        from assistant.languages.rapid.lower.supplied import with_values
+        from assistant.languages.rapid.lower.supplied import with_cell_values
 
-        changed, left = with_values(trees, given)
+        changed, left = with_cell_values(trees, given)
         return super().with_supplied(changed, left, path) if left else changed
 
     def kept_secret(self, tree: File) -> str:
@@ -156,14 +156,14 @@ class Rapid(Language["File"]):
         return words_of(text, self.comment_mark) - frozenset(own_names(tree))
 
     def effect(self, text: str, kind: VendorTextKind) -> Effect:
-        from assistant.languages.rapid.text.effects import of_text
+        from assistant.languages.rapid.text.effects import effect_of_text
 
-        return of_text(text, kind)
+        return effect_of_text(text, kind)
 
     def said(self, text: str) -> Iterator[tuple[str, str]]:
-        from assistant.languages.rapid.text.said import said
+        from assistant.languages.rapid.text.said import module_pieces
 
-        return said(text)
+        return module_pieces(text)
 
     def declares(self, text: str) -> str:
         from assistant.languages.rapid.text.verbatim import declares
@@ -173,9 +173,9 @@ class Rapid(Language["File"]):
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.checks.single_rows import with_single_rows
         from assistant.languages.rapid.lift.program import lift
-        from assistant.languages.rapid.text.elsewhere import with_elsewhere
+        from assistant.languages.rapid.text.elsewhere import with_controller_data
 
-        return lift(with_single_rows(with_elsewhere(trees), unknown=False))
+        return lift(with_single_rows(with_controller_data(trees), unknown=False))
 
     def told(self, program: Program, to: Language[Any]) -> Program:
         from assistant.languages.rapid.lift.for_other_vendor import with_flat_data
@@ -246,12 +246,12 @@ class Rapid(Language["File"]):
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.rapid.checks import check
-        from assistant.languages.rapid.text.elsewhere import with_elsewhere
+        from assistant.languages.rapid.text.elsewhere import with_controller_data
 
-        return check(with_elsewhere(trees))
+        return check(with_controller_data(trees))
 
     def program_of(self, path: FilePath) -> FilePath:
-        return program_of(path)
+        return task_folder(path)
 
 
 NOT_SHOWN: Final = "NOVIEW"

@@ -10,7 +10,7 @@ from typing import Final
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as rapid
-from assistant.languages.rapid.tree.mechanical_units import place_of, unit_of
+from assistant.languages.rapid.tree.mechanical_units import carrying_unit, still_frame_name
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.geometry import Frame, Pose
 
@@ -64,7 +64,7 @@ def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
     changes: list[Change] = []
     found: set[str] = set()
     for node in nodes(tree.parts if isinstance(tree, rapid.File) else ()):
-        stands = cell.standing.get(place_of(unit_of(node)).lower())
+        stands = cell.standing.get(still_frame_name(carrying_unit(node)).lower())
         if stands is not None and isinstance(node, rapid.AggregateNode):
             values = zip(node.items[1:4], ("TRUE", '""', _listed(stands)), strict=True)
             changes += ((item.span, value) for item, value in values if item.span is not None)

@@ -17,7 +17,13 @@ from assistant.base import rotations
 from assistant.languages.rapid.text.header import read_header
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
-from assistant.languages.rapid.tree.runs import CIRCULAR, MOVES, PARTS, MoveRun, TargetRun
+from assistant.languages.rapid.tree.runs import (
+    CIRCULAR,
+    PLAIN_MOVES,
+    TARGET_PARTS,
+    MoveRun,
+    TargetRun,
+)
 
 Said = tuple[Any, ...]
 """What a node says, as nested tuples that compare."""
@@ -107,7 +113,7 @@ def _move_rows(run: MoveRun) -> Iterator[Said]:
         names = (*points, motion.speed, motion.zone, motion.tool)
         options = {("wobj", ("name", motion.frame.lower()))} if motion.frame else set()
         yield _called(
-            MOVES[int(run.kinds[row])].lower(), [("name", n.lower()) for n in names], options
+            PLAIN_MOVES[int(run.kinds[row])].lower(), [("name", n.lower()) for n in names], options
         )
 
 
@@ -173,7 +179,7 @@ class NearTurn(Near):
 
 
 def _target(values: Sequence[float]) -> Said:
-    position, quaternion, configuration, external = (list(values[a:b]) for a, b in PARTS)
+    position, quaternion, configuration, external = (list(values[a:b]) for a, b in TARGET_PARTS)
     return (
         "target",
         Near(position),

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.rows import find_runs
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import FEWEST
+from assistant.languages.rapid.tree.runs import FEWEST_IN_RUN
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")
@@ -43,7 +43,7 @@ def rows(draw: st.DrawFn) -> str:
     written = draw(st.lists(values(), min_size=1, max_size=3))
     end = draw(st.sampled_from(["", "", " "])) + draw(st.sampled_from(["\n", "\r\n"]))
     lines = []
-    for i in range(draw(st.integers(FEWEST - 1, 2 * FEWEST + 3))):
+    for i in range(draw(st.integers(FEWEST_IN_RUN - 1, 2 * FEWEST_IN_RUN + 3))):
         value = written[i % len(written)]
         stem = draw(st.sampled_from(["p", "p", "p", "seam_", "x0"]))
         tail = draw(
@@ -159,11 +159,11 @@ def test_written_targets_become_columns() -> None:
 def test_written_targets_lift_as_single_moves_do() -> None:
     line = "MoveJ [[1,2,3],[0,1,0,0],[0,-1,0,0],[5,9E9,9E9,9E9,9E9,9E9]],v100,z1,tool0\\WObj:=w;\n"
     (few,) = RAPID.lift(parse(module("", line))).procedures
-    (many,) = RAPID.lift(parse(module("", line * 2 * FEWEST))).procedures
-    assert many.body == few.body * 2 * FEWEST
+    (many,) = RAPID.lift(parse(module("", line * 2 * FEWEST_IN_RUN))).procedures
+    assert many.body == few.body * 2 * FEWEST_IN_RUN
 
 
 def test_a_row_that_cannot_be_read_costs_its_neighbours_nothing() -> None:
     good = f"CONST robtarget p1:={TARGET};\n"
     text = good * 100 + good.replace("3", "3-3") + good * 100
-    assert sum(len(found.node.run) for found in find_runs(text)) >= 200 - 2 * FEWEST
+    assert sum(len(found.node.run) for found in find_runs(text)) >= 200 - 2 * FEWEST_IN_RUN

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from assistant.languages.rapid.reading.parameters import beside
-from assistant.languages.rapid.reading.signals import configured
+from assistant.languages.rapid.reading.parameters import signals_file
+from assistant.languages.rapid.reading.signals import signals_of_file
 from assistant.program.program import Signal
 
 HEAD = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n\n"
 
 
 def one(row: str) -> Signal:
-    ((_, signal),) = configured(f"{HEAD}      {row}\n").signals.items()
+    ((_, signal),) = signals_of_file(f"{HEAD}      {row}\n").signals.items()
     return signal
 
 
@@ -44,7 +44,7 @@ def test_devices_have_their_numbers_one_behind_the_other() -> None:
         '-Name "c" -SignalType "DO" -Device "B1" -DeviceMap "20"',
         '-Name "d" -SignalType "DI" -Device "B2" -DeviceMap "0"',
     ]
-    found = configured(HEAD + "\n".join(f"      {row}" for row in rows)).signals
+    found = signals_of_file(HEAD + "\n".join(f"      {row}" for row in rows)).signals
     assert {name: signal.number for name, signal in found.items()} == {
         "a": 0, "b": 32, "c": 20, "d": 0,
     }  # fmt: skip
@@ -52,18 +52,18 @@ def test_devices_have_their_numbers_one_behind_the_other() -> None:
 
 def test_what_is_connected_and_what_cannot_be_read_is_told() -> None:
     text = f'{HEAD}      -Name "a" -SignalType "XX"\n#\nEIO_CROSS:\n      -Res "Out" -Act1 "a"\n'
-    found = configured(text)
+    found = signals_of_file(text)
     assert (found.signals, found.unread, found.crossed) == ({}, ("a",), frozenset({"out"}))
-    assert not configured("\x00\x01 nothing").known
+    assert not signals_of_file("\x00\x01 nothing").known
 
 
 def test_the_file_of_a_backup_is_found_whatever_its_case(tmp_path: Path) -> None:
     module = tmp_path / "RAPID" / "TASK1" / "PROGMOD" / "m.mod"
     module.parent.mkdir(parents=True)
-    assert beside(module) is None
+    assert signals_file(module) is None
     file = tmp_path / "syspar" / "EIO.CFG"
     file.parent.mkdir()
     file.write_text(HEAD, encoding="utf-8")
-    assert beside(module) == file
+    assert signals_file(module) == file
     (module.parent / "eio.cfg").write_text(HEAD, encoding="utf-8")
-    assert beside(module) == module.parent / "eio.cfg"
+    assert signals_file(module) == module.parent / "eio.cfg"

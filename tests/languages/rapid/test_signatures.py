@@ -89,9 +89,9 @@ def test_data_are_of_known_types() -> None:
 
 
 def test_standard_names_are_those_of_the_table() -> None:
-    sets = (standard.INSTRUCTIONS, standard.FUNCTIONS, standard.OF_OPTIONS)
+    sets = (standard.INSTRUCTIONS, standard.FUNCTIONS, standard.OPTION_ROUTINES)
     assert frozenset().union(*sets) == set(signatures.rows())
     assert sum(map(len, sets)) == len(ALL)
     assert "movel" in standard.INSTRUCTIONS
     assert "offs" in standard.FUNCTIONS
-    assert "arcl" in standard.OF_OPTIONS
+    assert "arcl" in standard.OPTION_ROUTINES

@@ -15,7 +15,7 @@ from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.tables.words import RESERVED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import FEWEST
+from assistant.languages.rapid.tree.runs import FEWEST_IN_RUN
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")
@@ -96,7 +96,7 @@ def declaration(name: str, values: list[str], blank: str) -> str:
 @st.composite
 def tables(draw: st.DrawFn) -> str:
     rows = []
-    for number in range(draw(st.integers(FEWEST - 2, 2 * FEWEST + 3))):
+    for number in range(draw(st.integers(FEWEST_IN_RUN - 2, 2 * FEWEST_IN_RUN + 3))):
         values = draw(st.lists(NUMBER, min_size=17, max_size=17))
         stem = draw(st.sampled_from(["p", "seam_", "x0", "q_1_"]))
         rows.append(declaration(f"{stem}{number}", values, draw(st.sampled_from(["", " "]))))

@@ -12,8 +12,8 @@ from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
 from assistant.languages.checks.names import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
-from assistant.languages.rapid.checks.by_construct import uses
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.by_construct import uses_by_construct
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.tables import signatures
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree.syntax import File
@@ -113,9 +113,9 @@ CASES = [
     Case(rules.UNKNOWN_DATA, "a:=rows{1};", "a:=list{1};"),
     Case(rules.UNKNOWN_DATA, "Incr count;", "IF di_part=1 Incr a;"),
     Case(rules.UNKNOWN_DATA, "grip 1,count;", "SetDO do_open,1;"),
-    Case(rules.MISSING, "MoveL p1,v100,gripper;", "MoveL p1,v100,fine,gripper;"),
-    Case(rules.MISSING, "a:=twice();", "a:=twice(1);"),
-    Case(rules.MISSING, "grip 1;", "grip <ARG>,<ARG>;"),
+    Case(rules.MISSING_ARGUMENTS, "MoveL p1,v100,gripper;", "MoveL p1,v100,fine,gripper;"),
+    Case(rules.MISSING_ARGUMENTS, "a:=twice();", "a:=twice(1);"),
+    Case(rules.MISSING_ARGUMENTS, "grip 1;", "grip <ARG>,<ARG>;"),
     Case(rules.TOO_MANY, "WaitTime 1,2;", "WaitTime\\InPos,1;"),
     Case(rules.TOO_MANY, "Stop 1;", "Stop\\NoRegain;"),
     Case(rules.TOO_MANY, "a:=Abs(1,2);", "a:=Abs(-1);"),
@@ -150,7 +150,7 @@ CASES = [
     Case(rules.FUNCTION_ALONE, "twice 2;", "a:=twice(2);"),
     Case(rules.FUNCTION_ALONE, "Offs p1,1,2,3;", "MoveL Offs(p1,1,2,3),v50,z1,gripper;"),
     Case(rules.NO_FUNCTION, "a:=Stop();", "Stop;"),
-    Case(rules.NO_VALUE, "a:=grip;", "a:=1;"),
+    Case(rules.NAME_WITHOUT_VALUE, "a:=grip;", "a:=1;"),
     Case(rules.NOT_A_ROUTINE, "a 1;", "grip 1,a;"),
     Case(rules.NOT_A_ROUTINE, "stopped;", "CONNECT alarm WITH stopped;"),
     Case(rules.UNKNOWN_TYPE, "", "", "VAR weldseam x;", "VAR part x;"),
@@ -319,7 +319,9 @@ def test_whatever_a_tree_holds_is_judged(files: list[File]) -> None:
     task = Task(files)
     for file in files:
         for one in file.modules:
-            assert all(f.message and f.code in OWN for f in uses(Look(file, one, task)))
+            assert all(
+                f.message and f.code in OWN for f in uses_by_construct(RuleContext(file, one, task))
+            )
 
 
 @given(st.text(st.characters(categories=["L", "Nd"]), max_size=12))

@@ -21,7 +21,7 @@ from assistant.languages.rapid.checks import (
     unused,
 )
 from assistant.languages.rapid.checks.damage import damage_of
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.checks.single_rows import with_single_rows
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.tree import syntax as s
@@ -29,38 +29,38 @@ from assistant.languages.rapid.tree.walk import nodes
 
 __all__ = ["CHECKS", "check", "loaded_files"]
 
-CHECKS: Final[tuple[Check[Look], ...]] = (
-    Check(names.modules, Needs.ORDER),
-    Check(names.duplicates),
-    Check(names.spelling),
+CHECKS: Final[tuple[Check[RuleContext], ...]] = (
+    Check(names.module_names, Needs.ORDER),
+    Check(names.duplicate_names),
+    Check(names.name_spelling),
     Check(flow.declarations, Needs.ORDER),
     Check(flow.handlers, Needs.ORDER),
-    Check(storage.places, Needs.ORDER),
+    Check(storage.storage_places, Needs.ORDER),
     Check(storage.initial_values),
-    Check(storage.dimensions),
-    Check(storage.assignments),
-    Check(storage.connections),
-    Check(names.strings),
-    Check(names.numbers),
-    Check(targets.quaternions),
+    Check(storage.array_dimensions),
+    Check(storage.read_only_data),
+    Check(storage.traps_and_aliases),
+    Check(names.string_lengths),
+    Check(names.number_sizes),
+    Check(targets.quaternion_lengths),
     Check(targets.configurations),
-    Check(motions.arguments),
-    Check(mounted.values, Needs.ORDER),
-    Check(mounted.pairs, Needs.ORDER),
-    Check(timing.never_set_up, Needs.ORDER),
-    Check(timing.long_times),
-    Check(by_construct.uses),
+    Check(motions.motion_names),
+    Check(mounted.equipment_values, Needs.ORDER),
+    Check(mounted.held_pairs, Needs.ORDER),
+    Check(timing.unset_triggers, Needs.ORDER),
+    Check(timing.long_trigger_times),
+    Check(by_construct.uses_by_construct),
     Check(flow.jumps, Needs.ORDER),
-    Check(flow.handled, Needs.ORDER),
+    Check(flow.outside_handlers, Needs.ORDER),
     Check(flow.never_booked, Needs.ORDER),
     Check(flow.returns, Needs.ORDER),
     Check(flow.unreachable, Needs.ORDER),
-    Check(flow.choices, Needs.ORDER),
-    Check(undeclared.names),
+    Check(flow.cases_and_steps, Needs.ORDER),
+    Check(undeclared.undeclared_names),
     Check(arcs.arcs, Needs.ORDER, advice=True),
     Check(timing.endless_waits, advice=True),
-    Check(timing.on_the_fly, advice=True),
-    Check(unused.unused, Needs.ORDER, advice=True),
+    Check(timing.signals_on_the_fly, advice=True),
+    Check(unused.unused_declarations, Needs.ORDER, advice=True),
 )
 """Each looks at one module, and sees what the modules beside it declare."""
 
@@ -81,7 +81,7 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
         for tree in single:
             lacks = Needs.ORDER if has_errors(tree.findings) else Needs.NOTHING
             for module in tree.modules:
-                look = Look(tree, module, task)
+                look = RuleContext(tree, module, task)
                 of_module = findings(CHECKS, look, lacks, compiled=look.compiled)
                 found += undamaged_findings(of_module, damage, tree.source)
     return tuple(dict.fromkeys(found))

@@ -11,7 +11,7 @@ from assistant.base.arrays import Floats
 from assistant.languages.checks.moves import Follower, Moves, Point
 from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.gather import literal_target
@@ -24,40 +24,40 @@ LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""
 LEAST_ANGLE: Final = 1.0
 """degrees between circle point and end, seen from the start (instruction manual, MoveC)."""
-MOST: Final = 100
+MOST_ARCS_REPORTED: Final = 100
 """Arcs of a list of statements with the same mistake that are reported one by one."""
-LONGEST: Final = 240.0
+LONGEST_ARC: Final = 240.0
 """degrees that an arc should go round at most."""
-TARGETS: Final = {"movej": 1, "movel": 1, "movec": 2}
+TARGET_COUNTS: Final = {"movej": 1, "movel": 1, "movec": 2}
 """Plain moves with the number of their targets."""
 
-Frame = tuple[str, str]
+ToolAndFrame = tuple[str, str]
 """The tool and the work object of a move, lower case."""
 
 
-def arcs(look: Look) -> Found:
+def arcs(look: RuleContext) -> Found:
     runs = [n for n in look.all(s.MoveRunNode) if (n.run.kinds == CIRCULAR).any()]
     if not runs and not any(str(c.name).lower() == "movec" for c in look.all(s.ProcedureCall)):
         return
-    known = _Positions(look)
+    known = _KnownPositions(look)
     for routine in look.routines:
         for body in lists(routine):
-            moves = _moves(look, routine, known, body)
+            moves = _moves_of_list(look, routine, known, body)
             if moves is not None:
-                yield from _found(look, moves)
+                yield from _arc_findings(look, moves)
 
 
-def _moves(
-    look: Look, routine: s.Routine, known: _Positions, body: Sequence[s.StatementNode]
+def _moves_of_list(
+    look: RuleContext, routine: s.Routine, known: _KnownPositions, body: Sequence[s.StatementNode]
 ) -> Moves[s.Node] | None:
     """Follows the robot through a list of statements; after what is no move it is nowhere."""
     found: Follower[s.Node] = Follower()
-    here: Frame | None = None
+    here: ToolAndFrame | None = None
     own = {d.type.lower() for d in look.frame(routine)}
     for node in body:
         if isinstance(node, s.MoveRunNode):
             run = node.run
-            frames = Entries(tuple(map(_frame, run.motions.table)), run.motions.index)
+            frames = Entries(tuple(map(_tool_and_frame, run.motions.table)), run.motions.index)
             ends = known.of(run.names) if run.values is None else run.values[:, :3]
             apart = np.zeros(len(run), bool)
             apart[1:] = ~frames.rows(slice(1, None)).equal(frames.rows(slice(-1)))
@@ -67,7 +67,7 @@ def _moves(
             found.table(node, kinds, ends, vias=vias, follows=follows, apart=apart)
             here = frames[-1]
         elif isinstance(node, s.ProcedureCall):
-            targets = _targets(node)
+            targets = _targets_of_move(node)
             if targets is None:
                 here = None
                 continue
@@ -81,13 +81,13 @@ def _moves(
     return found.moves()
 
 
-def _frame(motion: MotionNames) -> Frame:
+def _tool_and_frame(motion: MotionNames) -> ToolAndFrame:
     return motion.tool.lower(), (motion.frame or "wobj0").lower()
 
 
-def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], Frame] | None:
+def _targets_of_move(call: s.ProcedureCall) -> tuple[list[s.Expression], ToolAndFrame] | None:
     """Targets of a plain move, with its tool and work object; None for anything else."""
-    count = TARGETS.get(str(call.name).lower())
+    count = TARGET_COUNTS.get(str(call.name).lower())
     plain = positional(call)
     if count is None or len(plain) != count + 3:
         return None
@@ -96,7 +96,7 @@ def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], Frame] | None:
     return (plain[:count], (tool.lower(), frame.lower())) if tool and frame else None
 
 
-def _found(look: Look, moves: Moves[s.Node]) -> Found:
+def _arc_findings(look: RuleContext, moves: Moves[s.Node]) -> Found:
     rows = np.flatnonzero(moves.kinds == CIRCULAR)
     measures = ArcMeasures.through(
         np.stack([moves.before[rows], moves.vias[rows], moves.ends[rows]], axis=1)
@@ -109,10 +109,10 @@ def _found(look: Look, moves: Moves[s.Node]) -> Found:
         (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
         (rules.ARC_CLOSE, "start and end", close[:, 2]),
         (rules.ARC_STRAIGHT, "", plain & straight),
-        (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST)),
+        (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST_ARC)),
     ):
         faults = np.flatnonzero(bad)
-        for number, at in enumerate(faults[:MOST].tolist(), 1):
+        for number, at in enumerate(faults[:MOST_ARCS_REPORTED].tolist(), 1):
             row = rows[at]
             yield look.finding(
                 rule,
@@ -120,19 +120,21 @@ def _found(look: Look, moves: Moves[s.Node]) -> Found:
                 row=int(moves.row[row]),
                 what=what,
                 angle=float(measures.around[at]),
-                more=like_it(len(faults) - MOST if number == MOST else 0),
+                more=like_it(
+                    len(faults) - MOST_ARCS_REPORTED if number == MOST_ARCS_REPORTED else 0
+                ),
             )
 
 
-class _Positions:
+class _KnownPositions:
     """Positions of the robtargets that a module can name and that nothing changes."""
 
-    def __init__(self, look: Look) -> None:
+    def __init__(self, look: RuleContext) -> None:
         own = [node.run for of, node in look.task.runs if of is look.module and _is_local(node)]
-        local = _indexed(own, [look.module], local=True)
+        local = _indexed_positions(own, [look.module], local=True)
         self._runs = [*look.task.once(_shared_positions), *local]
 
-    def one(self, value: s.Expression, look: Look, routine: s.Routine) -> Point:
+    def one(self, value: s.Expression, look: RuleContext, routine: s.Routine) -> Point:
         """Of an expression."""
         if isinstance(value, s.NameRef):
             found = look.find(value.name, routine)
@@ -161,10 +163,10 @@ def _is_local(node: s.TargetRunNode | s.Data) -> bool:
 def _shared_positions(task: Task) -> list[tuple[TargetRun, NameIndex]]:
     """Positions that all modules of a task can name."""
     runs = [node.run for _, node in task.runs if not _is_local(node)]
-    return _indexed(runs, task.modules, local=False)
+    return _indexed_positions(runs, task.modules, local=False)
 
 
-def _indexed(
+def _indexed_positions(
     runs: Sequence[TargetRun], modules: Sequence[s.Module], *, local: bool
 ) -> list[tuple[TargetRun, NameIndex]]:
     """Runs and single declarations of modules, LOCAL or not, each with an index of its names."""

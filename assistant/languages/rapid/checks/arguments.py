@@ -16,8 +16,8 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.signatures import Call, Given, Misfit, Parameter, Signature, Slot
 
 CallNode = s.ProcedureCall | s.FunctionCall
-RULES: Final[Mapping[Misfit, Rule]] = {
-    Misfit.MISSING: rules.MISSING,
+MISFIT_RULES: Final[Mapping[Misfit, Rule]] = {
+    Misfit.MISSING: rules.MISSING_ARGUMENTS,
     Misfit.TOO_MANY: rules.TOO_MANY,
     Misfit.OTHER_NAME: rules.WRONG_NAME,
     Misfit.UNKNOWN: rules.UNKNOWN_OPTION,
@@ -28,10 +28,10 @@ RULES: Final[Mapping[Misfit, Rule]] = {
 
 
 def call_of(node: CallNode, routine: Signature) -> Call[s.Node]:
-    return Call([_given(argument) for argument in node.arguments], routine)
+    return Call([_given_argument(argument) for argument in node.arguments], routine)
 
 
-def _given(argument: s.Argument) -> Given[s.Node]:
+def _given_argument(argument: s.Argument) -> Given[s.Node]:
     match argument:
         case s.Positional(value, name):
             hole = isinstance(value, s.Placeholder)
@@ -57,20 +57,20 @@ def _parameter(node: s.ParameterNode) -> Parameter:
     return Parameter(node.name, node.type.lower(), node.mode, node.dimensions)
 
 
-def bind(node: CallNode, call: Call[s.Node], scope: Scope) -> Found:
+def argument_misfits(node: CallNode, call: Call[s.Node], scope: Scope) -> Found:
     """Arguments that are missing, too many, unknown, named wrongly, or given twice."""
     routine = call.routine
     standard = routine is signature(routine.name)
     for what, at, fields in call.misfits(scope.suits, any_name=standard):
-        rule = rules.NEW_OPTION if what is Misfit.UNKNOWN and standard else RULES[what]
+        rule = rules.NEW_OPTION if what is Misfit.UNKNOWN and standard else MISFIT_RULES[what]
         if what is Misfit.UNKNOWN:
             names = [one.name for _, one in call.options.values()]
-            fields["hint"] = _hint(fields["option"], names)
-        usage = _usage(routine)
+            fields["hint"] = _option_hint(fields["option"], names)
+        usage = _call_usage(routine)
         yield scope.look.finding(rule, at or node, routine=routine.name, usage=usage, **fields)
 
 
-def _hint(name: str, options: Sequence[str]) -> str:
+def _option_hint(name: str, options: Sequence[str]) -> str:
     near = misspelt(name, options, TYPE_ENDING)
     if near:
         return f"write `\\{near}`"
@@ -78,7 +78,7 @@ def _hint(name: str, options: Sequence[str]) -> str:
     return f"it has {names}" if names else "leave it out"
 
 
-def _usage(routine: Signature) -> str:
+def _call_usage(routine: Signature) -> str:
     """The arguments that a routine must be given, as a call would have them."""
     names = ", ".join(slot.alternatives[0].name for slot in routine.required)
     if routine.kind == "FUNC":

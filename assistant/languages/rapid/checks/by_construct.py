@@ -8,38 +8,38 @@ from typing import Any, Final
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import calls, names_used, values
 from assistant.languages.rapid.checks.kinds import Scope
-from assistant.languages.rapid.checks.module_view import Look
-from assistant.languages.rapid.checks.places import places
+from assistant.languages.rapid.checks.module_view import RuleContext
+from assistant.languages.rapid.checks.places import scoped_nodes
 from assistant.languages.rapid.tree import syntax as s
 
-Rules = tuple[Callable[[Any, Scope], Found], ...]
+ConstructRules = tuple[Callable[[Any, Scope], Found], ...]
 
-RULES: Final[Mapping[type, Rules]] = {
-    s.ProcedureCall: (calls.procedure,),
-    s.FunctionCall: (calls.function,),
-    s.NameRef: (names_used.without_value,),
-    s.Connect: (calls.connected,),
-    s.Component: (names_used.component,),
-    s.Element: (names_used.element, values.indices),
-    s.Assignment: (names_used.assigned, names_used.errors, values.assignment),
-    s.Data: (names_used.type_of, values.initial),
-    s.ParameterNode: (names_used.type_of,),
-    s.Routine: (names_used.type_of,),
-    s.Record: (names_used.types_of,),
-    s.RaiseError: (names_used.errors,),
-    s.Handler: (names_used.errors,),
-    s.Infix: (names_used.errors, values.operands),
-    s.IfBranch: (values.condition,),
-    s.CompactIf: (values.condition,),
-    s.WhileLoop: (values.condition,),
-    s.ReturnFrom: (values.returned,),
-    s.TestOf: (names_used.errors, values.cases),
-    s.Prefix: (values.negated,),
+RULES_BY_CONSTRUCT: Final[Mapping[type, ConstructRules]] = {
+    s.ProcedureCall: (calls.procedure_call,),
+    s.FunctionCall: (calls.function_call,),
+    s.NameRef: (names_used.name_without_value,),
+    s.Connect: (calls.connected_trap,),
+    s.Component: (names_used.unknown_component,),
+    s.Element: (names_used.index_count, values.index_range),
+    s.Assignment: (names_used.assigned_data, names_used.unknown_errors, values.assigned_value),
+    s.Data: (names_used.unknown_type, values.initial_value),
+    s.ParameterNode: (names_used.unknown_type,),
+    s.Routine: (names_used.unknown_type,),
+    s.Record: (names_used.unknown_component_types,),
+    s.RaiseError: (names_used.unknown_errors,),
+    s.Handler: (names_used.unknown_errors,),
+    s.Infix: (names_used.unknown_errors, values.operand_types),
+    s.IfBranch: (values.condition_type,),
+    s.CompactIf: (values.condition_type,),
+    s.WhileLoop: (values.condition_type,),
+    s.ReturnFrom: (values.returned_value,),
+    s.TestOf: (names_used.unknown_errors, values.case_types),
+    s.Prefix: (values.negated_operand,),
 }
 """One line adds a rule of a construct."""
 
 
-def uses(look: Look) -> Found:
-    for node, scope in look.once(places):
-        for rule in RULES.get(type(node), ()):
+def uses_by_construct(look: RuleContext) -> Found:
+    for node, scope in look.once(scoped_nodes):
+        for rule in RULES_BY_CONSTRUCT.get(type(node), ()):
             yield from rule(node, scope)

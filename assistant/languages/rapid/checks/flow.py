@@ -10,19 +10,19 @@ from assistant.languages.checks.control_flow import Reachability
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import blocks, nodes, root
 
 Body = Sequence[s.StatementNode]
 
-ENDING: Final = frozenset({"exitcycle"})
+ENDING_INSTRUCTIONS: Final = frozenset({"exitcycle"})
 """Instructions after which nothing more of a routine runs."""
-SILENT: Final = (s.CommentLine, s.Placeholder, s.Data, s.TargetRunNode)
+SILENT_NODES: Final = (s.CommentLine, s.Placeholder, s.Data, s.TargetRunNode)
 
 
-def unreachable(look: Look) -> Found:
+def unreachable(look: RuleContext) -> Found:
     """The first statement of each stretch that nothing leads to; a label always may."""
     for routine in look.routines:
         for body in (routine.body, *(h.body for h in routine.handlers)):
@@ -30,7 +30,7 @@ def unreachable(look: Look) -> Found:
                 yield look.finding(rules.UNREACHABLE, statement, before=before)
 
 
-def _leaves(statement: s.StatementNode) -> str:
+def _leaving_statement(statement: s.StatementNode) -> str:
     """What keeps all ways through a statement from what stands behind it; empty for most."""
     match statement:
         case s.ReturnFrom():
@@ -41,9 +41,9 @@ def _leaves(statement: s.StatementNode) -> str:
             return "GOTO"
         case s.Word(word):
             return word
-        case s.ProcedureCall(str(name)) if name.lower() in ENDING:
+        case s.ProcedureCall(str(name)) if name.lower() in ENDING_INSTRUCTIONS:
             return name
-        case s.WhileLoop(condition) if _bare(condition) == s.BoolLiteral(True):
+        case s.WhileLoop(condition) if _without_parentheses(condition) == s.BoolLiteral(True):
             return "a loop that never ends"
         case s.IfThen(otherwise=tuple()) | s.TestOf(otherwise=tuple()):
             return (
@@ -54,7 +54,7 @@ def _leaves(statement: s.StatementNode) -> str:
     return ""
 
 
-def _bare(value: s.Expression) -> s.Expression:
+def _without_parentheses(value: s.Expression) -> s.Expression:
     """Without the parentheses around it."""
     while isinstance(value, s.Group):
         value = value.inner
@@ -63,13 +63,13 @@ def _bare(value: s.Expression) -> s.Expression:
 
 REACH: Final[Reachability[s.StatementNode]] = Reachability(
     blocks=blocks,
-    leaves=_leaves,
+    leaves=_leaving_statement,
     entered=lambda node: any(isinstance(n, s.LabelMark) for n in nodes(node)),
-    silent=lambda node: isinstance(node, SILENT),
+    silent=lambda node: isinstance(node, SILENT_NODES),
 )
 
 
-def returns(look: Look) -> Found:
+def returns(look: RuleContext) -> Found:
     """Values that are given back where none is wanted, and the other way round."""
     for routine in look.routines:
         function = routine.kind == "FUNC"
@@ -83,13 +83,13 @@ def returns(look: Look) -> Found:
             yield look.finding(rules.NO_RETURN, routine, name=routine.name)
 
 
-def jumps(look: Look) -> Found:
+def jumps(look: RuleContext) -> Found:
     """GOTO without its label, or to one that stands inside a block."""
     for routine in look.routines:
         marks: dict[str, tuple[int, ...]] = {}
         gotos: list[tuple[s.GotoLabel, tuple[int, ...]]] = []
         for body in (routine.body, *(h.body for h in routine.handlers)):
-            for statement, around in _placed(body, (id(body),)):
+            for statement, around in _nested_statements(body, (id(body),)):
                 if isinstance(statement, s.LabelMark):
                     if statement.name.lower() in marks:
                         yield look.finding(names.DUPLICATE, statement, name=statement.name)
@@ -106,7 +106,7 @@ def jumps(look: Look) -> Found:
                 yield look.finding(rules.INTO_BLOCK, goto, name=goto.label)
 
 
-def _placed(
+def _nested_statements(
     body: Body, around: tuple[int, ...]
 ) -> Iterator[tuple[s.StatementNode, tuple[int, ...]]]:
     """Every statement with the lists around it, outermost first."""
@@ -114,10 +114,10 @@ def _placed(
         yield statement, around
         for at, block in enumerate(blocks(statement)):
             inner = around if isinstance(statement, s.CompactIf) else (*around, id(statement), at)
-            yield from _placed(block, inner)
+            yield from _nested_statements(block, inner)
 
 
-def handled(look: Look) -> Found:
+def outside_handlers(look: RuleContext) -> Found:
     """RETRY, TRYNEXT and bare RAISE where no error is being handled."""
     for routine in look.routines:
         for node in nodes((routine.body, *(h.body for h in routine.handlers if h.kind != "ERROR"))):
@@ -132,7 +132,7 @@ MOST_RAISED: Final = 90
 """The numbers of errors that a program may raise without booking them begin with 1."""
 
 
-def never_booked(look: Look) -> Found:
+def never_booked(look: RuleContext) -> Found:
     """Errors that are raised with a number that no error has.
 
     Another module that is not given may book what all modules see.
@@ -152,7 +152,7 @@ def never_booked(look: Look) -> Found:
                         yield from _raised(look, routine, node, name)
 
 
-def _raised(look: Look, routine: s.Routine, node: s.Node, name: str) -> Found:
+def _raised(look: RuleContext, routine: s.Routine, node: s.Node, name: str) -> Found:
     found = look.find(name, routine)
     data = found.node if found is not None else None
     if found is None or not isinstance(data, s.Data) or data.dimensions or _is_given(look, name):
@@ -170,12 +170,12 @@ def _may_be_raised(number: float) -> bool:
     return 1 <= number <= MOST_RAISED
 
 
-def _is_given(look: Look, name: str) -> bool:
+def _is_given(look: RuleContext, name: str) -> bool:
     """True if some statement may give data of this name another number."""
-    return name.lower() in look.task.once(_given)
+    return name.lower() in look.task.once(_given_names)
 
 
-def _given(task: Task) -> set[str]:
+def _given_names(task: Task) -> set[str]:
     """Lower-case names that are assigned to, or handed over to a routine."""
     found: set[str] = set()
     for node in nodes(task.modules):
@@ -191,22 +191,22 @@ def _given(task: Task) -> set[str]:
     return found
 
 
-def choices(look: Look) -> Found:
+def cases_and_steps(look: RuleContext) -> Found:
     """CASE values that an earlier CASE takes, and loops whose step leads nowhere."""
     for test in look.all(s.TestOf):
         seen: set[s.Expression | float | str] = set()
         for case in test.cases:
             for value in case.values:
-                key = _value(value)
+                key = _case_key(value)
                 if key is not None and key in seen:
                     yield look.finding(rules.SAME_CASE, value)
                 elif key is not None:
                     seen.add(key)
     for loop in look.all(s.ForLoop):
-        yield from _step(look, loop)
+        yield from _loop_step(look, loop)
 
 
-def _value(value: s.Expression) -> s.Expression | float | str | None:
+def _case_key(value: s.Expression) -> s.Expression | float | str | None:
     """What is the same for the same value: of a number itself, of data the name."""
     match value:
         case s.StringLiteral() | s.BoolLiteral():
@@ -216,7 +216,7 @@ def _value(value: s.Expression) -> s.Expression | float | str | None:
     return literal_number(value)
 
 
-def _step(look: Look, loop: s.ForLoop) -> Found:
+def _loop_step(look: RuleContext, loop: s.ForLoop) -> Found:
     step = None if loop.step is None else literal_number(loop.step)
     if step == 0:
         yield look.finding(
@@ -232,28 +232,30 @@ def _step(look: Look, loop: s.ForLoop) -> Found:
 # Where declarations and handlers may stand
 
 
-RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
+DECLARATION_RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
     (s.Record | s.Alias, 0, "a record"),
     (s.Data | s.TargetRunNode, 1, "data"),
     (s.Routine, 2, "a routine"),
 )
-AFTER: Final = {1: "data", 2: "a routine"}
-KINDS: Final = ("BACKWARD", "ERROR", "UNDO")
+RANK_TEXTS: Final = {1: "data", 2: "a routine"}
+HANDLER_ORDER: Final = ("BACKWARD", "ERROR", "UNDO")
 
 
-def declarations(look: Look) -> Found:
+def declarations(look: RuleContext) -> Found:
     """Records, data, routines in a module; declarations, then statements in a routine."""
     seen = 0
     for item in look.module.items:
-        rank, what = next(((r, w) for kind, r, w in RANKS if isinstance(item, kind)), (seen, ""))
+        rank, what = next(
+            ((r, w) for kind, r, w in DECLARATION_RANKS if isinstance(item, kind)), (seen, "")
+        )
         if rank < seen:
-            yield look.finding(names.OUT_OF_ORDER, item, what=what, after=AFTER[seen])
+            yield look.finding(names.OUT_OF_ORDER, item, what=what, after=RANK_TEXTS[seen])
         seen = max(seen, rank)
     for routine in look.routines:
         yield from _declarations_first(look, routine.body)
 
 
-def _declarations_first(look: Look, body: Sequence[s.StatementNode]) -> Found:
+def _declarations_first(look: RuleContext, body: Sequence[s.StatementNode]) -> Found:
     stated = False
     for node in body:
         if isinstance(node, s.Data | s.TargetRunNode):
@@ -265,18 +267,18 @@ def _declarations_first(look: Look, body: Sequence[s.StatementNode]) -> Found:
             stated = True
 
 
-def handlers(look: Look) -> Found:
+def handlers(look: RuleContext) -> Found:
     """At most one of each kind, in one order; BACKWARD of procedures only."""
     for routine in look.routines:
         yield from _handlers(look, routine)
 
 
-def _handlers(look: Look, routine: s.Routine) -> Found:
+def _handlers(look: RuleContext, routine: s.Routine) -> Found:
     before = -1
     for handler in routine.handlers:
-        at = KINDS.index(handler.kind)
+        at = HANDLER_ORDER.index(handler.kind)
         if at <= before:
-            what = "a second time" if at == before else f"behind {KINDS[before]}"
+            what = "a second time" if at == before else f"behind {HANDLER_ORDER[before]}"
             yield look.finding(rules.HANDLER_PLACE, handler, kind=handler.kind, what=what)
         elif handler.kind == "BACKWARD" and routine.kind != "PROC":
             what = f"in a {routine.kind}"

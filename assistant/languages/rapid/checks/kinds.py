@@ -11,7 +11,7 @@ from typing import Final
 
 from assistant.languages.checks.names import Declaration
 from assistant.languages.checks.values import Kind, Kinds, Operators
-from assistant.languages.rapid.checks.module_view import Declared, Look
+from assistant.languages.rapid.checks.module_view import Declared, RuleContext
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
@@ -22,7 +22,7 @@ NUMBER: Final = "number"
 """Type of a numeric literal, which is a num or a dnum as the place wants it."""
 NUMERIC: Final = frozenset({"num", "dnum"})
 LOGICAL: Final = frozenset({"OR", "XOR", "AND"})
-SIGNALS: Final = frozenset({f"signal{kind}{way}" for kind in "adg" for way in "io"})
+SIGNAL_TYPES: Final = frozenset({f"signal{kind}{way}" for kind in "adg" for way in "io"})
 OPERATORS: Final = Operators(
     always=dict.fromkeys((*LOGICAL, *e.RELATIONS), "bool"),
     made={
@@ -34,7 +34,7 @@ OPERATORS: Final = Operators(
         ("*", "orient", "orient"): "orient",
     },
     choices={NUMBER: NUMERIC},
-    copied=dict.fromkeys(SIGNALS, NUMERIC),
+    copied=dict.fromkeys(SIGNAL_TYPES, NUMERIC),
     ordered=NUMERIC,
 )
 
@@ -42,7 +42,7 @@ OPERATORS: Final = Operators(
 class Types(NamedTypes):
     """Types that a module sees: its own, those of its task, predefined ones."""
 
-    def __init__(self, look: Look) -> None:
+    def __init__(self, look: RuleContext) -> None:
         super().__init__(predefined.types())
         self.look = look
 
@@ -165,6 +165,6 @@ class Scope(Kinds[s.Expression]):
     def read(self, node: s.Expression) -> Kind | None:
         """Of a signal the number that it has."""
         kind = self.kind(node)
-        if kind is not None and kind.type in SIGNALS:
+        if kind is not None and kind.type in SIGNAL_TYPES:
             return None if kind.type.startswith("signalg") else Kind("num")
         return kind

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Diagnostic, Rule, Severity
 from assistant.languages.checks.file_views import CachedResults, by_type
 from assistant.languages.checks.names import Declaration, Symbols, find_declaration
 from assistant.languages.rapid.reading.parser import parse_rows
-from assistant.languages.rapid.text.header import opening
+from assistant.languages.rapid.text.header import module_header
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
@@ -127,7 +127,7 @@ def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
                 yield one
 
 
-class Look(CachedResults):
+class RuleContext(CachedResults):
     """One module, as a rule sees it."""
 
     def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
@@ -140,7 +140,7 @@ class Look(CachedResults):
         What others wrote may need modules that are not given, or come with others that are
         never loaded together: what modules say of each other is certain in a compiled one only.
         """
-        header = opening(self.module)
+        header = module_header(self.module)
         return bool(header.program or header.unit)
 
     def find(self, name: str, routine: s.Routine | None = None) -> Declared | None:

@@ -13,7 +13,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import (
     Declared,
-    Look,
+    RuleContext,
     declaration,
     parameters,
 )
@@ -21,14 +21,14 @@ from assistant.languages.rapid.tables.words import LONGEST_NAME, LONGEST_STRING,
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 
-PLAIN_NUMBER: Final = 24
+LONGEST_PLAIN_NUMBER: Final = 24
 """Characters of a number without an exponent that any type holds."""
 LARGEST_NUM: Final = 3.40282347e38
 """A `num` is an IEEE 754 number of 32 bits, a `dnum` one of 64 bits (RAPID manual 3HAC050917)."""
-DECLARING: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
+DECLARING_NODES: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
-def modules(look: Look) -> Found:
+def module_names(look: RuleContext) -> Found:
     """A task has one `main`, and one module of a name."""
     before = list(look.before)
     if any(other.name.lower() == look.module.name.lower() for other in before):
@@ -47,7 +47,7 @@ def modules(look: Look) -> Found:
         yield look.finding(plain_rules.MODULE_NAME, look.module, what=what, name=own.name)
 
 
-def duplicates(look: Look) -> Found:
+def duplicate_names(look: RuleContext) -> Found:
     """Names of a module that it declares again, or that another module declares as well.
 
     Modules that cannot all be in one task, as two have a `main` or the same name, are not
@@ -71,7 +71,7 @@ def duplicates(look: Look) -> Found:
         own.add(name)
     for routine in look.routines:
         inner = map(declaration, chain(parameters(routine), routine.body))
-        for declared in repeated([one for one in inner if one], _key):
+        for declared in repeated([one for one in inner if one], _name_key):
             yield look.finding(rules.DUPLICATE, declared.node, name=declared.name)
     for record in look.all(s.Record):
         names = [name.lower() for _, name in record.components]
@@ -79,51 +79,53 @@ def duplicates(look: Look) -> Found:
             yield look.finding(rules.DUPLICATE, record, name=name)
 
 
-def _key(declared: Declared) -> str | None:
+def _name_key(declared: Declared) -> str | None:
     """What a name is told apart by; nothing of rows, which have no name of their own here."""
     return declared.name.lower() or None
 
 
-def spelling(look: Look) -> Found:
+def name_spelling(look: RuleContext) -> Found:
     """No name is longer than 32 characters, and predefined speeds and zones stay as they are."""
-    yield from _name(look, look.module, look.module.name)
-    for declared in chain.from_iterable(map(look.all, DECLARING)):
-        yield from _name(look, declared, declared.name)
+    yield from _check_name(look, look.module, look.module.name)
+    for declared in chain.from_iterable(map(look.all, DECLARING_NODES)):
+        yield from _check_name(look, declared, declared.name)
     for record in look.all(s.Record):
         for _, name in record.components:
-            yield from _name(look, record, name)
+            yield from _check_name(look, record, name)
     for loop in look.all(s.ForLoop):
-        yield from _name(look, loop, loop.variable)
+        yield from _check_name(look, loop, loop.variable)
     for mark in look.all(s.LabelMark):
-        yield from _name(look, mark, mark.name)
+        yield from _check_name(look, mark, mark.name)
 
 
-def strings(look: Look) -> Found:
+def string_lengths(look: RuleContext) -> Found:
     """No string is longer than 80 characters."""
     for node in look.all(s.StringLiteral):
         if len(node.value) > LONGEST_STRING:
             yield look.finding(rules.LONG_STRING, node, length=len(node.value))
 
 
-def numbers(look: Look) -> Found:
+def number_sizes(look: RuleContext) -> Found:
     """No number is larger than a `dnum` holds, nor the first value of a `num` than that one."""
     for node in look.all(s.NumberLiteral):
-        if len(node.text) > PLAIN_NUMBER or "e" in node.text.lower():
+        if len(node.text) > LONGEST_PLAIN_NUMBER or "e" in node.text.lower():
             number = literal_number(node)
             if number is not None and math.isinf(number):
-                yield look.finding(rules.LARGE_NUMBER, node, number=short(node.text), type="dnum")
+                yield look.finding(
+                    rules.LARGE_NUMBER, node, number=short_number(node.text), type="dnum"
+                )
     for data in look.all(s.Data):
         number = literal_number(data.value) if data.type.lower() == "num" and data.value else None
         if number is not None and LARGEST_NUM < abs(number) < math.inf:
             yield look.finding(rules.LARGE_NUMBER, data, number=f"{number:g}", type="num")
 
 
-def short(text: str) -> str:
+def short_number(text: str) -> str:
     """A number as it can stand in a message."""
-    return text if len(text) <= PLAIN_NUMBER else text[: PLAIN_NUMBER - 1] + "…"
+    return text if len(text) <= LONGEST_PLAIN_NUMBER else text[: LONGEST_PLAIN_NUMBER - 1] + "…"
 
 
-def _name(look: Look, node: s.Node, name: str) -> Found:
+def _check_name(look: RuleContext, node: s.Node, name: str) -> Found:
     if len(name) > LONGEST_NAME:
         yield look.finding(rules.LONG_NAME, node, name=name, length=len(name))
     taken = name.lower() in SPEEDS or name.lower() in ZONES

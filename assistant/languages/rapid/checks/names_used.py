@@ -15,8 +15,8 @@ from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 
 
-def component(node: s.Component, scope: Scope) -> Found:
-    yield from data(node.value, scope)
+def unknown_component(node: s.Component, scope: Scope) -> Found:
+    yield from unknown_data(node.value, scope)
     kind = scope.kind(node.value)
     if kind is None or kind.dimensions:
         return
@@ -31,8 +31,8 @@ def component(node: s.Component, scope: Scope) -> Found:
         )
 
 
-def element(node: s.Element, scope: Scope) -> Found:
-    yield from data(node.value, scope)
+def index_count(node: s.Element, scope: Scope) -> Found:
+    yield from unknown_data(node.value, scope)
     kind = scope.kind(node.value)
     if kind is not None and kind.dimensions not in (-1, len(node.indices)):
         yield scope.look.finding(
@@ -40,11 +40,11 @@ def element(node: s.Element, scope: Scope) -> Found:
         )
 
 
-def assigned(node: s.Assignment, scope: Scope) -> Found:
-    yield from data(node.target, scope)
+def assigned_data(node: s.Assignment, scope: Scope) -> Found:
+    yield from unknown_data(node.target, scope)
 
 
-def data(node: s.Expression, scope: Scope) -> Found:
+def unknown_data(node: s.Expression, scope: Scope) -> Found:
     """A name that can be no signal and that no given module declares, at its first use."""
     if not isinstance(node, s.NameRef) or scope.find(node.name) is not None:
         return
@@ -55,21 +55,25 @@ def data(node: s.Expression, scope: Scope) -> Found:
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
 
 
-def without_value(node: s.NameRef, scope: Scope) -> Found:
+def name_without_value(node: s.NameRef, scope: Scope) -> Found:
     """The name of a routine, of a type or of a module, where data should stand."""
     found = scope.find(node.name)
     if found is not None:
         if found.kind in VALUELESS and not scope.doubtful(found):
             yield scope.look.finding(
-                rules.NO_VALUE, node, name=node.name, what=VALUELESS[found.kind]
+                rules.NAME_WITHOUT_VALUE, node, name=node.name, what=VALUELESS[found.kind]
             )
     elif node.name.lower() not in predefined.data():  # of a module, or a signal that is called so
         yield scope.look.finding(
-            rules.NO_VALUE, node, name=node.name, what="a module", severity=Severity.WARNING
+            rules.NAME_WITHOUT_VALUE,
+            node,
+            name=node.name,
+            what="a module",
+            severity=Severity.WARNING,
         )
 
 
-def errors(
+def unknown_errors(
     node: s.RaiseError | s.Handler | s.Infix | s.TestOf | s.Assignment, scope: Scope
 ) -> Found:
     """Names of errors: those that are raised, handled, assigned, or compared with a number."""
@@ -89,7 +93,7 @@ def errors(
             named, sure = (value,), _is_errnum(target, scope)
     for one in named:
         if isinstance(one, s.NameRef) and (sure or one.name.startswith("ERR_")):
-            yield from data(one, scope)
+            yield from unknown_data(one, scope)
 
 
 def _is_errnum(value: s.Expression, scope: Scope) -> bool:
@@ -101,15 +105,15 @@ def _is_errnum(value: s.Expression, scope: Scope) -> bool:
     return type.lower() == "errnum"
 
 
-def type_of(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:
-    yield from _types((node.type,) if node.type else (), node, scope)
+def unknown_type(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:
+    yield from _unknown_types((node.type,) if node.type else (), node, scope)
 
 
-def types_of(node: s.Record, scope: Scope) -> Found:
-    yield from _types((type for type, _ in node.components), node, scope)
+def unknown_component_types(node: s.Record, scope: Scope) -> Found:
+    yield from _unknown_types((type for type, _ in node.components), node, scope)
 
 
-def _types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
+def _unknown_types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
     for name in names:
         if scope.types.base(name) is not None or not scope.look.first("type", name):
             continue

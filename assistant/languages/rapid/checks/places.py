@@ -7,40 +7,40 @@ from typing import Any, Final, TypeVar
 
 from assistant.languages.checks.file_views import by_type
 from assistant.languages.rapid.checks.kinds import Scope, Types
-from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.module_view import RuleContext
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inside
 
 N = TypeVar("N", bound=s.Node)
 
-LEAVES: Final = frozenset(
+LEAF_NODES: Final = frozenset(
     {s.NumberLiteral, s.StringLiteral, s.BoolLiteral, s.NameRef, s.CommentLine, s.Placeholder}
 )
 """Most of a tree: nodes without anything inside, and without rules but for few names."""
 
 
-def places(look: Look) -> list[tuple[s.Node, Scope]]:
+def scoped_nodes(look: RuleContext) -> list[tuple[s.Node, Scope]]:
     """The nodes as they stand in the text, without rows of runs, and without leaves.
 
     Names of routines, types and modules are no leaves: where data stands they are wrong.
     """
-    return list(_places(look))
+    return list(_walk_scopes(look))
 
 
-def placed(look: Look, kind: type[N]) -> list[tuple[N, Scope]]:
+def scoped_nodes_of(look: RuleContext, kind: type[N]) -> list[tuple[N, Scope]]:
     """Those of one class."""
-    return look.once(_by_type).get(kind, [])
+    return look.once(_scoped_by_type).get(kind, [])
 
 
-def _by_type(look: Look) -> dict[type, list[tuple[Any, Scope]]]:
-    return by_type((node, (node, scope)) for node, scope in look.once(places))
+def _scoped_by_type(look: RuleContext) -> dict[type, list[tuple[Any, Scope]]]:
+    return by_type((node, (node, scope)) for node, scope in look.once(scoped_nodes))
 
 
-def _places(look: Look) -> Iterator[tuple[s.Node, Scope]]:
+def _walk_scopes(look: RuleContext) -> Iterator[tuple[s.Node, Scope]]:
     odd = look.task.valueless
 
     def is_leaf(node: Any) -> bool:
-        return type(node) in LEAVES and not (
+        return type(node) in LEAF_NODES and not (
             isinstance(node, s.NameRef) and node.name.lower() in odd
         )
 

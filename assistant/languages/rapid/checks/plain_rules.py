@@ -46,7 +46,7 @@ NOT_LITERAL: Final = error(
     "the initial value of PERS `{name}` is no literal",
     "write numbers, strings, TRUE or FALSE; assign anything else in a routine",
 )
-NO_VALUE: Final = error(
+CONSTANT_WITHOUT_VALUE: Final = error(
     "RA218", "the constant `{name}` has no value", "write `:=` and a value behind its name"
 )
 HANDLE_VALUE: Final = error(

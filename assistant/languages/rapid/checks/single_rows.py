@@ -20,8 +20,8 @@ import numpy as np
 from assistant.base.arrays import Truths
 from assistant.base.diagnostics import Span
 from assistant.languages.checks.names import NameSet, repeated_rows
-from assistant.languages.rapid.checks.module_view import Look, Task
-from assistant.languages.rapid.checks.motions import PREDEFINED, nearest
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
+from assistant.languages.rapid.checks.motions import PREDEFINED_SETTINGS, nearest_predefined
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
@@ -70,7 +70,7 @@ def with_single_rows(
         modules = []
         for module in file.modules:
             seen = targets, local.get(id(module), none)
-            modules.append(_Moves(Look(file, module, task), seen, unknown=unknown).module())
+            modules.append(_Moves(RuleContext(file, module, task), seen, unknown=unknown).module())
         made.append(_changed(file, modules))
     return tuple(made)
 
@@ -120,7 +120,7 @@ def _split(file: s.File, node: s.RunNode, single: Truths) -> list[Any]:
 @cache
 def _taken() -> NameSet:
     names = NameSet()
-    names.words |= predefined.taken()
+    names.words |= predefined.taken_names()
     return names
 
 
@@ -188,7 +188,9 @@ class _Moves:
     unknown: see `with_single_rows`.
     """
 
-    def __init__(self, look: Look, targets: tuple[NameSet, NameSet], *, unknown: bool) -> None:
+    def __init__(
+        self, look: RuleContext, targets: tuple[NameSet, NameSet], *, unknown: bool
+    ) -> None:
         self.look, self.targets, self.unknown = look, targets, unknown
 
     def module(self) -> s.Module:
@@ -249,7 +251,7 @@ class _Moves:
 class _Names:
     """Meaning of names in a routine. loops: lower-case variables of its loops."""
 
-    def __init__(self, look: Look, routine: s.Routine, loops: set[str]) -> None:
+    def __init__(self, look: RuleContext, routine: s.Routine, loops: set[str]) -> None:
         self.look, self.routine, self.loops = look, routine, loops
         self.inner = NameSet()
         self.inner.words |= {*look.frame(routine).names, *loops}
@@ -274,5 +276,5 @@ class _Names:
         standard = predefined.data().get(low)
         if standard is not None:
             return "plain" if standard.type.lower() == type else "odd"
-        near = type in PREDEFINED and nearest(low, PREDEFINED[type][0])
+        near = type in PREDEFINED_SETTINGS and nearest_predefined(low, PREDEFINED_SETTINGS[type][0])
         return "odd" if near else "unknown"

@@ -7,16 +7,16 @@ from typing import Final
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
-from assistant.languages.rapid.checks.module_view import Look
-from assistant.languages.rapid.checks.places import placed
+from assistant.languages.rapid.checks.module_view import RuleContext
+from assistant.languages.rapid.checks.places import scoped_nodes_of
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import MOST_DIMENSIONS
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, numbers
+from assistant.languages.rapid.tree.gather import literal_number, literal_values
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import shape
 
-WHAT: Final = {
+DECLARED_AS: Final = {
     "VAR": "a variable",
     "PERS": "a persistent",
     "IN": "a parameter",
@@ -27,27 +27,27 @@ WHAT: Final = {
 }
 
 
-def assignments(look: Look) -> Found:
+def read_only_data(look: RuleContext) -> Found:
     """Constants and variables of FOR are read only."""
-    for node, scope in placed(look, s.Assignment):
+    for node, scope in scoped_nodes_of(look, s.Assignment):
         data = root(node.target)
-        kind = _kind(scope, data.name) if data is not None else ""
+        kind = _declared_kind(scope, data.name) if data is not None else ""
         if data is not None and kind == "FOR":
             yield look.finding(rules.ASSIGNED_LOOP, node, name=data.name)
         elif data is not None and kind == "CONST":
             yield look.finding(rules.ASSIGNED_CONST, node, name=data.name)
 
 
-def initial_values(look: Look) -> Found:
+def initial_values(look: RuleContext) -> Found:
     """Those of PERS are literals, those of VAR and CONST constant expressions."""
-    for node, scope in placed(look, s.Data):
+    for node, scope in scoped_nodes_of(look, s.Data):
         if node.storage == "PERS" and node.value is not None and not _is_literal(node.value):
             yield look.finding(rules.NOT_LITERAL, node, name=node.name)
         if id(node) not in look.once(_in_place):
             continue
         if node.value is None:
             if node.storage == "CONST":
-                yield look.finding(rules.NO_VALUE, node, name=node.name)
+                yield look.finding(rules.CONSTANT_WITHOUT_VALUE, node, name=node.name)
             continue
         if predefined.is_handle(node.type) and not _is_numbered(node):
             yield look.finding(rules.HANDLE_VALUE, node, name=node.name, type=node.type)
@@ -58,9 +58,9 @@ def initial_values(look: Look) -> Found:
             if isinstance(part, s.FunctionCall):
                 what = f"the function `{part.name}`"
             elif isinstance(part, s.NameRef):
-                kind = _kind(scope, part.name)
-                if kind in WHAT:
-                    what = f"`{part.name}`, {WHAT[kind]}"
+                kind = _declared_kind(scope, part.name)
+                if kind in DECLARED_AS:
+                    what = f"`{part.name}`, {DECLARED_AS[kind]}"
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
@@ -68,7 +68,7 @@ def initial_values(look: Look) -> Found:
 
 def _is_numbered(node: s.Data) -> bool:
     """True for a handle of a type that may have a number in brackets, or an array of those."""
-    form = shape(numbers(node.value))
+    form = shape(literal_values(node.value))
     single = form == "n" if not node.dimensions else not form.replace("[n]", "")
     return single and node.type.lower() in predefined.NUMBERED
 
@@ -82,7 +82,7 @@ def _is_literal(value: s.Expression) -> bool:
     )
 
 
-def _kind(scope: Scope, name: str) -> str:
+def _declared_kind(scope: Scope, name: str) -> str:
     """What declares a name, empty where that is not sure, as for the numbers of errors."""
     found = scope.find(name)
     if found is not None:
@@ -91,7 +91,7 @@ def _kind(scope: Scope, name: str) -> str:
     return standard.storage if standard is not None and standard.type != "errnum" else ""
 
 
-def places(look: Look) -> Found:
+def storage_places(look: RuleContext) -> Found:
     """Storage classes and scopes where they may not stand."""
     items = {id(item) for item in look.module.items}
     for node in look.all(s.Data):
@@ -114,13 +114,13 @@ def places(look: Look) -> Found:
                         yield look.finding(rules.NO_PLACE, one, what="a switch", where=where)
 
 
-def _in_place(look: Look) -> set[int]:
+def _in_place(look: RuleContext) -> set[int]:
     """The `id` of everything that stands in the module itself or in the body of a routine."""
     bodies = (look.module.items, *(routine.body for routine in look.routines))
     return {id(node) for body in bodies for node in body}
 
 
-def dimensions(look: Look) -> Found:
+def array_dimensions(look: RuleContext) -> Found:
     for node in look.all(s.Data):
         if len(node.dimensions) > MOST_DIMENSIONS:
             what = f"has {len(node.dimensions)} dimensions"
@@ -132,7 +132,7 @@ def dimensions(look: Look) -> Found:
                 yield look.finding(rules.DIMENSIONS, node, name=node.name, what=what)
 
 
-def connections(look: Look) -> Found:
+def traps_and_aliases(look: RuleContext) -> Found:
     """What CONNECT names is a trap; an alias is not of another alias."""
     for connect in look.all(s.Connect):
         found = look.find(connect.trap)

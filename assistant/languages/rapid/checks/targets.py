@@ -14,38 +14,38 @@ from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.kinds import Types
-from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.module_view import RuleContext
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
-from assistant.languages.rapid.tree.runs import MOVES
+from assistant.languages.rapid.tree.runs import PLAIN_MOVES
 
 OFF_UNIT: Final = 1e-5
 """Most that the squares of a quaternion may miss 1 by; beyond it NOrient has to mend it."""
-USELESS: Final = 1e-3
+NO_QUATERNION: Final = 1e-3
 """Beyond this it is no rounded quaternion: four decimals are off by 2e-4 at most."""
 MOST_TURNS: Final = 127
 """Quadrants are counted in turns of an axis, of which no arm has 32."""
-SHAPES: Final = 8
+CFX_VALUES: Final = 8
 """Values of cfx of an arm with six axes, from 0."""
-CODES: Final = (10, 9999)
+SEVEN_AXIS_CODES: Final = (10, 9999)
 """An arm with seven axes has a code of up to four digits; those of one are as above."""
 
-MOST: Final = 100
+MOST_TARGETS_REPORTED: Final = 100
 """Targets of one module with the same mistake that are reported one by one."""
 
-Words = Callable[[int], dict[str, Any]]
+FindingFields = Callable[[int], dict[str, Any]]
 """Fields of the finding at a row; `severity` may be one of them."""
 
 
-class _Fault(NamedTuple):
+class _FaultyRows(NamedTuple):
     """Rows (k,) of a node that have a mistake. node: that is reported, or a run."""
 
     node: s.Node
     rows: Rows
-    words: Words
+    words: FindingFields
 
 
-class _Written(NamedTuple):
+class _WrittenTargets(NamedTuple):
     """Targets that are written out: values (n, 17) of a node, and what a row is called."""
 
     node: s.Node
@@ -53,24 +53,26 @@ class _Written(NamedTuple):
     name: Callable[[int], str]
 
 
-def quaternions(look: Look) -> Found:
+def quaternion_lengths(look: RuleContext) -> Found:
     """They have unit length; all zero is a place holder that no robot can move to."""
     types = look.once(Types)
-    written = [(one.node, one.values[:, 3:7], one.name) for one in look.once(_targets)]
+    written = [(one.node, one.values[:, 3:7], one.name) for one in look.once(_written_targets)]
     for data in look.all(s.Data):
         if isinstance(data.value, s.AggregateNode):
             depth = len(data.dimensions)
             target = data.storage == "CONST" and data.type.lower() == "robtarget"
             for one, numbers in _orientations(types, data.value, data.type, depth):
                 if target or any(numbers):
-                    written.append((one, np.array([numbers]), _always(data.name)))
-    lengths: list[_Fault] = []
-    zeros: list[_Fault] = []
+                    written.append((one, np.array([numbers]), _constant_name(data.name)))
+    lengths: list[_FaultyRows] = []
+    zeros: list[_FaultyRows] = []
     for node, q, name in written:
         off = np.abs((q * q).sum(axis=1) - 1.0)
         zero = ~q.any(axis=1)
-        lengths.append(_Fault(node, np.flatnonzero((off > OFF_UNIT) & ~zero), _off(name, off)))
-        zeros.append(_Fault(node, np.flatnonzero(zero), _named(name)))
+        lengths.append(
+            _FaultyRows(node, np.flatnonzero((off > OFF_UNIT) & ~zero), _length_fields(name, off))
+        )
+        zeros.append(_FaultyRows(node, np.flatnonzero(zero), _name_fields(name)))
 
     def place(single: s.Node) -> s.Node:
         """The orientation of a declaration."""
@@ -78,67 +80,69 @@ def quaternions(look: Look) -> Found:
             return _target_of(single)
         return next(node for node, _ in _orientations(types, single.value, single.type, 0))
 
-    yield from _reported(look, rules.NOT_UNIT, lengths, place)
-    yield from _reported(look, plain_rules.NO_ORIENTATION, zeros, place)
+    yield from _report_rows(look, rules.NOT_UNIT, lengths, place)
+    yield from _report_rows(look, plain_rules.NO_ORIENTATION, zeros, place)
 
 
-def configurations(look: Look) -> Found:
+def configurations(look: RuleContext) -> Found:
     """Quadrants and cfx are whole numbers, and cfx is one that an arm of six axes has."""
-    written = list(look.once(_targets))
+    written = list(look.once(_written_targets))
     for data in look.all(s.Data):
         if data.value is not None and data.type.lower() == "robtarget":
-            for node, values in _written_out(data.value):
-                written.append(_Written(node, values, _always(data.name)))
-    odd: list[_Fault] = []
-    unknown: list[_Fault] = []
+            for node, values in _target_rows(data.value):
+                written.append(_WrittenTargets(node, values, _constant_name(data.name)))
+    odd: list[_FaultyRows] = []
+    unknown: list[_FaultyRows] = []
     for node, values, name in written:
         confdata = values[:, 7:11]
         whole = np.isfinite(confdata) & (confdata == np.round(confdata))
         quadrants = (whole[:, :3] & (np.abs(confdata[:, :3]) <= MOST_TURNS)).all(axis=1)
         cfx = confdata[:, 3]
-        known = ((cfx >= 0) & (cfx < SHAPES)) | ((cfx >= CODES[0]) & (cfx <= CODES[1]))
-        sound, words = quadrants & whole[:, 3], _numbers(name, confdata)
-        odd.append(_Fault(node, np.flatnonzero(~sound), words))
-        unknown.append(_Fault(node, np.flatnonzero(sound & ~known), words))
-    yield from _reported(look, plain_rules.NO_QUADRANTS, odd, _target_of)
-    yield from _reported(look, plain_rules.NO_CFX, unknown, _target_of)
+        known = ((cfx >= 0) & (cfx < CFX_VALUES)) | (
+            (cfx >= SEVEN_AXIS_CODES[0]) & (cfx <= SEVEN_AXIS_CODES[1])
+        )
+        sound, words = quadrants & whole[:, 3], _confdata_fields(name, confdata)
+        odd.append(_FaultyRows(node, np.flatnonzero(~sound), words))
+        unknown.append(_FaultyRows(node, np.flatnonzero(sound & ~known), words))
+    yield from _report_rows(look, plain_rules.NO_QUADRANTS, odd, _target_of)
+    yield from _report_rows(look, plain_rules.NO_CFX, unknown, _target_of)
 
 
-def _targets(look: Look) -> list[_Written]:
+def _written_targets(look: RuleContext) -> list[_WrittenTargets]:
     """Targets in runs, and those that moves are given."""
-    found = [_Written(n, n.run.values, n.run.names.name) for n in look.all(s.TargetRunNode)]
+    found = [_WrittenTargets(n, n.run.values, n.run.names.name) for n in look.all(s.TargetRunNode)]
     for node in look.all(s.MoveRunNode):
         if node.run.values is not None:
-            words = [MOVES[kind] for kind in node.run.kinds.tolist()]
-            found.append(_Written(node, node.run.values, words.__getitem__))
+            words = [PLAIN_MOVES[kind] for kind in node.run.kinds.tolist()]
+            found.append(_WrittenTargets(node, node.run.values, words.__getitem__))
     for call in look.all(s.ProcedureCall):
         for argument in call.arguments:
             if isinstance(argument, s.Positional):
-                of_call = _written_out(argument.value)
-                name = _always(str(call.name))
-                found += [_Written(node, values, name) for node, values in of_call]
+                of_call = _target_rows(argument.value)
+                name = _constant_name(str(call.name))
+                found += [_WrittenTargets(node, values, name) for node, values in of_call]
     return found
 
 
-def _always(name: str) -> Callable[[int], str]:
+def _constant_name(name: str) -> Callable[[int], str]:
     return lambda _: name
 
 
-def _named(name: Callable[[int], str]) -> Words:
+def _name_fields(name: Callable[[int], str]) -> FindingFields:
     return lambda row: {"name": name(row)}
 
 
-def _off(name: Callable[[int], str], off: Floats) -> Words:
+def _length_fields(name: Callable[[int], str], off: Floats) -> FindingFields:
     """off: (n,) by which the squares of each row miss 1."""
 
     def words(row: int) -> dict[str, Any]:
-        severity = Severity.ERROR if off[row] > USELESS else Severity.WARNING
+        severity = Severity.ERROR if off[row] > NO_QUATERNION else Severity.WARNING
         return {"name": name(row), "off": float(off[row]), "severity": severity}
 
     return words
 
 
-def _numbers(name: Callable[[int], str], confdata: Floats) -> Words:
+def _confdata_fields(name: Callable[[int], str], confdata: Floats) -> FindingFields:
     """confdata: (n, 4) of the rows."""
 
     def words(row: int) -> dict[str, Any]:
@@ -148,7 +152,7 @@ def _numbers(name: Callable[[int], str], confdata: Floats) -> Words:
     return words
 
 
-def _written_out(value: s.Expression) -> Iterator[tuple[s.Node, Floats]]:
+def _target_rows(value: s.Expression) -> Iterator[tuple[s.Node, Floats]]:
     """A target, or those of an array, at its own place: (1, 17)."""
     numbers = literal_target(value)
     if numbers is not None:
@@ -156,7 +160,7 @@ def _written_out(value: s.Expression) -> Iterator[tuple[s.Node, Floats]]:
     elif isinstance(value, s.AggregateNode):
         for item in value.items:
             if isinstance(item, s.AggregateNode):
-                yield from _written_out(item)
+                yield from _target_rows(item)
 
 
 def _target_of(single: s.Node) -> s.Node:
@@ -169,8 +173,8 @@ def _target_of(single: s.Node) -> s.Node:
     return single
 
 
-def _reported(
-    look: Look, rule: Rule, faults: Sequence[_Fault], place: Callable[[s.Node], s.Node]
+def _report_rows(
+    look: RuleContext, rule: Rule, faults: Sequence[_FaultyRows], place: Callable[[s.Node], s.Node]
 ) -> Found:
     """The rule's findings in the order of the text, the first MOST of them one by one.
 
@@ -180,11 +184,11 @@ def _reported(
     listed.sort(key=lambda fault: fault.node.span.start if fault.node.span else 0)
     count = sum(len(fault.rows) for fault in listed)
     each = ((fault, int(row)) for fault in listed for row in fault.rows)
-    for number, (fault, row) in enumerate(islice(each, MOST), 1):
+    for number, (fault, row) in enumerate(islice(each, MOST_TARGETS_REPORTED), 1):
         node = fault.node
         if isinstance(node, s.RunNode):
             node = place(look.single(node, row))
-        more = like_it(count - MOST if number == MOST else 0)
+        more = like_it(count - MOST_TARGETS_REPORTED if number == MOST_TARGETS_REPORTED else 0)
         yield look.finding(rule, node, more=more, **fault.words(row))
 
 

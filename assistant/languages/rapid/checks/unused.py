@@ -12,16 +12,16 @@ from assistant.base.diagnostics import Rule
 from assistant.languages.checks.names import NameSet
 from assistant.languages.checks.registry import Found, Listing
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
-_WORD: Final = re.compile(r"[^\W\d]\w*")
-SHORTEST: Final = 3
+_STRING_WORD: Final = re.compile(r"[^\W\d]\w*")
+SHORTEST_BEGINNING: Final = 3
 """Letters of a string that count as the begin of a name."""
 
 
-def unused(look: Look) -> Found:
+def unused_declarations(look: RuleContext) -> Found:
     """LOCAL items that nothing uses, and data of routines; global ones in a task with a `main`.
 
     One finding for all data and one for all routines of a module, at the first of them. What is
@@ -46,25 +46,25 @@ def unused(look: Look) -> Found:
                 started = not local and (open_to_all or (kind == "PROC" and not item.parameters))
                 if not started and name.lower() not in used:
                     routines.add(item, name)
-    yield from _told(look, rules.UNUSED_DATA, data)
-    yield from _told(look, rules.UNUSED_ROUTINE, routines)
+    yield from _listing_finding(look, rules.UNUSED_DATA, data)
+    yield from _listing_finding(look, rules.UNUSED_ROUTINE, routines)
     for routine in look.routines:
-        yield from _inner(look, routine)
+        yield from _unused_inner_data(look, routine)
 
 
-def _inner(look: Look, routine: s.Routine) -> Found:
+def _unused_inner_data(look: RuleContext, routine: s.Routine) -> Found:
     declared = [item for item in routine.body if isinstance(item, s.Data)]
     if not declared:
         return
-    used = _mentioned(nodes((routine.body, *(h.body for h in routine.handlers))))
+    used = _mentioned_names(nodes((routine.body, *(h.body for h in routine.handlers))))
     idle: Listing[s.Node] = Listing()
     for item in declared:
         if item.name.lower() not in used:
             idle.add(item, item.name)
-    yield from _told(look, rules.UNUSED_DATA, idle)
+    yield from _listing_finding(look, rules.UNUSED_DATA, idle)
 
 
-def _told(look: Look, rule: Rule, found: Listing[s.Node]) -> Found:
+def _listing_finding(look: RuleContext, rule: Rule, found: Listing[s.Node]) -> Found:
     if found.first is not None:
         node, row = found.first
         yield look.finding(rule, node, row=row, **found.words)
@@ -72,10 +72,10 @@ def _told(look: Look, rule: Rule, found: Listing[s.Node]) -> Found:
 
 def used_names(task: Task) -> NameSet:
     """What a task mentions anywhere."""
-    return _mentioned(nodes(task.modules))
+    return _mentioned_names(nodes(task.modules))
 
 
-def _mentioned(places: Iterable[s.Node]) -> NameSet:
+def _mentioned_names(places: Iterable[s.Node]) -> NameSet:
     """Names that some nodes mention, in lower case.
 
     A word in a string counts: routines are called and data are found by name. Where a name is
@@ -89,9 +89,9 @@ def _mentioned(places: Iterable[s.Node]) -> NameSet:
             case s.Connect(trap=trap):
                 names.words.add(trap.lower())
             case s.StringLiteral(value):
-                words = [word.lower() for word in _WORD.findall(value)]
+                words = [word.lower() for word in _STRING_WORD.findall(value)]
                 names.words.update(words)
-                names.beginnings.update(word for word in words if len(word) >= SHORTEST)
+                names.beginnings.update(word for word in words if len(word) >= SHORTEST_BEGINNING)
             case s.MoveRunNode(run):
                 names.columns += [run.names, run.vias]
                 for m in run.motions.table:

@@ -19,7 +19,7 @@ UNKNOWN_DATA: Final = info(
     "no given module declares `{name}`",
     "check together with the module that does, or correct the name",
 )
-MISSING: Final = error(
+MISSING_ARGUMENTS: Final = error(
     "RA404", "`{routine}` lacks {parameters}", "write `{usage}`, with options as needed"
 )
 TOO_MANY: Final = error(
@@ -86,7 +86,7 @@ NO_FUNCTION: Final = error(
     "call it as an instruction of its own, without parentheses",
 )
 NOT_A_ROUTINE: Final = error("RA417", "`{name}` is called, but is {what}", "correct the name")
-NO_VALUE: Final = error(
+NAME_WITHOUT_VALUE: Final = error(
     "RA419", "`{name}` is {what}, which has no value of its own", "name data, or call the routine"
 )
 UNKNOWN_TYPE: Final = warning(

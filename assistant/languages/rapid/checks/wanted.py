@@ -11,36 +11,46 @@ from collections.abc import Sequence
 from typing import Any
 
 from assistant.languages.rapid.checks.arguments import call_of, signature_of
-from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNALS, Scope, Types
-from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.checks.kinds import LOGICAL, NUMBER, SIGNAL_TYPES, Scope, Types
+from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.checks.single_rows import with_single_rows
-from assistant.languages.rapid.checks.wanted_names import OF_TYPE, WEAK, Given, Met, wanted_of
-from assistant.languages.rapid.checks.wanted_records import Records, record_of
+from assistant.languages.rapid.checks.wanted_names import (
+    KIND_OF_TYPE,
+    WEAK_USE,
+    GivenArgument,
+    NameUses,
+    wanted_of,
+)
+from assistant.languages.rapid.checks.wanted_records import UndeclaredRecords, record_of
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
-from assistant.languages.rapid.tables.processes import MOVES, UNSAID
+from assistant.languages.rapid.tables.processes import PROCESS_MOVES, UNTRANSLATED_TYPES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.states import (
-    COUNT,
+    CELL_OPTIONS,
+    CELL_ROUTINES,
+    CONTROLLER_STATES,
     LAST_ERROR,
-    MEETING,
-    NUMBERS,
-    OF_A_CELL,
-    OPTIONS_OF_A_CELL,
-    STATES,
+    TASK_COUNT_SUFFIX,
+    TASK_MEETINGS,
     TASK_NUMBER,
-    State,
+    TASK_NUMBER_OPTIONS,
+    ControllerState,
     state_of,
 )
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import worked_out_task
-from assistant.languages.rapid.tree.external_axes import asked as asked_axes
-from assistant.languages.rapid.tree.external_axes import place_of as place_of_axis
+from assistant.languages.rapid.tree.external_axes import axes_to_ask as asked_axes
+from assistant.languages.rapid.tree.external_axes import still_axis_name as place_of_axis
 from assistant.languages.rapid.tree.gather import has_no_value, literal_number
-from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
-from assistant.languages.rapid.tree.walk import ERRNO, of_handlers
+from assistant.languages.rapid.tree.mechanical_units import (
+    carrying_unit,
+    still_frame_name,
+    units_can_stand,
+)
+from assistant.languages.rapid.tree.walk import ERRNO, routines_of_handlers
 from assistant.languages.signatures import Signature
 from assistant.program import expressions as e
 from assistant.program.undeclared_names import CallArgument, Wanted
@@ -49,18 +59,18 @@ from assistant.program.undeclared_names import CallArgument, Wanted
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     """What the modules of one task use and nobody declares, in the order of the first uses."""
     files = with_single_rows(files)
-    task, met = Task(files), dict[str, Met]()
-    stands = can_stand([module for file in files for module in file.modules])
+    task, met = Task(files), dict[str, NameUses]()
+    stands = units_can_stand([module for file in files for module in file.modules])
     first = next((file for file in files if file.modules), None)
     if first is None:
         return ()
-    records = Records(Types(Look(first, first.modules[0], task)))
-    handling = of_handlers([module for file in files for module in file.modules])
+    records = UndeclaredRecords(Types(RuleContext(first, first.modules[0], task)))
+    handling = routines_of_handlers([module for file in files for module in file.modules])
     for file in files:
         for module in file.modules:
-            look = Look(file, module, task)
-            _Module(look, met, records, stands, handling).walk()
-    types = Types(Look(first, first.modules[0], task))
+            look = RuleContext(file, module, task)
+            _ModuleWalk(look, met, records, stands, handling).walk()
+    types = Types(RuleContext(first, first.modules[0], task))
     for one in met.values():
         if one.parts.parts and not one.types:
             owner = records.owner(one.name, one.parts)
@@ -75,16 +85,16 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     return (*asked, *data, *still)
 
 
-class _Module:
+class _ModuleWalk:
     """Looks through one module. stands: mechanical units may be said to stand still. handling:
     routines that run while an error is handled. handles: an error may be handled now.
     """
 
     def __init__(
         self,
-        look: Look,
-        met: dict[str, Met],
-        records: Records,
+        look: RuleContext,
+        met: dict[str, NameUses],
+        records: UndeclaredRecords,
         stands: bool,
         handling: frozenset[str],
     ) -> None:
@@ -128,8 +138,8 @@ class _Module:
             case s.Assignment(target, value):
                 kind = scope.kind(target)
                 given = scope.kind(value)
-                self._expression(target, scope, _type(given) or "", assigned=True)
-                self._expression(value, scope, _type(kind) or "")
+                self._expression(target, scope, _type_of_kind(given) or "", assigned=True)
+                self._expression(value, scope, _type_of_kind(kind) or "")
             case s.ProcedureCall(str(name)):
                 self._call(node, name, scope, "PROC")
             case s.ProcedureCall(late, arguments) if not isinstance(late, str):
@@ -161,9 +171,9 @@ class _Module:
                 self._body(body, scope.inside(node))
             case s.TestOf(subject, cases, otherwise):
                 kinds = [scope.kind(value) for case in cases for value in case.values]
-                type = next((_type(kind) for kind in kinds if kind is not None), "")
+                type = next((_type_of_kind(kind) for kind in kinds if kind is not None), "")
                 self._expression(subject, scope, type or "", weak=True)
-                of = _type(scope.kind(subject)) or ""
+                of = _type_of_kind(scope.kind(subject)) or ""
                 for case in cases:
                     for value in case.values:
                         self._expression(value, scope, of)
@@ -210,17 +220,19 @@ class _Module:
             options = [one.name for one in node.arguments if isinstance(one, s.Option)]
             if (state := state_of(low, options)) is not None:
                 self._state(state)
-                if state is STATES["gettaskname"] and any(o.lower() in NUMBERS for o in options):
+                if state is CONTROLLER_STATES["gettaskname"] and any(
+                    o.lower() in TASK_NUMBER_OPTIONS for o in options
+                ):
                     self._state(TASK_NUMBER)
-            elif routine is None or _is_of_a_cell(low, routine):
+            elif routine is None or _is_cell_routine(low, routine):
                 self._unread(node, name, scope, kind, result)
                 return
         elif isinstance(found.node, s.Routine):
             routine = signature_of(found.node)
-        if found is None and low in MEETING:
+        if found is None and low in TASK_MEETINGS:
             self._meets(node, scope)
         if found is None and isinstance(node, s.FunctionCall) and worked_out_task(node):
-            self._state(STATES["gettaskname"])
+            self._state(CONTROLLER_STATES["gettaskname"])
         bound = (
             {}
             if routine is None
@@ -231,14 +243,14 @@ class _Module:
                 continue
             parameters = bound.get(id(argument.value), ())
             if any(one.mode == "REF" for one in parameters) and not any(
-                one.type in SIGNALS for one in parameters
+                one.type in SIGNAL_TYPES for one in parameters
             ):
                 continue
             one = parameters[0] if parameters else None
             type = one.type if one is not None else ""
-            if low in MOVES and type in UNSAID:
+            if low in PROCESS_MOVES and type in UNTRANSLATED_TYPES:
                 continue
-            changed = one is not None and one.mode in ("VAR", "INOUT") and type not in SIGNALS
+            changed = one is not None and one.mode in ("VAR", "INOUT") and type not in SIGNAL_TYPES
             self._expression(
                 argument.value,
                 scope,
@@ -254,9 +266,9 @@ class _Module:
                 found = scope.find(name)
                 listed = None if found is None else found.node
                 if isinstance(listed, s.Data) and listed.value is None:
-                    self._note(f"{name}{COUNT}", "num").usual = 1.0
+                    self._note(f"{name}{TASK_COUNT_SUFFIX}", "num").usual = 1.0
 
-    def _state(self, state: State) -> None:
+    def _state(self, state: ControllerState) -> None:
         """What the controller tells of itself, as data of the cell."""
         self._note(state.name, state.type).usual = state.usual
 
@@ -264,7 +276,7 @@ class _Module:
         """A type that stands for itself: of an alias of numbers the number."""
         if not type:
             return ""
-        return type if type in OF_TYPE else self.types.base(type) or type
+        return type if type in KIND_OF_TYPE else self.types.base(type) or type
 
     def _unread(
         self,
@@ -276,40 +288,44 @@ class _Module:
     ) -> None:
         met = self._note(name, result)
         met.routine = met.routine or kind
-        given: list[Given] = []
+        given: list[GivenArgument] = []
         for argument in node.arguments:
             self._argument(argument, scope)
             match argument:
                 case s.Positional(value):
                     given.append(self._given(value, scope))
                 case s.Option(option, None):
-                    given.append(Given(CallArgument("switch", option)))
+                    given.append(GivenArgument(CallArgument("switch", option)))
                 case s.Option(option, s.Node() as value):
                     given.append(self._given(value, scope, option))
                 case s.Conditional(option, variable):
                     given.append(self._given(variable, scope, option))
         met.calls.append(tuple(given))
 
-    def _given(self, value: s.Expression, scope: Scope, option: str = "") -> Given:
+    def _given(self, value: s.Expression, scope: Scope, option: str = "") -> GivenArgument:
         """An argument with the type that is declared for it, or the name that has to tell it."""
         kind = scope.kind(value)
         if kind is not None:
-            return Given(CallArgument(_type(kind) or "", option, kind.dimensions))
+            return GivenArgument(CallArgument(_type_of_kind(kind) or "", option, kind.dimensions))
         name, element = value, False
         if isinstance(value, s.Element):
             whole = any(isinstance(index, s.Whole) for index in value.indices)
             name, element = (value, False) if whole else (value.value, True)
         if not isinstance(name, s.NameRef):
-            return Given(CallArgument("", option))
+            return GivenArgument(CallArgument("", option))
         if name.name.lower() in self.met:
-            return Given(CallArgument("", option), name.name.lower(), element)
+            return GivenArgument(CallArgument("", option), name.name.lower(), element)
         found = scope.find(name.name)
         match None if found is None or scope.doubtful(found) else found.node:
             case s.Data(type=type, dimensions=extents):
-                return Given(CallArgument(type.lower(), option, 0 if element else len(extents)))
+                return GivenArgument(
+                    CallArgument(type.lower(), option, 0 if element else len(extents))
+                )
             case s.ParameterNode(type=type, dimensions=dimensions):
-                return Given(CallArgument(type.lower(), option, 0 if element else dimensions))
-        return Given(CallArgument("", option))
+                return GivenArgument(
+                    CallArgument(type.lower(), option, 0 if element else dimensions)
+                )
+        return GivenArgument(CallArgument("", option))
 
     def _argument(self, argument: s.Argument, scope: Scope) -> None:
         if not isinstance(argument, s.Conditional) and argument.value is not None:
@@ -346,8 +362,8 @@ class _Module:
             case s.FunctionCall(name):
                 self._call(node, name, scope, "FUNC", type)
             case s.AggregateNode(items):
-                if self.stands and (unit := unit_of(node)):
-                    place = place_of(unit)
+                if self.stands and (unit := carrying_unit(node)):
+                    place = still_frame_name(unit)
                     if scope.find(place) is None:
                         self._note(place, "wobjdata")
                 base = self.types.base(type) if type else None
@@ -365,7 +381,7 @@ class _Module:
             return
         for side, other in ((left, right), (right, left)):
             kind = scope.kind(other)
-            known = _type(kind)
+            known = _type_of_kind(kind)
             compared = operator in e.RELATIONS
             weak = compared and (known in ("num", "dionum") or known is None)
             fallback = type if not compared else ""
@@ -421,24 +437,26 @@ class _Module:
             return low not in SPEEDS.predefined
         return not (type == "zonedata" and (low in ZONES or low in BLENDS.predefined))
 
-    def _note(self, name: str, type: str, *, assigned: bool = False, weak: bool = False) -> Met:
-        met = self.met.setdefault(name.lower(), Met(name))
+    def _note(
+        self, name: str, type: str, *, assigned: bool = False, weak: bool = False
+    ) -> NameUses:
+        met = self.met.setdefault(name.lower(), NameUses(name))
         if type:
-            met.types[type] += WEAK if weak else 1  # type: ignore[assignment]
+            met.types[type] += WEAK_USE if weak else 1  # type: ignore[assignment]
         met.assigned |= assigned
         if self.place:
             met.uses.setdefault(self.place)
         return met
 
 
-def _is_of_a_cell(low: str, routine: Signature) -> bool:
+def _is_cell_routine(low: str, routine: Signature) -> bool:
     """Whether what a routine of the controller does is the cell's, by its name in lower case."""
-    if low in MOVES:
+    if low in PROCESS_MOVES:
         return False
-    return routine.option in OPTIONS_OF_A_CELL or low in OF_A_CELL
+    return routine.option in CELL_OPTIONS or low in CELL_ROUTINES
 
 
-def _type(kind: Any) -> str | None:
+def _type_of_kind(kind: Any) -> str | None:
     if kind is None:
         return None
     return "num" if kind.type == NUMBER else str(kind.type)

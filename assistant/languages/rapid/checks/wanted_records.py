@@ -18,12 +18,12 @@ from assistant.program.program import TakenNames, identifier
 from assistant.program.undeclared_names import Plain, Wanted
 
 _SCALARS: Final[dict[str, Plain]] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": ""}
-_ANY: Final = ""
+_ANY_KIND: Final = ""
 """Of a value that may be of any type."""
 _BRACKETS: Final = "["
 
 
-_PARTS: Final[Mapping[str, tuple[str, ...]]] = {
+_OWN_PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     "robtarget": ("robconf",),
     "jointtarget": ("robax",),
     "tooldata": ("tframe", "tload"),
@@ -35,12 +35,12 @@ _PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     "orient": ("q1", "q2", "q3", "q4"),
     "confdata": ("cf1", "cf4", "cf6", "cfx"),
 }
-_OF_PART: Final = {part: type for type, parts in _PARTS.items() for part in parts}
+_RECORD_OF_PART: Final = {part: type for type, parts in _OWN_PARTS.items() for part in parts}
 """Components that one predefined record alone has → that record."""
 
 
 @dataclass(slots=True)
-class Shape:
+class RecordUses:
     """A type, or a component that is a record itself.
 
     parts: by lower-case name. types: of one that is no record, how often its uses want each.
@@ -48,7 +48,7 @@ class Shape:
     """
 
     name: str
-    parts: dict[str, Shape] = field(default_factory=dict)
+    parts: dict[str, RecordUses] = field(default_factory=dict)
     types: Counter[str] = field(default_factory=Counter)
     rows: list[s.AggregateNode] = field(default_factory=list)
     uses: dict[str, None] = field(default_factory=dict)
@@ -62,30 +62,30 @@ class Shape:
                 self.types[type] += 1
             return
         first, *rest = path
-        self.parts.setdefault(first.lower(), Shape(first)).note(rest, type, "")
+        self.parts.setdefault(first.lower(), RecordUses(first)).note(rest, type, "")
 
-    def join(self, other: Shape) -> None:
+    def join(self, other: RecordUses) -> None:
         for key, part in other.parts.items():
-            self.parts.setdefault(key, Shape(part.name)).join(part)
+            self.parts.setdefault(key, RecordUses(part.name)).join(part)
         self.types += other.types
         self.uses |= other.uses
 
 
 @dataclass(frozen=True, slots=True)
-class Solved:
+class SolvedRecord:
     """Components of a type, (type, name) each, with the value that says least."""
 
     components: tuple[tuple[str, str], ...]
     nothing: Plain | None
 
 
-class Records:
+class UndeclaredRecords:
     """The types of a program that nobody declares, or whose components are not known."""
 
     def __init__(self, types: Types) -> None:
         self.types = types
-        self.found: dict[str, Shape] = {}
-        self.solved: dict[str, Solved] = {}
+        self.found: dict[str, RecordUses] = {}
+        self.solved: dict[str, SolvedRecord] = {}
         self._names: dict[str, str] = {}
         self._taken = TakenNames()
 
@@ -99,7 +99,7 @@ class Records:
         return kind == "" or (kind == "RECORD" and not self.types.components(base))
 
     def note(self, type: str, path: Sequence[str], wanted: str, place: str) -> None:
-        self.found.setdefault(type.lower(), Shape(type)).note(path, wanted, place)
+        self.found.setdefault(type.lower(), RecordUses(type)).note(path, wanted, place)
 
     def row(self, type: str, value: s.Expression, dimensions: int, place: str) -> None:
         """A value of a type, in an array of so many dimensions."""
@@ -109,18 +109,18 @@ class Records:
             for item in value.items:
                 self.row(type, item, dimensions - 1, place)
             return
-        shape = self.found.setdefault(type.lower(), Shape(type))
+        shape = self.found.setdefault(type.lower(), RecordUses(type))
         shape.rows.append(value)
         shape.note((), "", place)
 
-    def owner(self, data: str, parts: Shape) -> str:
+    def owner(self, data: str, parts: RecordUses) -> str:
         """The type of data with components of these names: a new one if no other or several do."""
         names = parts.parts.keys()
         found = [key for key, shape in self.found.items() if names & shape.parts.keys()]
         if len(found) == 1:
             return self.found[found[0]].name
         name = f"{data}_type"
-        self.found.setdefault(name.lower(), Shape(name))
+        self.found.setdefault(name.lower(), RecordUses(name))
         return name
 
     def wanted(self) -> Iterator[Wanted]:
@@ -131,11 +131,11 @@ class Records:
                 made = list(self._made(shape.name, shape))
                 yield from made
 
-    def _is_told(self, key: str, shape: Shape) -> bool:
+    def _is_told(self, key: str, shape: RecordUses) -> bool:
         """Whether it is worth a question: a type of an option only if a component is asked for."""
         return bool(shape.parts) or (bool(shape.rows) and self.types.kind(key) == "")
 
-    def _made(self, name: str, shape: Shape) -> Iterator[Wanted]:
+    def _made(self, name: str, shape: RecordUses) -> Iterator[Wanted]:
         solved = self._solve(name, shape)
         if solved is None:
             return
@@ -145,9 +145,9 @@ class Records:
         yield Wanted(name, "record", uses=tuple(shape.uses), nothing=said)
         yield from inner
 
-    def _solve(self, name: str, shape: Shape) -> tuple[list[Wanted], Solved] | None:
+    def _solve(self, name: str, shape: RecordUses) -> tuple[list[Wanted], SolvedRecord] | None:
         """The components of a record, and the records among them; None if its uses disagree."""
-        slots = _slots(shape.rows)
+        slots = _kinds_of_values(shape.rows)
         if slots is None:
             return None
         inner: list[Wanted] = []
@@ -158,7 +158,7 @@ class Records:
             if at is None:
                 return None
             if shape.rows:
-                part.rows += _inside(shape.rows, at)
+                part.rows += _inner_values(shape.rows, at)
                 if not part.types and slots[at] in _SCALARS:  # no use tells more than its value
                     part.types[slots[at]] += 1
             said = self._component(name, part, inner)
@@ -167,8 +167,10 @@ class Records:
             found[at] = (said[0], part.name, said[1])
         for at, kind in enumerate(slots):
             if at not in found:
-                rest = Shape(identifier(f"part_{at + 1}", {p.name for p in shape.parts.values()}))
-                rest.rows += _inside(shape.rows, at)
+                rest = RecordUses(
+                    identifier(f"part_{at + 1}", {p.name for p in shape.parts.values()})
+                )
+                rest.rows += _inner_values(shape.rows, at)
                 rest.types[kind or "num"] += kind != _BRACKETS
                 said = self._component(name, rest, inner)
                 if said is None:
@@ -177,13 +179,13 @@ class Records:
         order = [found[at] for at in sorted(found)]
         values = [value for _, _, value in order if value is not None]
         nothing = tuple(values) if len(values) == len(order) else None
-        return inner, Solved(tuple((type, part) for type, part, _ in order), nothing)
+        return inner, SolvedRecord(tuple((type, part) for type, part, _ in order), nothing)
 
     def _component(
-        self, owner: str, part: Shape, inner: list[Wanted]
+        self, owner: str, part: RecordUses, inner: list[Wanted]
     ) -> tuple[str, Plain | None] | None:
         """The type of a component and the value of it that says least."""
-        type = part.types.most_common(1)[0][0] if part.types else _ANY
+        type = part.types.most_common(1)[0][0] if part.types else _ANY_KIND
         type = "num" if type == NUMBER else type
         if part.parts or (part.rows and not self._fits(type, part.rows)):
             name = identifier(f"{owner}_{part.name}", self._taken)[:32]
@@ -197,15 +199,18 @@ class Records:
         return type, _SCALARS.get(self.types.base(type) or type)
 
     def _place(
-        self, part: Shape, slots: Sequence[str], taken: dict[int, tuple[str, str, Plain | None]]
+        self,
+        part: RecordUses,
+        slots: Sequence[str],
+        taken: dict[int, tuple[str, str, Plain | None]],
     ) -> int | None:
         """The first value that a component may be."""
-        type = part.types.most_common(1)[0][0] if part.types else _ANY
+        type = part.types.most_common(1)[0][0] if part.types else _ANY_KIND
         base = self.types.base(type) or type
         if part.parts or (base and base not in _SCALARS and base != NUMBER):
-            kinds: tuple[str, ...] = (_BRACKETS, _ANY)
+            kinds: tuple[str, ...] = (_BRACKETS, _ANY_KIND)
         else:
-            kinds = ("num" if base in (NUMBER, "dnum") else base, _ANY)
+            kinds = ("num" if base in (NUMBER, "dnum") else base, _ANY_KIND)
         elsewhere = not base and not part.parts
         for at, kind in enumerate(slots):
             if at not in taken and (kind in kinds or (elsewhere and kind != _BRACKETS)):
@@ -218,11 +223,11 @@ class Records:
         return bool(components) and all(len(row.items) == len(components or ()) for row in rows)
 
 
-def _slots(rows: Sequence[s.AggregateNode]) -> list[str] | None:
+def _kinds_of_values(rows: Sequence[s.AggregateNode]) -> list[str] | None:
     """What the values of records are, one after the other; None if they are not alike."""
     slots: list[str] = []
     for row in rows:
-        kinds = list(map(_kind, row.items))
+        kinds = list(map(_value_kind, row.items))
         slots = slots or kinds
         if len(kinds) != len(slots):
             return None
@@ -233,12 +238,12 @@ def _slots(rows: Sequence[s.AggregateNode]) -> list[str] | None:
     return slots
 
 
-def _inside(rows: Sequence[s.AggregateNode], at: int) -> list[s.AggregateNode]:
+def _inner_values(rows: Sequence[s.AggregateNode], at: int) -> list[s.AggregateNode]:
     items = (row.items[at] for row in rows)
     return [item for item in items if isinstance(item, s.AggregateNode)]
 
 
-def _kind(node: s.Expression) -> str:
+def _value_kind(node: s.Expression) -> str:
     match node:
         case s.AggregateNode():
             return _BRACKETS
@@ -248,14 +253,14 @@ def _kind(node: s.Expression) -> str:
             return "string"
         case s.BoolLiteral():
             return "bool"
-    return _ANY
+    return _ANY_KIND
 
 
 def record_of(parts: Sequence[str]) -> str:
     """The predefined record that has a component of a component …, empty if several have."""
     first = parts[0]
-    if first in _OF_PART:
-        return _OF_PART[first]
+    if first in _RECORD_OF_PART:
+        return _RECORD_OF_PART[first]
     if first in ("trans", "rot"):
         return "robtarget"
     if first == "extax":

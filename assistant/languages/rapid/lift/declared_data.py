@@ -22,8 +22,8 @@ from assistant.languages.rapid.lift.expressions import lift_expression
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables.words import UNUSED, VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, numbers
-from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, TargetRun
+from assistant.languages.rapid.tree.gather import literal_number, literal_values
+from assistant.languages.rapid.tree.runs import CIRCULAR, TARGET_PARTS, TargetRun
 from assistant.languages.rapid.tree.walk import lists, nodes, root
 from assistant.languages.records import frame_of, shape, target, tool_of
 from assistant.languages.runs.columns import Names, joined_runs
@@ -93,7 +93,7 @@ class DataLift:
         type, name = item.type.lower(), self.original(item.name)
         if item.dimensions and type not in VALUE_OF_TYPE:
             return False
-        value = numbers(item.value)
+        value = literal_values(item.value)
         if type == "tooldata" and (tool := tool_of(value)) and name.lower() != FLANGE:
             self.tools[name] = tool
         elif type == "wobjdata" and (frame := frame_of(value)) and name.lower() != BASE:
@@ -215,7 +215,9 @@ class PathLift:
     ) -> None:
         self.data, self.original = data, original
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
-        self.table = joined_runs([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
+        self.table = joined_runs(
+            [TargetRun(Names.none(0), np.empty((0, TARGET_PARTS[-1][1]))), *runs]
+        )
         self.known = NamedTargets(self.table.names)
         self._taken = TakenNames(
             i.name for m in modules for i in m.items if isinstance(i, _NAMED_ITEMS)
@@ -297,7 +299,9 @@ def _target_value(values: Sequence[float]) -> e.Expression:
     """A robtarget as it stands in an expression; one without orientation is mere numbers."""
     if any(values[3:7]):
         return e.TargetValue(target(values))
-    return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in PARTS))
+    return e.Aggregate(
+        tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in TARGET_PARTS)
+    )
 
 
 def _have_orientations(values: Floats) -> bool:

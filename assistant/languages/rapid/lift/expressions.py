@@ -15,7 +15,7 @@ from typing import Any, Final
 from assistant.languages.patterns import Reading
 from assistant.languages.rapid.tables import functions
 from assistant.languages.rapid.tables.operators import BINARY
-from assistant.languages.rapid.tables.signal_types import READ_BY
+from assistant.languages.rapid.tables.signal_types import SIGNAL_READ_BY
 from assistant.languages.rapid.tables.words import COMPONENTS
 from assistant.languages.rapid.text import effects
 from assistant.languages.rapid.text.printer import expression as printed
@@ -31,7 +31,7 @@ from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_procedures
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
-_OF_ARM: Final = {word.lower(): name for name, word in functions.OF_ARM.items()}
+_OF_ARM: Final = {word.lower(): name for name, word in functions.ARM_FUNCTIONS.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
 
 Original = Callable[[str], str]
@@ -56,7 +56,7 @@ class Expressions:
             {
                 "value": lambda node, _: self.of(node),
                 "position": lambda node, _: self._part(node, "trans"),
-                "turned": lambda node, _: self._part(node, functions.TURN),
+                "turned": lambda node, _: self._part(node, functions.ORIENTATION_COMPONENT),
                 "timer": lambda node, _: self._timer(node),
                 "tool": lambda node, _: self._named(node, tool_name),
                 "frame": lambda node, _: self._named(node, frame_name),
@@ -108,7 +108,7 @@ class Expressions:
         call = called(node)
         if call is None:
             return verbatim_of(node)
-        said: e.Expression | None = functions.ROWS.read(call, self.reading)
+        said: e.Expression | None = functions.FUNCTION_ROWS.read(call, self.reading)
         if said is not None:
             return said
         name, key = self.original(node.name), node.name.lower()
@@ -119,18 +119,21 @@ class Expressions:
         given = tuple(self.of(argument) for argument in call.given if argument is not None)
         if call.options or name in e.FUNCTIONS:
             return verbatim_of(node)
-        if key in functions.READS and len(given) == 1:
+        if key in functions.SIGNAL_FUNCTIONS and len(given) == 1:
             if not isinstance(given[0], e.Name):
                 return verbatim_of(node)
-            self.used.append((given[0].name, READ_BY[key]))
+            self.used.append((given[0].name, SIGNAL_READ_BY[key]))
             return given[0]
-        if key in functions.ROWS and key not in functions.NO_OTHER:
+        if key in functions.FUNCTION_ROWS and key not in functions.NO_OTHER:
             return verbatim_of(node)
         return e.Apply(name, given)
 
     def oriented(self, target: s.Expression, value: s.Expression) -> e.Expression | None:
         """The target that `target:=value` turns to angles, as a whole with them."""
-        place, other = self._part(target, functions.TURN), self._part(value, functions.TURN)
+        place, other = (
+            self._part(target, functions.ORIENTATION_COMPONENT),
+            self._part(value, functions.ORIENTATION_COMPONENT),
+        )
         if place is not None and other is not None:
             return e.Apply("oriented", (place, *(e.Member(other, name) for name in e.ANGLES)))
         call = called(value)
@@ -156,7 +159,7 @@ class Expressions:
 def verbatim_of(node: s.Expression) -> e.Verbatim:
     """An expression as its text."""
     text = printed(node)
-    return e.Verbatim(LANGUAGE, text, effect=effects.of_nodes((node,), text))
+    return e.Verbatim(LANGUAGE, text, effect=effects.effect_of_nodes((node,), text))
 
 
 def negated(operand: e.Expression) -> e.Expression:

@@ -83,14 +83,14 @@ from assistant.languages.rapid.lift.vendor_statements import (
 )
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.predefined import error_numbers
-from assistant.languages.rapid.tables.processes import DATA
-from assistant.languages.rapid.tables.signal_types import SIGNALS
+from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
+from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
 from assistant.languages.rapid.tables.standard import FUNCTIONS
-from assistant.languages.rapid.tables.states import BY_NAME as STATE_OF
-from assistant.languages.rapid.tables.words import ELSEWHERE, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.states import STATE_BY_NAME as STATE_OF
+from assistant.languages.rapid.tables.words import PORTABLE_CONSTANTS, VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, numbers
+from assistant.languages.rapid.tree.gather import literal_number, literal_values
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -322,7 +322,7 @@ _DISPLACEMENT_ENDS: Final = {
     "eoffsoff": re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE),
 }
 """What ends displacements of targets, and of external axes, with the words that begin them."""
-IDLE_TYPES: Final = DATA | {"tasks", "syncident", "errnum", "intnum", *SIGNALS}
+IDLE_TYPES: Final = PROCESS_DATA_TYPES | {"tasks", "syncident", "errnum", "intnum", *SIGNAL_TYPES}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
 NEAR_STOP_POINTS: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
@@ -376,7 +376,7 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
         if known.storage == "VAR" and known.type in VALUE_OF_TYPE
     }
     findings += _error_number_findings(program)
-    program = with_constants(with_neutral_dates(program), {**ELSEWHERE, **error_numbers()})
+    program = with_constants(with_neutral_dates(program), {**PORTABLE_CONSTANTS, **error_numbers()})
     program = with_read_angles(with_predefined(program, types))
     findings += _quaternion_findings(program)
     findings += _cell_state_findings(program)
@@ -661,7 +661,7 @@ def _frame_tables(program: Program) -> Mapping[str, RowTable]:
             case (
                 s.Data(type=type, name=str(name), dimensions=(_,), value=s.AggregateNode(values)),
             ) if type.lower() in _ROW_READERS:
-                rows = [_ROW_READERS[type.lower()](numbers(value)) for value in values]
+                rows = [_ROW_READERS[type.lower()](literal_values(value)) for value in values]
                 known = [row for row in rows if row is not None]
                 if known and len(known) == len(rows):
                     found[name.lower()] = declaration, known

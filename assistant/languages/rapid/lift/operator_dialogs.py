@@ -19,7 +19,7 @@ from assistant.languages.rapid.lift.vendor_statements import (
     VendorCall,
     with_lowered_calls,
 )
-from assistant.languages.rapid.tables.words import ANSWERS
+from assistant.languages.rapid.tables.words import BUTTON_ANSWERS
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of
@@ -207,7 +207,7 @@ def _buttons(q: VendorCall, own: Sequence[s.Expression] | None) -> list[tuple[st
     known = BUTTONS.get("btnok" if node is None else name_of(node).lower())
     if "btnarray" in q.call.options or known is None:
         raise NotExpressible(COMPUTED_TEXT)
-    return [(one.removeprefix("res"), ANSWERS[one.lower()]) for one in known]
+    return [(one.removeprefix("res"), BUTTON_ANSWERS[one.lower()]) for one in known]
 
 
 def _is_button(button: s.Expression) -> bool:

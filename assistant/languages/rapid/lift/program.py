@@ -32,7 +32,7 @@ from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
-from assistant.languages.rapid.text.header import Header, opening
+from assistant.languages.rapid.text.header import Header, module_header
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names
 from assistant.program import expressions as e
@@ -71,7 +71,7 @@ def as_one_unit(program: Program) -> Program:
     """A program of one unit, where its modules say that the task holds them all."""
     origin = program.origin
     modules = () if origin is None else (m for file in origin.trees for m in file.modules)
-    if not any(opening(module).resident for module in modules):
+    if not any(module_header(module).resident for module in modules):
         return program
     return _with_units_changed(program, lambda _: None, lambda call, own: None)  # noqa: ARG005
 
@@ -136,7 +136,7 @@ class _Lift:
     ) -> None:
         self.chosen, self.outside = chosen, outside
         self.modules, self.starts = modules, starts
-        self.headers = [opening(m) for m in modules]
+        self.headers = [module_header(m) for m in modules]
         self.main = self._main()
         self.names: dict[str, str] = {}
         for header in self.headers:
@@ -376,5 +376,5 @@ def _declaration_comments(item: s.Item | s.Module, notes: Sequence[str]) -> list
 
 def _declaration(item: s.Item) -> Declaration:
     text = verbatim.of_node(item, "items")
-    effect = effects.of_nodes((item,), text)
+    effect = effects.effect_of_nodes((item,), text)
     return Declaration(verbatim.LANGUAGE, text, span=item.span, effect=effect)

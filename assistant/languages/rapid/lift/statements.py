@@ -28,24 +28,24 @@ from assistant.languages.rapid.tables.motions import (
     speed_of,
     zone_of,
 )
-from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables.statements import ROWS
+from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OPTION_ROUTINES
+from assistant.languages.rapid.tables.statements import STATEMENT_ROWS
 from assistant.languages.rapid.tables.triggers import (
-    MEASURES,
-    MORE,
-    MOVES,
-    OUTPUTS,
-    SETUPS,
-    TYPE,
-    Move,
-    Setup,
+    FURTHER_TRIGGERS,
+    TRIGGER_MEASURES,
+    TRIGGER_MOVES,
+    TRIGGER_OUTPUTS,
+    TRIGGER_SETUPS,
+    TRIGGER_TYPE,
+    TriggerMove,
+    TriggerSetup,
 )
 from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.triggers import set_up, taken
+from assistant.languages.rapid.tree.triggers import trigger_set_up, triggers_taken
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.vendor_statements import INTERRUPTS
 from assistant.program import expressions as e
@@ -183,7 +183,7 @@ def lift_instruction(node: s.ProcedureCall, meaning: NameResolver) -> p.Statemen
 
 def lift_call(call: Called[s.Expression], meaning: NameResolver) -> p.Statement | None:
     """The same of a call as the rows of tables have it."""
-    said: p.Statement | None = ROWS.read(call, meaning.reading)
+    said: p.Statement | None = STATEMENT_ROWS.read(call, meaning.reading)
     return said
 
 
@@ -220,7 +220,7 @@ INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
 
 BY_COMPONENTS: Final = "say it with the components, one by one"
 """What to do where a record is used in a way that no plain data can be."""
-_STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
+_STANDARD: Final = INSTRUCTIONS | OPTION_ROUTINES
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
 _LOADED: Final = re.compile(rf"{re.escape(LOADED_FROM)}({_WORD.pattern})\.mod")
 
@@ -378,7 +378,7 @@ class StatementLift:
 
 
 def _opaque_text(text: str) -> p.Opaque:
-    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
+    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.effect_of_text(text, "statement"))
 
 
 def opaque(node: s.StatementNode) -> p.Opaque:
@@ -390,7 +390,7 @@ def handler(node: s.Handler) -> p.Opaque:
 
 
 def _opaque(node: s.Node, text: str) -> p.Opaque:
-    effect = effects.of_nodes((node,), text)
+    effect = effects.effect_of_nodes((node,), text)
     return p.Opaque(verbatim.LANGUAGE, text, span=node.span, effect=effect)
 
 
@@ -419,28 +419,30 @@ class TriggerReader:
     def told(self, kept: VendorText) -> Told | None:
         """What a text is to outputs on the way of moves."""
         match _trigger_node(kept):
-            case s.Data(storage=storage, type=type, name=name) as node if type.lower() == TYPE:
+            case s.Data(storage=storage, type=type, name=name) as node if (
+                type.lower() == TRIGGER_TYPE
+            ):
                 plain = storage == "VAR" and node.scope != "TASK" and not node.dimensions
                 inside = not isinstance(kept, Declaration)
                 return TriggerData(name.lower(), plain, own=inside or node.scope == "LOCAL")
-            case s.ProcedureCall(str(word)) as node if word.lower() in MOVES:
-                return self._taking(MOVES[word.lower()], node)
-            case s.ProcedureCall(str(word)) as node if name := set_up(node):
-                return self._set_up(SETUPS[word.lower()], name, node)
+            case s.ProcedureCall(str(word)) as node if word.lower() in TRIGGER_MOVES:
+                return self._taking(TRIGGER_MOVES[word.lower()], node)
+            case s.ProcedureCall(str(word)) as node if name := trigger_set_up(node):
+                return self._set_up(TRIGGER_SETUPS[word.lower()], name, node)
         return None
 
-    def _taking(self, known: Move, node: s.ProcedureCall) -> TriggeredMove:
+    def _taking(self, known: TriggerMove, node: s.ProcedureCall) -> TriggeredMove:
         """It can be said where plain variables alone are taken."""
-        call, names = called(node), tuple(one.name.lower() for one in taken(node))
+        call, names = called(node), tuple(one.name.lower() for one in triggers_taken(node))
         if call is None:
             return TriggeredMove(names, None)
         given = [*call.given[: known.place], *call.given[known.place + 1 :]]
-        options = {name: x for name, x in call.options.items() if name not in MORE}
+        options = {name: x for name, x in call.options.items() if name not in FURTHER_TRIGGERS}
         plain = len(names) == 1 + len(call.options) - len(options)
         move = lift_call(Called(known.plain, given, options), self.meaning) if plain else None
         return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
 
-    def _set_up(self, known: Setup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
+    def _set_up(self, known: TriggerSetup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
         """It can be said of one output, without more options or functions of the user's.
 
         Those are to be called once, and there.
@@ -448,15 +450,15 @@ class TriggerReader:
         call, calls = called(node), (x for x in nodes(node) if isinstance(x, s.FunctionCall))
         if call is None or any(self.own(x.name.lower()) for x in calls):
             return TriggerSetUp(name)
-        kinds = [kind for option, kind in OUTPUTS.items() if option in call.options]
-        signals = [x for option, x in call.options.items() if option in OUTPUTS]
+        kinds = [kind for option, kind in TRIGGER_OUTPUTS.items() if option in call.options]
+        signals = [x for option, x in call.options.items() if option in TRIGGER_OUTPUTS]
         measures = [option for option in call.options if option in known.measures]
         alone = len(call.options) == len(signals) + len(measures) and len(measures) <= 1
         given = [one for one in call.given if one is not None]
         match signals:
             case [s.NameRef(signal)] if alone and len(given) == known.count:
                 _, amount, *delay, value = map(self.meaning.expression, given)
-                measure = MEASURES["".join(measures)]
+                measure = TRIGGER_MEASURES["".join(measures)]
                 values = (value, amount, *delay)
                 trigger = p.Trigger(
                     self.meaning.original(signal), value, amount, measure, None, *delay

@@ -17,8 +17,8 @@ from assistant.base.diagnostics import Span
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.tables import processes as table
-from assistant.languages.rapid.tables.functions import HERE
-from assistant.languages.rapid.tables.processes import MOVES
+from assistant.languages.rapid.tables.functions import CURRENT_TARGET
+from assistant.languages.rapid.tables.processes import PROCESS_MOVES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -46,11 +46,11 @@ class Gun:
 
 def guns(call: Called[s.Expression]) -> tuple[Gun, ...]:
     """The guns of a spot weld in the order of their arguments; none for any other call."""
-    known = MOVES.get(call.word.lower())
+    known = PROCESS_MOVES.get(call.word.lower())
     if known is None or known.kind != "spot":
         return ()
     if not known.given:
-        named = ((name, spot) for name, spot in call.options.items() if name in table.GUNS)
+        named = ((name, spot) for name, spot in call.options.items() if name in table.GUN_OPTIONS)
         return tuple(Gun(f"gun{name[1:]}", spot) for name, spot in named)
     if len(call.given) != known.points + known.given + 2:
         return ()
@@ -64,25 +64,34 @@ def guns(call: Called[s.Expression]) -> tuple[Gun, ...]:
 def retracting(call: Called[s.Expression]) -> tuple[str, ...]:
     """The outputs for guns that open wide behind the weld."""
     wide = "retract" in call.options
-    return tuple(gun.name + table.RETRACTS for gun in guns(call)) if wide else ()
+    return tuple(gun.name + table.RETRACT_SUFFIX for gun in guns(call)) if wide else ()
 
 
 def process_signals(call: Called[s.Expression]) -> Iterator[tuple[str, Signal]]:
     """The signals that an instruction with a process sets and waits for."""
     word = call.word.lower()
-    kind = "paint" if word == table.BRUSHES else MOVES[word].kind if word in MOVES else ""
+    kind = (
+        "paint"
+        if word == table.BRUSH_INSTRUCTION
+        else PROCESS_MOVES[word].kind
+        if word in PROCESS_MOVES
+        else ""
+    )
     for gun in guns(call):
-        yield gun.name + table.PROGRAM, table.NUMBER
-        yield gun.name + table.STARTS, table.OUTPUT
-        yield gun.name + table.READY, table.INPUT
-    yield from ((name, table.OUTPUT) for name in retracting(call))
+        yield gun.name + table.PROGRAM_SUFFIX, table.GROUP_OUTPUT
+        yield gun.name + table.START_SUFFIX, table.DIGITAL_OUTPUT
+        yield gun.name + table.READY_SUFFIX, table.DIGITAL_INPUT
+    yield from ((name, table.DIGITAL_OUTPUT) for name in retracting(call))
     yield from _PROCESS_SIGNALS.get(kind, ())
 
 
 _PROCESS_SIGNALS: Final[Mapping[str, tuple[tuple[str, Signal], ...]]] = {
-    "arc": ((table.BURNS, table.OUTPUT),),
-    "bead": ((table.FLOWS, table.OUTPUT), (table.BEAD, table.NUMBER)),
-    "paint": ((table.BRUSH, table.NUMBER),),
+    "arc": ((table.ARC_OUTPUT, table.DIGITAL_OUTPUT),),
+    "bead": (
+        (table.DISPENSE_OUTPUT, table.DIGITAL_OUTPUT),
+        (table.BEAD_OUTPUT, table.GROUP_OUTPUT),
+    ),
+    "paint": ((table.BRUSH_OUTPUT, table.GROUP_OUTPUT),),
 }
 
 
@@ -100,9 +109,9 @@ def signals_in(
     """The signals that kept texts name. known: whether a lower-case name is other data."""
     for statement in statements:
         if isinstance(statement, p.Opaque) and statement.language == verbatim.LANGUAGE:
-            read = verbatim.understood(verbatim.handlers, statement.text) or verbatim.understood(
-                verbatim.statements, statement.text
-            )
+            read = verbatim.understood(
+                verbatim.error_handlers, statement.text
+            ) or verbatim.understood(verbatim.statements, statement.text)
             for node in nodes(read or ()):
                 if isinstance(node, s.ProcedureCall):
                     yield from (
@@ -198,7 +207,7 @@ def _with_explicit_frames(original: Callable[[str], str]) -> Said:
     def said(x: e.Expression, tool: str | None, frame: str | None) -> e.Expression:
         assert isinstance(x, e.Verbatim)
         call = called(verbatim.expression(x.text))
-        found = None if call is None else expressions.reading.fields(HERE, call)
+        found = None if call is None else expressions.reading.fields(CURRENT_TARGET, call)
         where = {"tool": tool, "frame": frame, **(found or {})}
         if found is None or None in where.values():
             return replace(x, reason=DEPENDS_ON_PATH)

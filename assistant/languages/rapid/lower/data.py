@@ -14,7 +14,7 @@ from assistant.languages.rapid.tables.motions import (
     zone_name,
     zone_values,
 )
-from assistant.languages.rapid.tables.triggers import TYPE as TRIGGER
+from assistant.languages.rapid.tables.triggers import TRIGGER_TYPE as TRIGGER
 from assistant.languages.rapid.tables.words import (
     LEAST_CENTRE,
     LEAST_MASS,
@@ -34,18 +34,18 @@ from assistant.program.undeclared_names import timers
 
 TASK: Final = "TASK"
 LOCAL: Final = "LOCAL"
-OF_MOVES: Final = ("speeddata", "zonedata", TRIGGER)
+MOTION_TYPES: Final = ("speeddata", "zonedata", TRIGGER)
 NO_LOAD: Final = Load(LEAST_MASS, LEAST_CENTRE)
 """Of a tool that states none."""
 
 
-def data(program: Program, names: Naming) -> Iterator[s.Data]:
+def data_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
     """The data that a program declares; raises Refused for what RAPID cannot say.
 
     What was one task's own where it was read stays that: a pseudo-program is of one task.
     """
-    own, local = _of_task(program), _own_to_module(program)
-    for node in _data(program, names):
+    own, local = _task_data(program), _own_to_module(program)
+    for node in _module_data(program, names):
         if node.name.lower() in own:
             yield replace(node, scope=TASK)
         else:
@@ -71,10 +71,10 @@ def _own_to_module(program: Program) -> Callable[[s.Data], bool]:
     if not (stands.prefix or stands.called or not stands.main):
         return lambda node: False  # noqa: ARG005
     named = {name.lower() for name in (*program.speeds, *program.blends)}
-    return lambda node: node.type in OF_MOVES and node.name.lower() not in named
+    return lambda node: node.type in MOTION_TYPES and node.name.lower() not in named
 
 
-def _of_task(program: Program) -> set[str]:
+def _task_data(program: Program) -> set[str]:
     """Lower-case names of the data that were read as `TASK`."""
     origin = program.origin
     files = origin.trees if origin is not None and origin.language == LANGUAGE else ()
@@ -82,9 +82,11 @@ def _of_task(program: Program) -> set[str]:
     return {i.name.lower() for i in items if isinstance(i, s.Data) and i.scope == TASK}
 
 
-def _data(program: Program, names: Naming) -> Iterator[s.Data]:
+def _module_data(program: Program, names: Naming) -> Iterator[s.Data]:
     expressions = Expressions(names, names.value)
-    yield from (node for node in _equipment(program, names) if not _is_there(node, program))
+    yield from (
+        node for node in _equipment_nodes(program, names) if not _is_on_controller(node, program)
+    )
     speeds = {names.get("speeds", n): v for n, v in program.speeds.items()}
     blends = {names.get("blends", n): v for n, v in program.blends.items()}
     for speed, blend in stated_motions(program):
@@ -112,7 +114,7 @@ def _data(program: Program, names: Naming) -> Iterator[s.Data]:
         yield s.Data("", "CONST", "robtarget", short, (), bracketed(RECORDS.values(target)))
 
 
-def _equipment(program: Program, names: Naming) -> Iterator[s.Data]:
+def _equipment_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
     """Tools and work objects."""
     for name, tool in program.tools.items():
         if name != FLANGE:
@@ -124,12 +126,12 @@ def _equipment(program: Program, names: Naming) -> Iterator[s.Data]:
             yield s.Data("", "PERS", "wobjdata", names.get("frames", name), (), value)
 
 
-def elsewhere(program: Program, names: Naming) -> Iterator[s.Data]:
+def controller_data_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
     """Tools and work objects that the controller has."""
-    return (node for node in _equipment(program, names) if _is_there(node, program))
+    return (node for node in _equipment_nodes(program, names) if _is_on_controller(node, program))
 
 
-def _is_there(node: s.Data, program: Program) -> bool:
+def _is_on_controller(node: s.Data, program: Program) -> bool:
     return program.interface is not None and node.name.lower() in program.interface.there
 
 

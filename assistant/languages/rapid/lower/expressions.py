@@ -18,11 +18,7 @@ from assistant.languages.rapid.tables.operators import (
     SUM,
     TERM,
 )
-from assistant.languages.rapid.tables.words import (
-    COMPONENTS,
-    LONGEST_STRING,
-    UNUSED,
-)
+from assistant.languages.rapid.tables.words import COMPONENTS, LONGEST_STRING, UNUSED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import function_call
@@ -42,7 +38,7 @@ RECORDS: Final = Decimals(
 )
 
 
-def cannot(what: str, cure: str) -> Refused:
+def not_expressible(what: str, cure: str) -> Refused:
     """RAPID has no words for it."""
     return Refused(rules.NO_MEANING(what=what, cure=cure))
 
@@ -85,7 +81,7 @@ class Expressions:
             case e.Aggregate(items):
                 return s.AggregateNode(tuple(self.lower(i) for i in items)), PRIMARY
             case e.Member(_, name) if name.lower() in e.ANGLES:
-                call = functions.ROWS.write(x, self.writing)
+                call = functions.FUNCTION_ROWS.write(x, self.writing)
                 assert call is not None
                 return function_call(call), PRIMARY
             case e.Member(value, name):
@@ -104,7 +100,7 @@ class Expressions:
                 name, own, first, second = BINARY[operator]
                 return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
             case e.Binary() | e.Apply() | e.Elapsed() | e.Here():
-                call = functions.ROWS.write(x, self.writing)
+                call = functions.FUNCTION_ROWS.write(x, self.writing)
                 if call is not None:
                     return function_call(call), PRIMARY
                 assert isinstance(x, e.Apply)
@@ -113,7 +109,7 @@ class Expressions:
                 return self._verbatim(x)
 
     def orientation(self, x: e.Expression) -> s.Component:
-        return s.Component(self._variable(x), functions.TURN)
+        return s.Component(self._variable(x), functions.ORIENTATION_COMPONENT)
 
     def oriented(self, angles: tuple[e.Expression, ...]) -> s.FunctionCall:
         """The orientation of angles about x, y and z."""
@@ -126,15 +122,17 @@ class Expressions:
         node = self.lower(x, PRIMARY)
         if isinstance(node, s.NameRef | s.Component | s.Element):
             return node
-        raise cannot("a component of an expression", "put the value into a variable first")
+        raise not_expressible("a component of an expression", "put the value into a variable first")
 
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
-        if function in functions.OF_ARM and len(given) == 1:
+        if function in functions.ARM_FUNCTIONS and len(given) == 1:
             values = (self.lower(given[0]), s.NameRef(FLANGE))
-            return s.FunctionCall(functions.OF_ARM[function], tuple(map(s.Positional, values)))
+            return s.FunctionCall(
+                functions.ARM_FUNCTIONS[function], tuple(map(s.Positional, values))
+            )
         if function in e.FUNCTIONS:
             what = f"the function `{function}` of {len(given)} arguments"
-            raise cannot(what, "compute the value otherwise")
+            raise not_expressible(what, "compute the value otherwise")
         name = self._names.get("procedures", function)
         return s.FunctionCall(name, tuple(s.Positional(self.lower(a)) for a in given))
 
@@ -160,7 +158,7 @@ def text(value: str) -> s.StringLiteral:
     if len(value) > LONGEST_STRING:
         raise Refused(rules.LONG_STRING(length=len(value), place=value[:20]))
     if any(ord(c) > 255 for c in value):
-        raise cannot(f"the characters of {value[:30]!a}", "use letters of Latin-1 only")
+        raise not_expressible(f"the characters of {value[:30]!a}", "use letters of Latin-1 only")
     return s.StringLiteral(value)
 
 

@@ -16,13 +16,13 @@ from assistant.program import expressions as e
 from assistant.program.program import Program
 from assistant.program.rewriting import records
 
-_PLACES: Final = ("targets", "joint_targets")
-_TABLES: Final = (
+_TARGET_TABLES: Final = ("targets", "joint_targets")
+_DATA_TABLES: Final = (
     "tools", "frames", "speeds", "blends", "signals", "targets", "joint_targets", "variables",
 )  # fmt: skip
 
 
-def resident(program: Program) -> frozenset[str | None]:
+def resident_units(program: Program) -> frozenset[str | None]:
     """The units that a task holds: those that the source in another language had."""
     origin = program.origin
     if origin is None or origin.language == verbatim.LANGUAGE:
@@ -30,7 +30,7 @@ def resident(program: Program) -> frozenset[str | None]:
     return frozenset(q.unit for q in origin.lifted.procedures) - {None}
 
 
-def with_own_places(program: Program, unit: str | None, held: Collection[str | None]) -> Program:
+def with_own_targets(program: Program, unit: str | None, held: Collection[str | None]) -> Program:
     """A program with the data of one module: of one beside the main one places that it alone uses.
 
     held: the units that are modules of the task.
@@ -54,8 +54,8 @@ def with_own_places(program: Program, unit: str | None, held: Collection[str | N
 
     tables: dict[str, Any] = {}
     if unit is not None:
-        tables = {table: {} for table in _TABLES} | {"procedures": ()}
-    for table in _PLACES:
+        tables = {table: {} for table in _DATA_TABLES} | {"procedures": ()}
+    for table in _TARGET_TABLES:
         places = getattr(program, table)
         tables[table] = {n: place for n, place in places.items() if home_of(n) == unit}
     return replace(program, **tables)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.tables.predefined import taken
+from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.scoped_names import Scopes
@@ -14,7 +14,7 @@ from assistant.program.geometry import FLANGE
 from assistant.program.program import Program
 
 
-def _kept(program: Program) -> Iterator[str]:
+def _declared_names(program: Program) -> Iterator[str]:
     """Names that declarations in the words of RAPID declare; raises Refused if they are none."""
     for declaration in program.declarations:
         if declaration.language == verbatim.LANGUAGE:
@@ -25,8 +25,8 @@ def _kept(program: Program) -> Iterator[str]:
 
 NAMES: Final = Scopes(
     longest=LONGEST_NAME,
-    reserved=taken() | RESERVED,
-    kept=_kept,
+    reserved=taken_names() | RESERVED,
+    kept=_declared_names,
     flange=FLANGE,
     base="",
     renamed=rules.SHORTENED,

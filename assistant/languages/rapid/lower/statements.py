@@ -9,14 +9,19 @@ from typing import Any, Final
 from assistant.base.diagnostics import Findings, Refused
 from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.expressions import Expressions, cannot
-from assistant.languages.rapid.lower.modules import resident
-from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
-from assistant.languages.rapid.lower.triggers import set_up, with_triggers
-from assistant.languages.rapid.tables.hands import signal_of
+from assistant.languages.rapid.lower.expressions import Expressions, not_expressible
+from assistant.languages.rapid.lower.modules import resident_units
+from assistant.languages.rapid.lower.motions import (
+    blend_name_in,
+    frame_name_in,
+    path_moves,
+    speed_name_in,
+)
+from assistant.languages.rapid.lower.triggers import trigger_set_up, with_triggers
+from assistant.languages.rapid.tables.hands import hand_signal
 from assistant.languages.rapid.tables.motions import usual_details
 from assistant.languages.rapid.tables.operators import OR, SUM, TERM
-from assistant.languages.rapid.tables.statements import ROWS
+from assistant.languages.rapid.tables.statements import STATEMENT_ROWS
 from assistant.languages.rapid.tables.words import LOADED_FROM, LONGEST_PULSE, SHORTEST_PULSE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -34,7 +39,7 @@ from assistant.program.program import Procedure, Program, Signal
 Lowered = Iterator[s.StatementNode]
 
 
-class Body:
+class BodyLowering:
     """What the statements of one procedure are lowered with.
 
     names: of the whole program. expressions: as they are seen in the procedure. findings: why
@@ -51,15 +56,15 @@ class Body:
         writers: dict[str, Write[s.Expression]] = {
             **self.expressions.writing.kinds,
             **dict.fromkeys(("signal", "digital", "analog", "group"), self.signal),
-            "hand": lambda hand, _: s.NameRef(signal_of(hand)),
+            "hand": lambda hand, _: s.NameRef(hand_signal(hand)),
             "speed": lambda speed, _: self._speed(speed),
             "blend": lambda blend, _: self._blend(blend),
-            "other": lambda frame, _: s.NameRef(n) if (n := frame_in(names, frame)) else None,
+            "other": lambda frame, _: s.NameRef(n) if (n := frame_name_in(names, frame)) else None,
         }
         self.writing = replace(self.expressions.writing, kinds=writers)
         self.known = known_types(program, procedure)
         self.signals = {n.lower(): g for n, g in program.signals.items()}
-        self.resident = resident(program)
+        self.resident = resident_units(program)
         self.findings = Findings()
 
     def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
@@ -73,7 +78,7 @@ class Body:
                 try:
                     if (lower := STATEMENTS.get(type(statement))) is None:
                         what = f"a {type(statement).__name__} statement"
-                        raise cannot(what, "say it in other statements")
+                        raise not_expressible(what, "say it in other statements")
                     yield from lower(self, statement)
                 except Refused as refused:
                     self.findings += refused.findings
@@ -97,13 +102,13 @@ class Body:
 
     def _speed(self, speed: Speed | p.ComputedSpeed | e.Name) -> s.Expression:
         if not isinstance(speed, p.ComputedSpeed):
-            return s.NameRef(speed_in(self.names, speed))
+            return s.NameRef(speed_name_in(self.names, speed))
         parts = (speed.tcp, speed.rotation, speed.external_linear, speed.external_rotary)
         return s.AggregateNode(tuple(self.lower(part) for part in parts if part is not None))
 
     def _blend(self, blend: Blend | p.ComputedBlend | e.Name) -> s.Expression:
         if not isinstance(blend, p.ComputedBlend):
-            return s.NameRef(blend_in(self.names, blend))
+            return s.NameRef(blend_name_in(self.names, blend))
         details = usual_details(blend.radius) if blend.details is None else blend.details
         parts = (blend.stops or e.Truth(False), blend.radius, *details)
         return s.AggregateNode(tuple(map(self.lower, parts)))
@@ -112,7 +117,7 @@ class Body:
         signal = self.signals.get(x.signal.lower())
         kind = signal.kind if signal else "digital"
         named = s.NameRef(self.names.get("signals", x.signal))
-        return set_up(x, variable, named, kind, self.lower)
+        return trigger_set_up(x, variable, named, kind, self.lower)
 
     def call(self, word: str, *given: s.Expression, **options: s.Expression) -> s.ProcedureCall:
         arguments: list[s.Argument] = [s.Positional(g) for g in given]
@@ -126,50 +131,50 @@ class Body:
         return s.NameRef(self.names.get("signals", name)) if fits else None
 
 
-def _move(b: Body, x: p.MoveStatement) -> Lowered:
-    (move,) = _plain(b, replace(x, triggers=()))
+def _move(b: BodyLowering, x: p.MoveStatement) -> Lowered:
+    (move,) = _table_row(b, replace(x, triggers=()))
     if x.triggers:
         yield from with_triggers(move, x.triggers, b.names.triggers, b.set_up)
     else:
         yield move
 
 
-def _follow(b: Body, x: p.Follow) -> Lowered:
+def _follow(b: BodyLowering, x: p.Follow) -> Lowered:
     yield from path_moves(x.path, b.names.rows[id(x)], b.names)
 
 
-def _plain(b: Body, x: p.Statement) -> Iterator[s.ProcedureCall]:
+def _table_row(b: BodyLowering, x: p.Statement) -> Iterator[s.ProcedureCall]:
     """A statement that is a row of `tables.statements`."""
-    call = ROWS.write(x, b.writing)
+    call = STATEMENT_ROWS.write(x, b.writing)
     if call is None:
-        raise cannot(f"such a {type(x).__name__}", "say it otherwise")
+        raise not_expressible(f"such a {type(x).__name__}", "say it otherwise")
     yield s.ProcedureCall(call.word, arguments(call))
 
 
-def _start_timer(b: Body, x: p.StartTimer) -> Lowered:
+def _start_timer(b: BodyLowering, x: p.StartTimer) -> Lowered:
     clock = s.NameRef(b.names.get("timers", x.timer))
     yield b.call("ClkReset", clock)
     yield b.call("ClkStart", clock)
 
 
-def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
+def _set_signal(b: BodyLowering, x: p.SetSignal) -> Lowered:
     if x.pulse is not None:
         _check_pulse(b, x, x.pulse)
-    yield from _plain(b, x)
+    yield from _table_row(b, x)
 
 
-def _check_pulse(b: Body, x: p.SetSignal, seconds: e.Expression) -> None:
+def _check_pulse(b: BodyLowering, x: p.SetSignal, seconds: e.Expression) -> None:
     signal = b.signals.get(x.signal.lower())
     if isinstance(seconds, e.Number) and not SHORTEST_PULSE <= seconds.value <= LONGEST_PULSE:
         what = f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s"
-        raise cannot(what, "give a time in that range")
+        raise not_expressible(what, "give a time in that range")
     if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
         group = signal is not None and signal.kind != "digital"
         what = f"a pulse of the group `{x.signal}`" if group else f"such a pulse of `{x.signal}`"
-        raise cannot(what, "set the signal, wait and set it back")
+        raise not_expressible(what, "set the signal, wait and set it back")
 
 
-def _call(b: Body, x: p.Call) -> Lowered:
+def _call(b: BodyLowering, x: p.Call) -> Lowered:
     name = b.names.get("procedures", x.procedure)
     given = tuple(s.Positional(b.lower(a)) for a in x.arguments)
     if x.unit is None or x.unit in b.resident:
@@ -181,7 +186,7 @@ def _call(b: Body, x: p.Call) -> Lowered:
     yield s.ProcedureCall("UnLoad", (s.Positional(file),))
 
 
-def _assign(b: Body, x: p.Assign) -> Lowered:
+def _assign(b: BodyLowering, x: p.Assign) -> Lowered:
     match x:
         case p.Assign(place, e.Apply("oriented", (base, *angles))) if place == base and len(
             angles
@@ -197,20 +202,20 @@ def _assign(b: Body, x: p.Assign) -> Lowered:
             return
     target = b.lower(x.target)
     if not isinstance(target, s.NameRef | s.Component | s.Element):
-        raise cannot("an assignment to an expression", "name a variable")
+        raise not_expressible("an assignment to an expression", "name a variable")
     yield s.Assignment(target, b.lower(x.value))
 
 
-def _if(b: Body, x: p.If) -> Lowered:
+def _if(b: BodyLowering, x: p.If) -> Lowered:
     branches = tuple(s.IfBranch(b.lower(c.condition), b.block(c.body)) for c in x.branches)
     yield s.IfThen(branches, b.block(x.otherwise) if x.otherwise else None)
 
 
-def _while(b: Body, x: p.While) -> Lowered:
+def _while(b: BodyLowering, x: p.While) -> Lowered:
     yield s.WhileLoop(b.lower(x.condition), b.block(x.body))
 
 
-def _for(b: Body, x: p.For) -> Lowered:
+def _for(b: BodyLowering, x: p.For) -> Lowered:
     # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
     upwards = x.step == p.ONE and ascends(x.first, x.last)
     step = None if upwards or x.step is None else b.lower(x.step)
@@ -219,31 +224,31 @@ def _for(b: Body, x: p.For) -> Lowered:
     yield s.ForLoop(variable, first, last, step, body)
 
 
-def _switch(b: Body, x: p.Switch) -> Lowered:
+def _switch(b: BodyLowering, x: p.Switch) -> Lowered:
     cases = tuple(s.TestCase(tuple(map(b.lower, c.values)), b.block(c.body)) for c in x.cases)
     yield s.TestOf(b.lower(x.subject), cases, b.block(x.otherwise) if x.otherwise else None)
 
 
-def _stop(b: Body, x: p.Stop) -> Lowered:
+def _stop(b: BodyLowering, x: p.Stop) -> Lowered:
     if x.end:
         yield s.Word("EXIT")
     else:
-        yield from _plain(b, x)
+        yield from _table_row(b, x)
 
 
-def _return(b: Body, x: p.Return) -> Lowered:
+def _return(b: BodyLowering, x: p.Return) -> Lowered:
     yield s.ReturnFrom(None if x.value is None else b.lower(x.value))
 
 
-def _label(b: Body, x: p.Label) -> Lowered:
+def _label(b: BodyLowering, x: p.Label) -> Lowered:
     yield s.LabelMark(spelt(b.labels, x.name))
 
 
-def _goto(b: Body, x: p.Goto) -> Lowered:
+def _goto(b: BodyLowering, x: p.Goto) -> Lowered:
     yield s.GotoLabel(spelt(b.labels, x.label))
 
 
-def _message(b: Body, x: p.Message) -> Lowered:
+def _message(b: BodyLowering, x: p.Message) -> Lowered:
     whole: s.Expression | None = None
     for part in message_parts(x, b.known) or (e.Text(""),):
         if is_value(part, b.known):
@@ -255,14 +260,14 @@ def _message(b: Body, x: p.Message) -> Lowered:
     yield b.call("TPWrite", whole)
 
 
-def _opaque(_: Body, x: p.Opaque) -> Lowered:
+def _opaque(_: BodyLowering, x: p.Opaque) -> Lowered:
     if x.language != verbatim.LANGUAGE:
         raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
     yield from verbatim.statements(x.text)
 
 
-STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
-    **dict.fromkeys(ROWS.records, _plain),
+STATEMENTS: Final[dict[type, Callable[[BodyLowering, Any], Lowered]]] = {
+    **dict.fromkeys(STATEMENT_ROWS.records, _table_row),
     **dict.fromkeys((p.Move, p.MoveCircular, p.MoveJoints), _move),
     p.Follow: _follow,
     p.StartTimer: _start_timer,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.checks.wanted_names import TRAP
+from assistant.languages.rapid.checks.wanted_names import TRAP_TYPE
 from assistant.languages.rapid.lower.data import NO_LOAD
 from assistant.languages.rapid.lower.expressions import RECORDS, bracketed, number, text
 from assistant.languages.rapid.tables.motions import speed_values, zone_values
@@ -27,25 +27,25 @@ from assistant.program.undeclared_names import (
     Wanted,
 )
 
-_FIXED: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
-_OF_KIND: Final[Mapping[str, str]] = {
+_CONSTANT_TYPES: Final = ("speeddata", "zonedata", "robtarget", "jointtarget")
+_TYPE_OF_KIND: Final[Mapping[str, str]] = {
     "tool": "tooldata", "frame": "wobjdata", "speed": "speeddata", "blend": "zonedata",
     "position": "robtarget", "joints": "jointtarget",
 }  # fmt: skip
 
 
-def supplied(given: Supplied, taken: Sequence[str]) -> str:
+def cell_module_text(given: Supplied, taken: Sequence[str]) -> str:
     """The text of a module with a declaration of each name. taken: names of modules, lower case.
 
     Raises Refused for numbers that RAPID cannot write.
     """
-    items = [_item(wanted, value) for wanted, value in given]
+    items = [_declared_item(wanted, value) for wanted, value in given]
     items.sort(key=lambda item: isinstance(item, s.Routine))  # data stands first in a module
     module = s.Module(identifier(CELL_MODULE, set(taken)), (), tuple(items))
     return print_file(s.File((module,)), "\n")
 
 
-def with_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File], Supplied]:
+def with_cell_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File], Supplied]:
     """The trees whose persistent data without a value have it, and what is left to be declared."""
     values = {wanted.name.lower(): (wanted, value) for wanted, value in given}
     found: set[str] = set()
@@ -57,7 +57,7 @@ def with_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File],
         if wanted is None or value is None:
             return item
         found.add(item.name.lower())
-        return replace(item, value=_written(value))
+        return replace(item, value=_value_node(value))
 
     made = []
     for tree in trees:
@@ -69,22 +69,22 @@ def with_values(trees: Sequence[s.File], given: Supplied) -> tuple[list[s.File],
     return made, [one for one in given if one[0].name.lower() not in found]
 
 
-def _item(wanted: Wanted, value: SuppliedValue | None) -> s.Item:
+def _declared_item(wanted: Wanted, value: SuppliedValue | None) -> s.Item:
     if wanted.kind == "routine":
-        return _routine(wanted, stops=value != "empty")
+        return _empty_routine(wanted, stops=value != "empty")
     if wanted.kind == "record":
         said = value if isinstance(value, tuple) else ()
         words = (str(one).split() for one in said)
         return s.Record(False, wanted.name, tuple((type, name) for type, name in words))
-    type = wanted.type or _OF_KIND.get(wanted.kind, "num")
+    type = wanted.type or _TYPE_OF_KIND.get(wanted.kind, "num")
     size = tuple(s.NumberLiteral(str(extent)) for extent in wanted.size)
     if value is None or is_handle(type):
         return s.Data("", "VAR", type, wanted.name, size)
-    fixed = type in _FIXED and not wanted.assigned
-    return s.Data("", "CONST" if fixed else "PERS", type, wanted.name, size, _written(value))
+    fixed = type in _CONSTANT_TYPES and not wanted.assigned
+    return s.Data("", "CONST" if fixed else "PERS", type, wanted.name, size, _value_node(value))
 
 
-def _written(value: SuppliedValue) -> s.Expression:
+def _value_node(value: SuppliedValue) -> s.Expression:
     match value:
         case Tool():
             return bracketed(RECORDS.values(replace(value, load=value.load or NO_LOAD)))
@@ -97,34 +97,36 @@ def _written(value: SuppliedValue) -> s.Expression:
         case ChannelLine():  # stands in the statements that open it
             return s.BoolLiteral(False)
         case _:
-            return _plain(value)
+            return _plain_value_node(value)
 
 
-def _plain(value: Plain) -> s.Expression:
+def _plain_value_node(value: Plain) -> s.Expression:
     match value:
         case bool():
             return s.BoolLiteral(value)
         case str():
             return text(value)
         case tuple():
-            return s.AggregateNode(tuple(map(_plain, value)))
+            return s.AggregateNode(tuple(map(_plain_value_node, value)))
     return number(value)[0]
 
 
-def _routine(wanted: Wanted, *, stops: bool) -> s.Routine:
+def _empty_routine(wanted: Wanted, *, stops: bool) -> s.Routine:
     """A routine that stops where the program comes to it, or that does nothing."""
     stop: tuple[s.StatementNode, ...] = (s.ProcedureCall("Stop"),) if stops else ()
-    if wanted.type == TRAP:
+    if wanted.type == TRAP_TYPE:
         return s.Routine("TRAP", False, wanted.name, stop)
-    parameters = tuple(_group(at, one) for at, one in enumerate(wanted.arguments, 1))
+    parameters = tuple(_parameter_group(at, one) for at, one in enumerate(wanted.arguments, 1))
     if not wanted.type:
         return s.Routine("PROC", False, wanted.name, stop, "", parameters)
-    result: s.Expression = _plain(0.0) if wanted.nothing is None else _plain(wanted.nothing)
+    result: s.Expression = (
+        _plain_value_node(0.0) if wanted.nothing is None else _plain_value_node(wanted.nothing)
+    )
     body = (*stop, s.ReturnFrom(result))
     return s.Routine("FUNC", False, wanted.name, body, wanted.type, parameters)
 
 
-def _group(at: int, argument: CallArgument) -> s.ParameterGroup:
+def _parameter_group(at: int, argument: CallArgument) -> s.ParameterGroup:
     type = argument.type or "num"
     mode = "VAR" if type.startswith("signal") or is_handle(type) else ""
     name = argument.option or f"p{at}"

@@ -6,25 +6,33 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.lower.expressions import cannot
+from assistant.languages.rapid.lower.expressions import not_expressible
 from assistant.languages.rapid.tables.triggers import (
-    EQUIPPED,
-    LONGEST_TIME,
-    MEASURES,
-    MORE,
+    FURTHER_TRIGGERS,
+    LONGEST_TRIGGER_TIME,
     MOST_TRIGGERS,
-    MOVES,
-    OUTPUTS,
-    PLACED,
+    TRIGG_EQUIP,
+    TRIGG_IO,
+    TRIGGER_MEASURES,
+    TRIGGER_MOVES,
+    TRIGGER_OUTPUTS,
 )
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
-_MOVES: Final = {move.plain: move for move in MOVES.values()}
-_MEASURES: Final = {measure: option for option, measure in MEASURES.items()}
-_OUTPUTS: Final[Mapping[str, str]] = {kind: option for option, kind in OUTPUTS.items()}
-_SPELLED: Final = {"start": "Start", "time": "Time", "dop": "DOp", "gop": "GOp", "aop": "AOp"}
+_TRIGGER_MOVES: Final = {move.plain: move for move in TRIGGER_MOVES.values()}
+_MEASURE_OPTIONS: Final = {measure: option for option, measure in TRIGGER_MEASURES.items()}
+_OUTPUT_OPTIONS: Final[Mapping[str, str]] = {
+    kind: option for option, kind in TRIGGER_OUTPUTS.items()
+}
+_SPELLED_OPTIONS: Final = {
+    "start": "Start",
+    "time": "Time",
+    "dop": "DOp",
+    "gop": "GOp",
+    "aop": "AOp",
+}
 
 
 def with_triggers(
@@ -37,19 +45,21 @@ def with_triggers(
 
     names: of the variables. set_up: see `set_up`.
     """
-    for what, cure in _unsayable(str(move.name), triggers):
-        raise cannot(what, cure)
-    kind = _MOVES[str(move.name)]
+    for what, cure in _untranslatable_triggers(str(move.name), triggers):
+        raise not_expressible(what, cure)
+    kind = _TRIGGER_MOVES[str(move.name)]
     variables = [s.NameRef(names[trigger]) for trigger in triggers]
     yield from map(set_up, triggers, variables)
     first, *others = variables
-    more = (s.Option(name.upper(), one) for name, one in zip(MORE, others, strict=False))
+    more = (
+        s.Option(name.upper(), one) for name, one in zip(FURTHER_TRIGGERS, others, strict=False)
+    )
     before, after = move.arguments[: kind.place], move.arguments[kind.place :]
     taking: tuple[s.Argument, ...] = (*before, s.Positional(first), *more, *after)
     yield replace(move, name=kind.word, arguments=taking)
 
 
-def set_up(
+def trigger_set_up(
     x: p.Trigger,
     variable: s.NameRef,
     signal: s.NameRef,
@@ -57,19 +67,24 @@ def set_up(
     lower: Callable[[e.Expression], s.Expression],
 ) -> s.ProcedureCall:
     """What sets up the data of one output; kind: of the signal."""
-    measure = _MEASURES[x.measure]
+    measure = _MEASURE_OPTIONS[x.measure]
     arguments: list[s.Argument] = [s.Positional(variable), s.Positional(lower(x.amount))]
     if measure:
-        arguments.append(s.Option(_SPELLED[measure]))
+        arguments.append(s.Option(_SPELLED_OPTIONS[measure]))
     if x.ahead is not None:
         arguments.append(s.Positional(lower(x.ahead)))
-    arguments += (s.Option(_SPELLED[_OUTPUTS[kind]], signal), s.Positional(lower(x.value)))
-    return s.ProcedureCall((PLACED if x.ahead is None else EQUIPPED).word, tuple(arguments))
+    arguments += (
+        s.Option(_SPELLED_OPTIONS[_OUTPUT_OPTIONS[kind]], signal),
+        s.Positional(lower(x.value)),
+    )
+    return s.ProcedureCall((TRIGG_IO if x.ahead is None else TRIGG_EQUIP).word, tuple(arguments))
 
 
-def _unsayable(word: str, triggers: tuple[p.Trigger, ...]) -> Iterator[tuple[str, str]]:
+def _untranslatable_triggers(
+    word: str, triggers: tuple[p.Trigger, ...]
+) -> Iterator[tuple[str, str]]:
     """What RAPID has no instruction for, and what to do instead."""
-    if word not in _MOVES:
+    if word not in _TRIGGER_MOVES:
         yield (
             f"outputs on the way of a {word}",
             "move to a target, or set them before or after the move",
@@ -80,10 +95,10 @@ def _unsayable(word: str, triggers: tuple[p.Trigger, ...]) -> Iterator[tuple[str
             "divide the move, or set some before or after it",
         )
     for one in triggers:
-        yield from _of_one(one)
+        yield from _untranslatable_trigger(one)
 
 
-def _of_one(x: p.Trigger) -> Iterator[tuple[str, str]]:
+def _untranslatable_trigger(x: p.Trigger) -> Iterator[tuple[str, str]]:
     name = f"`{x.signal}`"
     if x.pulse is not None:
         cure = "set it there, and set it back at another place of the way"
@@ -95,6 +110,6 @@ def _of_one(x: p.Trigger) -> Iterator[tuple[str, str]]:
         if x.ahead is not None:
             cure = "give the sum of both times"
             yield f"a delay of what {name} sets beside a time before the end", cure
-        if isinstance(x.amount, e.Number) and x.amount.value > LONGEST_TIME:
+        if isinstance(x.amount, e.Number) and x.amount.value > LONGEST_TRIGGER_TIME:
             cure = "give a distance, or a shorter time"
-            yield f"that {name} is set more than {LONGEST_TIME:g} s before the end", cure
+            yield f"that {name} is set more than {LONGEST_TRIGGER_TIME:g} s before the end", cure

@@ -82,7 +82,7 @@ class EditableRapid(Editable):
             return f"is longer than {LONGEST_NAME} characters"
         if low in RESERVED:
             return "is a word of the language"
-        return "is known to every controller" if low in predefined.taken() else ""
+        return "is known to every controller" if low in predefined.taken_names() else ""
 
     def members(self, detail: str) -> Mapping[str, str]:
         type = predefined.types().get(detail.rpartition(" ")[2].lower())

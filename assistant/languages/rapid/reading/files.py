@@ -11,7 +11,7 @@ from assistant.base.source_text import SourceText, decode
 from assistant.languages.rapid import rules
 
 _LOOKED_AT: Final = 1 << 16
-_BEGINS: Final = re.compile(
+_MODULE_BEGIN: Final = re.compile(
     r"^\ufeff?[ \t]*(?:module[ \t]+\w|%%%|(?:local[ \t]+)?(?:proc|func|trap)[ \t]+\w"
     r"|(?:(?:local|task)[ \t]+)?(?:const|pers|var)[ \t]+\w+[ \t]+\w+[^;\n]*;)",
     re.IGNORECASE | re.MULTILINE,
@@ -21,7 +21,7 @@ _LISTED: Final = re.compile(r"<Module\b[^>]*>\s*([^<]*?)\s*</Module\s*>", re.IGN
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 MOST_CONTROL: Final = 0.02
 """Share of control characters from which on a file is no text."""
-MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
+RUN_MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
 """Characters that stand for runs of like rows in what the grammar reads."""
 UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 """Marks at the begin; the mark stays in the text, so that the same bytes are written."""
@@ -48,7 +48,7 @@ def recognises(data: bytes) -> bool:
     """
     wide = UTF16.get(data[:2])
     text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
-    if _BEGINS.search(text.removeprefix("\xef\xbb\xbf")):
+    if _MODULE_BEGIN.search(text.removeprefix("\xef\xbb\xbf")):
         return True
     program = _LIST.match(text) is not None and re.search(r"<Program\b", text) is not None
     return program or bool(_controls(text))
@@ -67,10 +67,10 @@ def is_list(text: str) -> bool:
 
 def listed(text: str) -> tuple[str, ...]:
     """The files that a program list names."""
-    return tuple(map(_unescaped, filter(None, _LISTED.findall(text))))
+    return tuple(map(_without_entities, filter(None, _LISTED.findall(text))))
 
 
-def _unescaped(name: str) -> str:
+def _without_entities(name: str) -> str:
     for entity, mark in ENTITIES:
         name = name.replace(entity, mark)
     return name
@@ -101,7 +101,7 @@ def unreadable(source: SourceText) -> Diagnostic | None:
             why="it is XML that lists no module",
             hint="write <Program><Module>name.mod</Module></Program>, or give the modules",
         )
-    if (at := max(source.text.find(mark) for mark in MARKS)) >= 0:
+    if (at := max(source.text.find(mark) for mark in RUN_MARKS)) >= 0:
         return source.finding(
             rules.SYNTAX,
             Span(at, at + 1),

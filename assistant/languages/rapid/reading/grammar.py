@@ -10,16 +10,16 @@ from assistant.languages.grammar import Grammar, acceptor, load
 if TYPE_CHECKING:
     from lark import Lark
 
-FILE: Final = "rapid.lark"
-STARTS: Final = ("start", "statements", "items")
+GRAMMAR_FILE: Final = "rapid.lark"
+GRAMMAR_STARTS: Final = ("start", "statements", "items")
 
 
 @cache
 def grammar() -> Grammar:
     """Of whole files (`start`), `statements` and `items`."""
-    return load(FILE, STARTS)
+    return load(GRAMMAR_FILE, GRAMMAR_STARTS)
 
 
 def by_lark() -> Lark:
     """Return lark's own parser for the same grammar."""
-    return acceptor(FILE, STARTS)
+    return acceptor(GRAMMAR_FILE, GRAMMAR_STARTS)

@@ -16,7 +16,7 @@ from assistant.languages.rapid.reading.rows import RunNode, Runs
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
 
-_PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
+_TABLE_PART: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
 
 
@@ -25,22 +25,22 @@ def unescaped(literal: str) -> str:
     return _ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else m[0][0], literal[1:-1])
 
 
-def _attribute(children: Children) -> str:
+def _module_attribute(children: Children) -> str:
     return str(children[0]).upper()
 
 
-def _dimensions(children: Children) -> int:
+def _open_dimensions(children: Children) -> int:
     """Of an array that a routine is given, -1 for the hole that the pendant leaves."""
     return len(children) if children[0] == "*" else -1
 
 
-ROWS: Final = {
+NODE_ROWS: Final = {
     **dict.fromkeys(("statements", "items", "block"), without_place(gathered)),
     **dict.fromkeys(("attributes", "component", "dimensions", "element"), without_place(tuple)),
     **dict.fromkeys(("parameters", "arguments"), without_place(tuple)),
     **dict.fromkeys(("placeholder", "hole"), row(s.Placeholder, text=str.upper)),
     "module": row(s.Module, "name attributes? items"),
-    "attribute": without_place(_attribute),
+    "attribute": without_place(_module_attribute),
     # declarations
     "record": row(s.Record, "local? name *components"),
     "alias": row(s.Alias, "local? type name"),
@@ -53,7 +53,7 @@ ROWS: Final = {
     "required": row(s.ParameterGroup, "*alternatives", optional=False),
     "optional": row(s.ParameterGroup, "*alternatives", optional=True),
     "parameter": row(s.ParameterNode, "mode? type name dimensions?", mode=str.upper),
-    "open_array": without_place(_dimensions),
+    "open_array": without_place(_open_dimensions),
     "backward": row(s.Handler, "body", kind="BACKWARD"),
     "error": row(s.Handler, "*numbers body", kind="ERROR"),
     "undo": row(s.Handler, "body", kind="UNDO"),
@@ -99,7 +99,7 @@ ROWS: Final = {
 """Rules whose children are the fields of a node."""
 
 
-class Nodes(nodes.Nodes, rows=ROWS):
+class Nodes(nodes.Nodes, rows=NODE_ROWS):
     """And the others.
 
     text: what the grammar read. offset: from an offset in it to one in the source, None for the
@@ -153,7 +153,7 @@ class Nodes(nodes.Nodes, rows=ROWS):
         """Numbers in brackets as `aggregate` gives them."""
         stack: list[list[Any]] = [[]]
         begins: list[int] = []
-        for part in _PARTS.finditer(c[0]):
+        for part in _TABLE_PART.finditer(c[0]):
             start, end = place.start + part.start(), place.start + part.end()
             if part[0] == "[":
                 begins.append(start)

@@ -23,7 +23,7 @@ def rows_of(text: str, section: str) -> Iterator[dict[str, str]]:
     """The attributes of each row of a section; those without a value have an empty one."""
     for name, body in sections(text):
         if name == section:
-            yield from _rows(body)
+            yield from _attribute_rows(body)
 
 
 def sections(text: str) -> Iterator[tuple[str, str]]:
@@ -37,7 +37,7 @@ def all_rows(text: str, prefix: str) -> Iterator[dict[str, str]]:
     """The rows of all sections whose names begin in a way."""
     for name, body in sections(text):
         if name.startswith(prefix):
-            yield from _rows(body)
+            yield from _attribute_rows(body)
 
 
 def is_known(text: str) -> bool:
@@ -45,7 +45,7 @@ def is_known(text: str) -> bool:
     return _HEADER.match(text) is not None or next(sections(text), None) is not None
 
 
-def _rows(body: str) -> Iterator[dict[str, str]]:
+def _attribute_rows(body: str) -> Iterator[dict[str, str]]:
     for line in body.split("\n"):
         if line.lstrip().startswith("-"):
             found = _ATTRIBUTE.finditer(line)

@@ -25,63 +25,63 @@ from assistant.languages.language_types import (
 )
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parameter_rows import all_rows, is_known, rows_of
-from assistant.languages.rapid.reading.signals import configured
-from assistant.languages.rapid.tables.processes import BURNS
-from assistant.languages.rapid.tables.states import STATES
-from assistant.languages.rapid.tree.external_axes import AXES, place_of
+from assistant.languages.rapid.reading.signals import signals_of_file
+from assistant.languages.rapid.tables.processes import ARC_OUTPUT
+from assistant.languages.rapid.tables.states import CONTROLLER_STATES
+from assistant.languages.rapid.tree.external_axes import EXTERNAL_AXES, still_axis_name
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
-SIGNALS: Final = "eio.cfg"
-FOLDER: Final = "syspar"
-ABOVE: Final = 3
+SIGNALS_FILE: Final = "eio.cfg"
+PARAMETERS_FOLDER: Final = "syspar"
+MOST_FOLDERS_ABOVE: Final = 3
 """Folders above a module in which the system parameters may stand: PROGMOD, TASKn, RAPID."""
-FIRST_EXTERNAL: Final = 7
+FIRST_EXTERNAL_AXIS: Final = 7
 """Logical axis that is `eax_a`."""
-TASKS: Final = "CAB_TASKS"
-CALLS: Final = (
+TASKS_SECTION: Final = "CAB_TASKS"
+CALLED_ROUTINES: Final = (
     ("sys", "CAB_EXEC_HOOKS", "Routine", "at {Shelf}"),
-    ("sys", TASKS, "Entry", "as the start of the task `{Name}`"),
+    ("sys", TASKS_SECTION, "Entry", "as the start of the task `{Name}`"),
     ("eio", "SYSSIG_IN", "Arg1", "by the signal `{Signal}`"),
     ("mmc", "MMC_SERV_ROUT", "name", "as a service routine"),
 )
 """Files, their sections and the attribute that names a routine which the controller calls."""
-INTERRUPT: Final = "Interrupt"
+INTERRUPT_ACTION: Final = "Interrupt"
 """Action of an input of the system that calls a routine."""
-NORMAL: Final = "NORMAL"
+NORMAL_TASK: Final = "NORMAL"
 """Type of a task that is started and stopped with the robot."""
-_ROBOT: Final = re.compile(r"ROB\d+_(\d+)((?:_\w*?[0-9.]*)*)", re.IGNORECASE)
+_ROBOT_TYPE: Final = re.compile(r"ROB\d+_(\d+)((?:_\w*?[0-9.]*)*)", re.IGNORECASE)
 _FIGURE: Final = re.compile(r"(?<=_)\d+(?:\.\d+)?(?=_|\Z)")
-_TASK: Final = re.compile(r"(?m)^>>TASK(\d+):[ \t]*\(([^,)\r\n]*)")
-_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)(?:/|$)")
+_BACKUP_TASK: Final = re.compile(r"(?m)^>>TASK(\d+):[ \t]*\(([^,)\r\n]*)")
+_TASK_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)(?:/|$)")
 WELD_ON: Final = "weldon"
 """Attribute of the equipment of arc welding, without `_`: the output that lights the arc."""
 
 
-def beside(module: FilePath) -> FilePath | None:
+def signals_file(module: FilePath) -> FilePath | None:
     """The file with the signals of the controller that a module stands in a backup of.
 
     `EIO.cfg` beside the module, or in `SYSPAR` of one of the folders above.
     """
-    folders = [module.absolute().parent, *module.absolute().parent.parents[:ABOVE]]
+    folders = [module.absolute().parent, *module.absolute().parent.parents[:MOST_FOLDERS_ABOVE]]
     for place, folder in enumerate(folders):
-        if place == 0 and (found := file_named(folder, SIGNALS)) is not None:
+        if place == 0 and (found := file_named(folder, SIGNALS_FILE)) is not None:
             return found
-        inner = file_named(folder, FOLDER)
-        if inner is not None and (found := file_named(inner, SIGNALS)) is not None:
+        inner = file_named(folder, PARAMETERS_FOLDER)
+        if inner is not None and (found := file_named(inner, SIGNALS_FILE)) is not None:
             return found
     return None
 
 
-def stated(module: FilePath, read: Texts) -> ControllerConfiguration:
+def backup_configuration(module: FilePath, read: Texts) -> ControllerConfiguration:
     """What the files of the controller that a module stands in a backup of state."""
     found = ControllerConfiguration()
-    file = beside(module)
+    file = signals_file(module)
     text = None if file is None else read(file)
     if file is not None and text is not None:
-        found = replace(configured(text), source=file)
-    folder = _parameters(module)
+        found = replace(signals_of_file(text), source=file)
+    folder = _parameters_folder(module)
     if folder is None:
         return found
     texts = dict[str, str]()
@@ -90,18 +90,18 @@ def stated(module: FilePath, read: Texts) -> ControllerConfiguration:
         content = None if path is None else read(path)
         if path is not None and content is not None and is_known(content):
             texts[name] = content
-    return _Parameters(module, folder, texts, found, read).stated()
+    return _SystemParameters(module, folder, texts, found, read).stated()
 
 
-def _parameters(module: FilePath) -> FilePath | None:
-    folders = [module.absolute().parent, *module.absolute().parent.parents[:ABOVE]]
-    inner = (file_named(folder, FOLDER) for folder in folders)
+def _parameters_folder(module: FilePath) -> FilePath | None:
+    folders = [module.absolute().parent, *module.absolute().parent.parents[:MOST_FOLDERS_ABOVE]]
+    inner = (file_named(folder, PARAMETERS_FOLDER) for folder in folders)
     own = folders[0] if file_named(folders[0], "sys.cfg") is not None else None
     return next((folder for folder in inner if folder is not None), own)
 
 
 @dataclass(frozen=True, slots=True)
-class _Parameters:
+class _SystemParameters:
     """The texts of the files in a folder `SYSPAR`, by name. found: what `EIO.cfg` states."""
 
     module: FilePath
@@ -115,10 +115,10 @@ class _Parameters:
         task = self.task()
         findings = [*self.found.findings]
         if task:
-            values["data", STATES["gettaskname"].name] = task
+            values["data", CONTROLLER_STATES["gettaskname"].name] = task
         row = self.row_of(task)
-        kind = row.get("Type", NORMAL)
-        if kind.upper() != NORMAL:
+        kind = row.get("Type", NORMAL_TASK)
+        if kind.upper() != NORMAL_TASK:
             findings.append(rules.OTHER_TASK(task=task, kind=kind, path=str(self.folder)))
         arm, told = self.arm(task)
         frame = self.base(task)
@@ -138,32 +138,36 @@ class _Parameters:
         )
 
     def tasks(self) -> list[dict[str, str]]:
-        return [row for row in rows_of(self.texts.get("sys", ""), TASKS) if row.get("Name")]
+        return [row for row in rows_of(self.texts.get("sys", ""), TASKS_SECTION) if row.get("Name")]
 
     def called(self, task: str) -> Iterator[tuple[str, str]]:
         """Routines that the controller calls, in lower case, each with the event that calls it."""
         when: dict[str, list[str]] = {}
-        for file, section, key, words in CALLS:
+        for file, section, key, words in CALLED_ROUTINES:
             for row in rows_of(self.texts.get(file, ""), section):
-                own = "" if "AllTask" in row else row.get("Name" if section == TASKS else "Task")
-                if row.get("Action", INTERRUPT) != INTERRUPT or key not in row:
+                own = (
+                    ""
+                    if "AllTask" in row
+                    else row.get("Name" if section == TASKS_SECTION else "Task")
+                )
+                if row.get("Action", INTERRUPT_ACTION) != INTERRUPT_ACTION or key not in row:
                     continue
                 if not task or not own or own.lower() == task.lower():
                     known = when.setdefault(row[key].lower(), [])
                     known.append(words.format_map(defaultdict(str, row)))
         for row in all_rows(self.texts.get("proc", ""), ""):
             for value in row.values():
-                if value and not _is_number(value):
+                if value and not _is_number_text(value):
                     when.setdefault(value.lower(), ["in a process"])
         return ((name, " and ".join(dict.fromkeys(said))) for name, said in when.items())
 
     def task(self) -> str:
         """The name of the task that the module is loaded by, empty if nothing tells it."""
-        place = _FOLDER.search(self.module.absolute().parent.as_posix())
+        place = _TASK_FOLDER.search(self.module.absolute().parent.as_posix())
         folder = file_named(self.folder.parent, "backinfo")
         info = None if folder is None else file_named(folder, "backinfo.txt")
         text = None if info is None else self.read(info)
-        names: dict[str, str] = {n: name.strip() for n, name in _TASK.findall(text or "")}
+        names: dict[str, str] = {n: name.strip() for n, name in _BACKUP_TASK.findall(text or "")}
         if place is not None and names.get(place[1]):
             return names[place[1]]
         own = self.module.absolute().parent.name.lower()
@@ -185,7 +189,7 @@ class _Parameters:
         """The robot's name in the catalogue, and its type: `ROB1_1200_0.9_5_TypeB`."""
         for row in self.robots(task):
             told = row.get("use_robot_type", "")
-            found = _ROBOT.fullmatch(told)
+            found = _ROBOT_TYPE.fullmatch(told)
             if found is not None:
                 figures = frozenset(map(float, _FIGURE.findall(found[2])))
                 return catalogue_name(f"irb{found[1]}", figures), told
@@ -195,8 +199,10 @@ class _Parameters:
     def base(self, task: str) -> str | None:
         """Where a robot stands that does not stand at the world's origin, in words."""
         for row in self.robots(task):
-            places = [1000 * _number(row, f"base_frame_pos_{axis}") for axis in "xyz"]
-            turn = [_number(row, f"base_frame_orient_u{n}", float(n == 0)) for n in range(4)]
+            places = [1000 * _parameter_number(row, f"base_frame_pos_{axis}") for axis in "xyz"]
+            turn = [
+                _parameter_number(row, f"base_frame_orient_u{n}", float(n == 0)) for n in range(4)
+            ]
             pose = Pose(tuple(places), tuple(turn))  # type: ignore[arg-type]
             if np.abs(places).max() > 1e-6 or abs(abs(turn[0]) - 1) > 1e-9:
                 x, y, z = (f"{one:g}" for one in pose.position)
@@ -209,10 +215,10 @@ class _Parameters:
         rows = list(rows_of(self.texts.get("moc", ""), "JOINT"))
         if not rows:
             return
-        there = {round(_number(row, "logical_axis")) for row in rows}
-        for number, axis in enumerate(AXES, FIRST_EXTERNAL):
+        there = {round(_parameter_number(row, "logical_axis")) for row in rows}
+        for number, axis in enumerate(EXTERNAL_AXES, FIRST_EXTERNAL_AXIS):
             if number not in there:
-                yield ("data", place_of(axis)), True
+                yield ("data", still_axis_name(axis)), True
 
     def burning(self) -> dict[str, Signal]:
         """The output that lights the arc, if it is one that the controller has."""
@@ -224,10 +230,10 @@ class _Parameters:
             if key.replace("_", "").lower() == WELD_ON
         }
         found = [outputs[name] for name in names if name in outputs]
-        return {BURNS: found[0]} if len(found) == 1 else {}
+        return {ARC_OUTPUT: found[0]} if len(found) == 1 else {}
 
 
-def _is_number(value: str) -> bool:
+def _is_number_text(value: str) -> bool:
     try:
         float(value)
     except ValueError:
@@ -235,7 +241,7 @@ def _is_number(value: str) -> bool:
     return True
 
 
-def _number(row: Mapping[str, str], key: str, usual: float = 0.0) -> float:
+def _parameter_number(row: Mapping[str, str], key: str, usual: float = 0.0) -> float:
     try:
         return float(row.get(key, usual))
     except ValueError:

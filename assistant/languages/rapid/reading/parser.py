@@ -48,13 +48,13 @@ def _source(text: str) -> SourceText:
 
 def parse_statements(text: str) -> tuple[StatementNode, ...] | Diagnostic:
     """A list of statements, or what is wrong with it."""
-    read: tuple[StatementNode, ...] | Diagnostic = _part(text, "statements")
+    read: tuple[StatementNode, ...] | Diagnostic = _read_part(text, "statements")
     return read
 
 
 def parse_items(text: str) -> tuple[Item, ...] | Diagnostic:
     """A list of declarations and routines, or what is wrong with it."""
-    read: tuple[Item, ...] | Diagnostic = _part(text, "items")
+    read: tuple[Item, ...] | Diagnostic = _read_part(text, "items")
     return read
 
 
@@ -85,7 +85,7 @@ def parse_rows(
     return found
 
 
-def _part(text: str, start: str) -> Any:
+def _read_part(text: str, start: str) -> Any:
     source = SourceText(text)
     reading = files.unreadable(source) or _read(source, start, runs=False)
     if isinstance(reading, Diagnostic):
@@ -133,7 +133,9 @@ def _read(
 
 
 def _marks(found: Found[RunNode]) -> tuple[str, str]:
-    opening, closing = files.MARKS[:2] if isinstance(found.node, TargetRunNode) else files.MARKS[2:]
+    opening, closing = (
+        files.RUN_MARKS[:2] if isinstance(found.node, TargetRunNode) else files.RUN_MARKS[2:]
+    )
     return opening, closing
 
 
@@ -145,8 +147,8 @@ def _without_first_row(text: str, found: Runs, number: int) -> Runs:
     return [*found[:number], *moved, *found[number + 1 :]]
 
 
-_LONG: Final = re.compile(rf"[^;]{{{2 * MOST_OPERATORS},}}")
-_ROW: Final = re.compile(
+_LONG_STRETCH: Final = re.compile(rf"[^;]{{{2 * MOST_OPERATORS},}}")
+_OPERATOR_COUNT: Final = re.compile(
     r"![^\n]*|\"[^\"\n]*\"|(?P<open>[\[({])|(?P<close>[\])}])|(?P<end>,|:=)"
     r"|(?P<operator>[-+*/.<>=]|\b(?:and|or|xor|div|mod|not)\b)",
     re.IGNORECASE,
@@ -155,9 +157,9 @@ _ROW: Final = re.compile(
 
 def _too_long(text: str) -> int | None:
     """Offset of an operator that is one too many in its expression, None if there is none."""
-    for stretch in _LONG.finditer(text):
+    for stretch in _LONG_STRETCH.finditer(text):
         counts = [0]
-        for match in _ROW.finditer(text, stretch.start(), stretch.end()):
+        for match in _OPERATOR_COUNT.finditer(text, stretch.start(), stretch.end()):
             if match["open"]:
                 counts.append(0)
             elif match["close"]:
@@ -171,7 +173,7 @@ def _too_long(text: str) -> int | None:
     return None
 
 
-_DEPTH: Final = re.compile(
+_NESTING: Final = re.compile(
     r"![^\n]*|\"[^\"\n]*\"|(?P<open>[\[({]|\b(?:if|for|while|test)\b)"
     r"|(?P<close>[\])}]|\bend(?:if|for|while|test)\b)|;|\bthen\b|(?P<routine>\b(?:proc|func|trap)\b)",
     re.IGNORECASE,
@@ -181,7 +183,7 @@ _DEPTH: Final = re.compile(
 def _too_deep(text: str) -> int | None:
     """Offset at which brackets or blocks stand too deep inside each other, None if they do not."""
     depth = compact = 0
-    for match in _DEPTH.finditer(text):
+    for match in _NESTING.finditer(text):
         word = match[0].lower()
         if match["open"]:
             depth += 1

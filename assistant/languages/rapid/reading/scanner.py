@@ -45,7 +45,7 @@ def table_words() -> WordScanner:
     return WordScanner(grammar(), scanner(), SILENT - {"NOTE"}, frozenset({"NOTE"}))
 
 
-_KINDS: Final = {
+_WORD_KINDS: Final = {
     "NAME": "word",
     "NUMBER": "number",
     "STRING": "string",
@@ -65,7 +65,7 @@ def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
     kind: `word`, `key` (a reserved word), `number`, `string`, `hole`, `mark`, `comment`, `header`
     or `newline` (a line end).
     """
-    kinds = _kinds()
+    kinds = _kinds_of_terminals()
     ended = with_line_feeds(text)
     for match in scanner().finditer(ended, start, len(text) if end is None else end):
         kind, found, at = kinds[match.lastgroup], match[0], match.start()
@@ -77,24 +77,24 @@ def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
             for part in _BREAK.finditer(found):
                 yield Word(str(part.lastgroup), part[0], at + part.start())
         elif kind == "table":
-            for part in _in_tables().finditer(found):
+            for part in _table_pattern().finditer(found):
                 yield Word("number" if part["number"] else "mark", part[0], at + part.start())
         else:
             yield Word(kind, found, at)
 
 
 @cache
-def _kinds() -> Mapping[str | None, str]:
+def _kinds_of_terminals() -> Mapping[str | None, str]:
     """The kinds of all terminals and of what other languages write."""
     kinds: dict[str | None, str] = dict.fromkeys((*FOREIGN_BEFORE, *FOREIGN_AFTER), "mark")
     for name, terminal in grammar().terminals.items():
         spelling = terminal.pattern
         plain = "key" if spelling[0].isalpha() else "hole" if _HOLE.match(spelling) else "mark"
-        kinds[name] = _KINDS.get(name, plain)
+        kinds[name] = _WORD_KINDS.get(name, plain)
     return kinds
 
 
 @cache
-def _in_tables() -> re.Pattern[str]:
+def _table_pattern() -> re.Pattern[str]:
     """What a table of numbers is made of."""
     return re.compile(rf"(?P<number>{grammar().terminals['NUMBER'].regexp})|[^ \t]")

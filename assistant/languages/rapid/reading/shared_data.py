@@ -20,34 +20,34 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.renaming import renamed
 from assistant.languages.rapid.tree.walk import nodes, root
 
-_LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": "C"}
+_SHARED_LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": "C"}
 """By type: the letter of variables of all programs."""
-_NAMES: Final = tuple(f"{number:02}" for number in range(20))
+_SHARED_NUMBERS: Final = tuple(f"{number:02}" for number in range(20))
 """What stands behind the letter and a line, as every controller has it."""
 
-_CHANGING: Final = frozenset(("INOUT", "VAR"))
+_CHANGING_MODES: Final = frozenset(("INOUT", "VAR"))
 """Modes of the parameters that instructions of the controller change."""
-Files = Sequence[s.File]
+TaskFiles = Sequence[s.File]
 
 
-def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[SharedData]:
+def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]:
     """The files of each task of a controller, by the task's name, with names for all programs."""
-    declared = [dict(_persistent(files)) for _, files in tasks]
+    declared = [dict(_persistent_data(files)) for _, files in tasks]
     count = Counter(name for one in declared for name in one)
     both = {name for name, many in count.items() if many > 1}
     files = {id(file): file for _, given in tasks for file in given}
-    changed = both & set(_changed(files.values())) if both else set()
+    changed = both & set(_changed_names(files.values())) if both else set()
     if not changed:
         return [SharedData(tuple(given)) for _, given in tasks]
-    taken = {name.upper() for file in files.values() for name in _names(file)}
+    taken = {name.upper() for file in files.values() for name in _used_names(file)}
     free = {
-        letter: iter([f"{letter}_{n}" for n in _NAMES if f"{letter}_{n}" not in taken])
+        letter: iter([f"{letter}_{n}" for n in _SHARED_NUMBERS if f"{letter}_{n}" not in taken])
         for letter in "MC"
     }
     names: dict[str, str] = {}
     for name in sorted(changed):
-        kinds = {_kind(one[name]) for one in declared if name in one}
-        letter = _LETTERS.get(kinds.pop(), "") if len(kinds) == 1 else ""
+        kinds = {_shared_kind(one[name]) for one in declared if name in one}
+        letter = _SHARED_LETTERS.get(kinds.pop(), "") if len(kinds) == 1 else ""
         new = next(free[letter], None) if letter else None
         if new is not None:
             names[name] = new
@@ -57,14 +57,18 @@ def with_shared_data(tasks: Sequence[tuple[str, Files]]) -> list[SharedData]:
         own = {name: data for name, data in declared[at].items() if name in changed}
         kept = {name for name in names if first[name] == at}
         found = [
-            _found(data, names.get(name), tasks[first[name]][0] if first[name] != at else "")
+            _sharing_finding(
+                data, names.get(name), tasks[first[name]][0] if first[name] != at else ""
+            )
             for name, data in own.items()
         ]
-        made.append(SharedData(tuple(_renamed(file, names, kept) for file in given), tuple(found)))
+        made.append(
+            SharedData(tuple(_renamed_file(file, names, kept) for file in given), tuple(found))
+        )
     return made
 
 
-def _persistent(files: Files) -> Iterator[tuple[str, s.Data]]:
+def _persistent_data(files: TaskFiles) -> Iterator[tuple[str, s.Data]]:
     """The data of a task that others may share, by lower-case name."""
     for file in files:
         for module in file.modules:
@@ -73,11 +77,11 @@ def _persistent(files: Files) -> Iterator[tuple[str, s.Data]]:
                     yield item.name.lower(), item
 
 
-def _kind(data: s.Data) -> str:
+def _shared_kind(data: s.Data) -> str:
     return data.type.lower() if not data.dimensions else ""
 
 
-def _changed(files: Collection[s.File]) -> Iterator[str]:
+def _changed_names(files: Collection[s.File]) -> Iterator[str]:
     """Names in lower case that are assigned, or handed over to what may change them."""
     modes = {
         item.name.lower(): {
@@ -98,7 +102,7 @@ def _changed(files: Collection[s.File]) -> Iterator[str]:
         known = signature(routine)
         slots = () if known is None else known.slots
         return known is None or any(
-            one.mode in _CHANGING for slot in slots for one in slot.alternatives
+            one.mode in _CHANGING_MODES for slot in slots for one in slot.alternatives
         )
 
     for node in nodes(tuple(module for file in files for module in file.modules)):
@@ -112,13 +116,13 @@ def _changed(files: Collection[s.File]) -> Iterator[str]:
                         yield found.name.lower()
 
 
-def _names(file: s.File) -> Iterator[str]:
+def _used_names(file: s.File) -> Iterator[str]:
     for node in nodes(file.modules):
         if isinstance(node, s.NameRef | s.Data | s.ParameterNode):
             yield node.name
 
 
-def _found(data: s.Data, new: str | None, first: str) -> Diagnostic:
+def _sharing_finding(data: s.Data, new: str | None, first: str) -> Diagnostic:
     if new is None:
         return rules.NOT_SHARED(name=data.name)
     return rules.SHARED(
@@ -126,7 +130,7 @@ def _found(data: s.Data, new: str | None, first: str) -> Diagnostic:
     )
 
 
-def _renamed(file: s.File, names: Mapping[str, str], kept: set[str]) -> s.File:
+def _renamed_file(file: s.File, names: Mapping[str, str], kept: set[str]) -> s.File:
     """kept: names in lower case whose first value the task gives."""
 
     def of_module(module: s.Module) -> s.Module:

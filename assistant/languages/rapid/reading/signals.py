@@ -15,8 +15,8 @@ from assistant.languages.language_types import ControllerConfiguration
 from assistant.languages.rapid.reading.parameter_rows import is_known, rows_of
 from assistant.program.program import Signal
 
-Kind = Literal["digital", "analog", "group"]
-TYPES: Final[dict[str, tuple[Kind, bool]]] = {
+SignalKind = Literal["digital", "analog", "group"]
+PARAMETER_SIGNAL_TYPES: Final[dict[str, tuple[SignalKind, bool]]] = {
     "DI": ("digital", True),
     "DO": ("digital", False),
     "AI": ("analog", True),
@@ -27,24 +27,27 @@ TYPES: Final[dict[str, tuple[Kind, bool]]] = {
 """Types of signals: what they are, and whether they are inputs."""
 DEVICE_BITS: Final = 16
 """Bits of one device are counted from a multiple of this, behind those of the device before."""
-_BITS: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
+_BIT_SPAN: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
 
 
-def configured(text: str) -> ControllerConfiguration:
+def signals_of_file(text: str) -> ControllerConfiguration:
     """The signals of a file; those that name no type which there is are among the `unread`.
 
     Each device has its numbers behind those of the device before, as its map counts them.
     """
     rows, unread = [], []
     for row in rows_of(text, "EIO_SIGNAL"):
-        name, kind = row.get("Name", ""), TYPES.get(row.get("SignalType", "").upper())
+        name, kind = (
+            row.get("Name", ""),
+            PARAMETER_SIGNAL_TYPES.get(row.get("SignalType", "").upper()),
+        )
         if kind is None or not name:
             unread.append(name or "a signal without a name")
             continue
         device = row.get("Device", row.get("Unit", "")).lower()
-        begin, bits = _bits(row.get("DeviceMap", row.get("UnitMap", "")))
-        rows.append(_Row(name, *kind, device, None if kind[0] == "analog" else begin, bits))
-    starts = _starts(rows)
+        begin, bits = _bits_of_map(row.get("DeviceMap", row.get("UnitMap", "")))
+        rows.append(_SignalRow(name, *kind, device, None if kind[0] == "analog" else begin, bits))
+    starts = _first_numbers(rows)
     signals: dict[str, Signal] = {}
     for one in rows:
         number = None if one.begin is None else starts[one.input, one.device] + one.begin
@@ -55,20 +58,20 @@ def configured(text: str) -> ControllerConfiguration:
 
 
 @dataclass(frozen=True, slots=True)
-class _Row:
+class _SignalRow:
     """A signal as it is stated. begin: the bit of its device that it begins with, if it has one."""
 
     name: str
-    kind: Kind
+    kind: SignalKind
     input: bool
     device: str
     begin: int | None
     bits: int
 
 
-def _bits(written: str) -> tuple[int | None, int]:
+def _bits_of_map(written: str) -> tuple[int | None, int]:
     """First bit and number of bits of a map; no first bit where they do not follow each other."""
-    spans = [_BITS.fullmatch(part.strip()) for part in written.split(",")]
+    spans = [_BIT_SPAN.fullmatch(part.strip()) for part in written.split(",")]
     read = [(int(span[1]), int(span[2] or span[1])) for span in spans if span is not None]
     if len(read) < len(spans):
         return None, 1
@@ -78,7 +81,7 @@ def _bits(written: str) -> tuple[int | None, int]:
     return (read[0][0] if rising and joined else None), bits
 
 
-def _starts(rows: Sequence[_Row]) -> dict[tuple[bool, str], int]:
+def _first_numbers(rows: Sequence[_SignalRow]) -> dict[tuple[bool, str], int]:
     """The number of bit 0 of each device, of its inputs and of its outputs."""
     ends: dict[tuple[bool, str], int] = {}
     for row in rows:

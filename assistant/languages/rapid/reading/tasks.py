@@ -21,43 +21,50 @@ from assistant.languages.language_types import (
 
 TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
 SYSTEM_FOLDER: Final = "SYSMOD"
-SYSTEM: Final = (".sys", ".sysx")
-_TASK: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)$")
+SYSTEM_SUFFIXES: Final = (".sys", ".sysx")
+_TASK_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)$")
 
 
-def program_of(path: FilePath) -> FilePath:
+def task_folder(path: FilePath) -> FilePath:
     """The modules of a folder are one task; a backup keeps a task's in two folders."""
     folder = path.parent
     return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
 
 
-def shared(folder: FilePath) -> bool:
+def is_shared_folder(folder: FilePath) -> bool:
     """Whether a folder is TASK0 of a backup."""
-    found = _TASK.search(folder.as_posix())
+    found = _TASK_FOLDER.search(folder.as_posix())
     return found is not None and int(found[1]) == 0
 
 
-def closed(folder: FilePath) -> bool:
+def is_task_folder(folder: FilePath) -> bool:
     """Whether a folder is a task of a backup."""
-    return _TASK.search(folder.as_posix()) is not None
+    return _TASK_FOLDER.search(folder.as_posix()) is not None
 
 
-def loaded(path: FilePath) -> bool:
+def is_system_module(path: FilePath) -> bool:
     """Whether a file is a system module by its folder or suffix."""
-    return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM
+    return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM_SUFFIXES
 
 
 def surroundings(module: FilePath, read: Texts) -> ControllerConfiguration:
-    from assistant.languages.rapid.reading.parameters import stated
+    from assistant.languages.rapid.reading.parameters import backup_configuration
 
-    return stated(module, read)
+    return backup_configuration(module, read)
 
 
-def _with_shared_data(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[SharedData]:
+def _with_shared_data_of_tasks(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[SharedData]:
     """See `shared_data`, which knows the tree: only what loads several tasks asks for it."""
     from assistant.languages.rapid.reading.shared_data import with_shared_data
 
     return with_shared_data(tasks)
 
 
-LOADING: Final = TaskLoading("main", (".pgf",), shared, closed, loaded, _with_shared_data)
+LOADING: Final = TaskLoading(
+    "main",
+    (".pgf",),
+    is_shared_folder,
+    is_task_folder,
+    is_system_module,
+    _with_shared_data_of_tasks,
+)

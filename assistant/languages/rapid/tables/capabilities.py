@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.motions import corner_of, zone_name
-from assistant.languages.rapid.tables.triggers import MEASURES
+from assistant.languages.rapid.tables.triggers import TRIGGER_MEASURES
 from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING, MOST_TARGETS
 from assistant.program.passes.legalisation import (
     Acceleration,
@@ -44,7 +44,7 @@ LOOPS: Final = Loops(
 
 
 OUTPUTS: Final = Outputs(
-    measures=frozenset(MEASURES.values()),
+    measures=frozenset(TRIGGER_MEASURES.values()),
     known=True,
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,

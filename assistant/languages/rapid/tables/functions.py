@@ -7,7 +7,7 @@ from typing import Final
 from assistant.languages.patterns import FunctionRow, Row, Rows, pattern
 from assistant.program import expressions as e
 
-ROWS: Final = Rows(
+FUNCTION_ROWS: Final = Rows(
     FunctionRow("abs", "Abs({x})"),
     FunctionRow("sqrt", "Sqrt({x})"),
     FunctionRow("sin", "Sin({x})"),
@@ -49,17 +49,17 @@ ROWS: Final = Rows(
     Row(r"CRobT(\Tool:={tool} \WObj:={frame})", e.Here),
     also=(Row("TestDI({left})", e.Binary, operator="=", right=e.Number(1)),),
 )
-HERE: Final = pattern(r"CRobT(\Tool:={tool?} \WObj:={frame?})")
+CURRENT_TARGET: Final = pattern(r"CRobT(\Tool:={tool?} \WObj:={frame?})")
 """The same where it reads in the tool or frame of the move before (RAPID reference manual)."""
 
 NO_OTHER: Final = frozenset(("dnumtonum", "testdi", "clkread"))
 """Functions with a row that in another form are calls like those of the user's own."""
 
 ORIENTATION: Final = pattern("OrientZYX({about_z}, {about_y}, {about_x})")
-TURN: Final = "rot"
+ORIENTATION_COMPONENT: Final = "rot"
 """The component of a target or pose that is its orientation."""
 
-OF_ARM: Final = {"flange_at": "CalcRobT", "joints_at": "CalcJointT"}
+ARM_FUNCTIONS: Final = {"flange_at": "CalcRobT", "joints_at": "CalcJointT"}
 """Functions that RAPID gives a tool, here always tool0."""
-READS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
+SIGNAL_FUNCTIONS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
 """Functions that give what a signal's name says by itself (RAPID reference manual)."""

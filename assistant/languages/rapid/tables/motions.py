@@ -16,7 +16,7 @@ from assistant.program.statements import ComputedBlend
 
 _SPEED_NAMES: Final = {speed: name for name, speed in words.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in words.ZONES.items()}
-PLACES: Final = 3
+SPEED_PLACES: Final = 3
 FASTEST: Final = max(s.tcp for s in words.SPEEDS.values() if math.isfinite(s.tcp))
 
 WIDEST_CHOSEN: Final = 10.0
@@ -38,23 +38,23 @@ def speed_name(speed: Speed) -> str:
     """`v150` if predefined, else the name under which it is declared: `speed_147`."""
     first, *rest = speed_values(speed)
     usual = rest == speed_values(Speed(first))[1:]
-    return _SPEED_NAMES.get(speed) or _named("speed", first, () if usual else rest)
+    return _SPEED_NAMES.get(speed) or _record_name("speed", first, () if usual else rest)
 
 
 def zone_name(blend: Blend) -> str:
     """`z100` or `fine` if predefined, else the name under which it is declared: `zone_2_5`."""
-    return _ZONE_NAMES.get(blend) or _named("zone", blend.radius or 0.0, blend.details or ())
+    return _ZONE_NAMES.get(blend) or _record_name("zone", blend.radius or 0.0, blend.details or ())
 
 
-def _named(kind: str, first: float, more: Sequence[float]) -> str:
+def _record_name(kind: str, first: float, more: Sequence[float]) -> str:
     """The name of a record by its values, of one with usual sizes by the first alone."""
     if not more:
-        return f"{kind}_{_in_name(first)}"
-    return f"{kind}_" + "_".join(_in_name(v).replace("_", "d") for v in (first, *more))
+        return f"{kind}_{_number_in_name(first)}"
+    return f"{kind}_" + "_".join(_number_in_name(v).replace("_", "d") for v in (first, *more))
 
 
-def _in_name(value: float) -> str:
-    return f"{value:.{PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
+def _number_in_name(value: float) -> str:
+    return f"{value:.{SPEED_PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
 
 
 def speed_values(speed: Speed) -> list[float]:
@@ -103,7 +103,7 @@ def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
         changed, speed = "a joint speed in percent", replace(speed, joint=None)
     if math.isinf(speed.tcp) and speed != Speed(math.inf):
         changed, speed = "an unlimited speed", replace(speed, tcp=FASTEST)
-    rounded = [v if math.isinf(v) else round(v, PLACES) for v in speed_values(speed)]
+    rounded = [v if math.isinf(v) else round(v, SPEED_PLACES) for v in speed_values(speed)]
     return speed_of(rounded), changed
 
 
@@ -130,9 +130,9 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
         changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
     if math.isinf(radius):
         changed, radius, details = "a corner without size", LEAST_CHOSEN, None
-    radius = round(radius, PLACES)
+    radius = round(radius, SPEED_PLACES)
     if details is not None:
-        return zone_of(False, [radius, *(round(v, PLACES) for v in details)]), changed
+        return zone_of(False, [radius, *(round(v, SPEED_PLACES) for v in details)]), changed
     return Blend(radius), changed
 
 

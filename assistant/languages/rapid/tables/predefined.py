@@ -13,10 +13,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
-from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OPTION_ROUTINES
 from assistant.languages.signatures import Type
 
-WORDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
+TYPE_KINDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)
 
 
@@ -54,23 +54,23 @@ def data() -> Mapping[str, Datum]:
     """All predefined data by lower-case name."""
     return {
         name.lower(): Datum(name, word, of)
-        for word, of, text in _lines()
-        if word not in WORDS
+        for word, of, text in _predefined_lines()
+        if word not in TYPE_KINDS
         for name in text.split()
     }
 
 
 @cache
-def taken() -> frozenset[str]:
+def taken_names() -> frozenset[str]:
     """Lower-case names that mean something on every controller: nothing else may have them."""
-    return frozenset((*types(), *data(), *INSTRUCTIONS, *FUNCTIONS, *OF_OPTIONS))
+    return frozenset((*types(), *data(), *INSTRUCTIONS, *FUNCTIONS, *OPTION_ROUTINES))
 
 
 def _types() -> Iterator[tuple[str, Type]]:
-    for word, of, text in _lines():
+    for word, of, text in _predefined_lines():
         if word == "RECORD":
             yield of.lower(), Type(of, word, components=_components(text))
-        elif word in WORDS:
+        elif word in TYPE_KINDS:
             for name in text.split():
                 yield name.lower(), Type(name, word, of)
 
@@ -83,7 +83,7 @@ def _components(text: str) -> Mapping[str, str] | None:
 
 
 @cache
-def _lines() -> tuple[tuple[str, str, str], ...]:
+def _predefined_lines() -> tuple[tuple[str, str, str], ...]:
     text = files("assistant.languages.rapid.tables").joinpath("predefined.txt").read_text("utf-8")
     return tuple((m[1], m[2] or "", m[3]) for m in _LINE.finditer(text.replace("\n    ", " ")))
 

@@ -13,30 +13,35 @@ from typing import Final, Literal
 
 from assistant.program.program import Signal
 
-BURNS: Final = "arc_on"
+ARC_OUTPUT: Final = "arc_on"
 """The output that lights the arc; what is told of it is `signals.arc_on` of the process file."""
-FLOWS, BEAD = "dispense_on", "dispense_bead"
+DISPENSE_OUTPUT, BEAD_OUTPUT = "dispense_on", "dispense_bead"
 """Outputs: that the gun dispenses, and the number of the bead that it is set up for."""
-BRUSH: Final = "paint_brush"
+BRUSH_OUTPUT: Final = "paint_brush"
 """The group of outputs with the number of the brush."""
-STARTS, READY, PROGRAM, RETRACTS = "_start", "_ready", "_program", "_retract"
+START_SUFFIX, READY_SUFFIX, PROGRAM_SUFFIX, RETRACT_SUFFIX = (
+    "_start",
+    "_ready",
+    "_program",
+    "_retract",
+)
 """What the signals of a spot welding gun have behind its name."""
-OUTPUT: Final = Signal("digital", "output")
-INPUT: Final = Signal("digital", "input")
-NUMBER: Final = Signal("group", "output")
+DIGITAL_OUTPUT: Final = Signal("digital", "output")
+DIGITAL_INPUT: Final = Signal("digital", "input")
+GROUP_OUTPUT: Final = Signal("group", "output")
 
-Kind = Literal["arc", "spot", "bead", "paint"]
+ProcessKind = Literal["arc", "spot", "bead", "paint"]
 
 
 @dataclass(frozen=True, slots=True)
-class Process:
+class ProcessMove:
     """plain: the move without the process. points: how many places it states.
 
     given: how many arguments stand between the speed and the zone, or before the tool where
     the move states no zone. part: of a weld. beside: options that the equipment alone is told.
     """
 
-    kind: Kind
+    kind: ProcessKind
     plain: str
     points: int = 1
     given: int = 0
@@ -46,36 +51,45 @@ class Process:
 
 ARC_OPTIONS: Final = frozenset(("weave", "track", "seamname", "corr", "preprocesstracking"))
 SPOT_OPTIONS: Final = frozenset(("inpos", "noconc"))
-GUNS: Final = tuple(f"g{number}" for number in range(1, 5))
+GUN_OPTIONS: Final = tuple(f"g{number}" for number in range(1, 5))
 """Options of a weld with several guns: what each of them welds."""
-_PARTS: Final[Mapping[str, Literal["start", "middle", "end"]]] = {
+_WELD_PARTS: Final[Mapping[str, Literal["start", "middle", "end"]]] = {
     "": "middle", "start": "start", "end": "end",
 }  # fmt: skip
-MOVES: Final[Mapping[str, Process]] = {
+PROCESS_MOVES: Final[Mapping[str, ProcessMove]] = {
     **{
-        f"arc{x}{word}": Process("arc", f"Move{x.upper()}", points, 2, part, ARC_OPTIONS)
+        f"arc{x}{word}": ProcessMove("arc", f"Move{x.upper()}", points, 2, part, ARC_OPTIONS)
         for x, points in (("l", 1), ("c", 2), ("j", 1))
-        for word, part in _PARTS.items()
+        for word, part in _WELD_PARTS.items()
     },
     **{
-        f"spot{m}{x}": Process("spot", f"Move{x.upper()}", 1, given, beside=SPOT_OPTIONS)
+        f"spot{m}{x}": ProcessMove("spot", f"Move{x.upper()}", 1, given, beside=SPOT_OPTIONS)
         for x in ("l", "j")
         for m, given in (("", 2), ("m", 0))
     },
-    "displ": Process("bead", "MoveL", 1, 1),
-    "dispc": Process("bead", "MoveC", 2, 1),
-    "paintl": Process("paint", "MoveL"),
-    "paintc": Process("paint", "MoveC", 2),
+    "displ": ProcessMove("bead", "MoveL", 1, 1),
+    "dispc": ProcessMove("bead", "MoveC", 2, 1),
+    "paintl": ProcessMove("paint", "MoveL"),
+    "paintc": ProcessMove("paint", "MoveC", 2),
 }
 """By instruction in lower case."""
-BRUSHES: Final = "setbrush"
+BRUSH_INSTRUCTION: Final = "setbrush"
 """The instruction that takes another brush at once."""
-WELDS: Final = "weld_speed"
+WELD_SPEED: Final = "weld_speed"
 """The component of the data of an arc weld that its moves have as their speed."""
 WELD_DATA: Final = "welddata"
-SPOTS: Final = "spotdata"
-BEADS: Final = "beaddata"
-UNSAID: Final = frozenset(("seamdata", "weavedata", "trackdata", "gundata", "gunnum", "anytype"))
+SPOT_DATA: Final = "spotdata"
+BEAD_DATA: Final = "beaddata"
+UNTRANSLATED_TYPES: Final = frozenset(
+    ("seamdata", "weavedata", "trackdata", "gundata", "gunnum", "anytype")
+)
 """Types of arguments of which other languages are told nothing, a name at most."""
-DATA: Final = UNSAID - {"anytype"} | {WELD_DATA, SPOTS, BEADS, "equipdata", "forcedata", "simdata"}
+PROCESS_DATA_TYPES: Final = UNTRANSLATED_TYPES - {"anytype"} | {
+    WELD_DATA,
+    SPOT_DATA,
+    BEAD_DATA,
+    "equipdata",
+    "forcedata",
+    "simdata",
+}
 """Types of data that only these instructions use."""

@@ -52,7 +52,7 @@ def _signature(line: str, option: str) -> Signature:
     kind, *result, name = head.split()
     parts = [part for part in tail.removesuffix(")").split(", ") if part]
     slots = tuple(_slot(part) for part in parts if part != "...")
-    return Signature(name, kind, slots, _type("".join(result)), "..." in parts, option)
+    return Signature(name, kind, slots, _parameter_type("".join(result)), "..." in parts, option)
 
 
 def _slot(text: str) -> Slot:
@@ -65,8 +65,8 @@ def _parameter(text: str) -> Parameter:
     if found is None:
         raise ValueError(f"signatures.txt: {text!r} is no parameter")
     dimensions = -1 if found["array"] else 0
-    return Parameter(found["name"], _type(found["type"]), found["mode"] or "", dimensions)
+    return Parameter(found["name"], _parameter_type(found["type"]), found["mode"] or "", dimensions)
 
 
-def _type(text: str) -> str:
+def _parameter_type(text: str) -> str:
     return "" if text == "?" else text.lower()

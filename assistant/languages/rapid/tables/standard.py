@@ -7,22 +7,22 @@ from typing import Final
 from assistant.languages.rapid.tables.signatures import rows
 
 
-def _names(word: str, *, options: bool) -> frozenset[str]:
+def _routine_names(word: str, *, options: bool) -> frozenset[str]:
     lines = rows().items()
     return frozenset(n for n, (line, of) in lines if line.startswith(word) and bool(of) == options)
 
 
-INSTRUCTIONS: Final = _names("PROC", options=False)
-FUNCTIONS: Final = _names("FUNC", options=False)
-OF_OPTIONS: Final = _names("", options=True)
+INSTRUCTIONS: Final = _routine_names("PROC", options=False)
+FUNCTIONS: Final = _routine_names("FUNC", options=False)
+OPTION_ROUTINES: Final = _routine_names("", options=True)
 """Instructions and functions of RobotWare's options, lower case as all of these."""
 
 
-def _listed(words: str) -> frozenset[str]:
+def _word_set(words: str) -> frozenset[str]:
     return frozenset(words.lower().split())
 
 
-MOVING: Final = _listed(
+MOVING: Final = _word_set(
     """
     TriggAbsJ CyclicBrakeCheck StepBwdPath EGMRunJoint EGMRunPose
     IndAMove IndCMove IndDMove IndRMove
@@ -40,11 +40,11 @@ MOVING: Final = _listed(
 
 By the RAPID reference manual and the manuals of the options, lower case as all of these.
 """
-WAITING: Final = _listed("Stop Break SystemStopAction SyncMoveOn SyncMoveOff")
+WAITING: Final = _word_set("Stop Break SystemStopAction SyncMoveOn SyncMoveOff")
 """Instructions that hold the program without a word of waiting or a time in their parameters."""
-JUMPING: Final = _listed("ExitCycle ErrRaise RaiseToUser StartMoveRetry")
+JUMPING: Final = _word_set("ExitCycle ErrRaise RaiseToUser StartMoveRetry")
 """Instructions behind which the program does not simply go on."""
-CALLING: Final = _listed("CallByVar")
+CALLING: Final = _word_set("CallByVar")
 """Instructions that call routines whose names they are given as texts,"""
-NAMING: Final = _listed("SetDataVal SetAllDataVal")
+NAMING: Final = _word_set("SetDataVal SetAllDataVal")
 """and that change data of such names."""

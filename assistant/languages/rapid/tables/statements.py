@@ -9,17 +9,17 @@ from assistant.languages.rapid.tables.words import SPEED_CAP
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
-_HOW: Final = r"{speed}, {blend}, {tool} \WObj:={frame:other?} \TLoad:={load?}"
+_MOTION_ARGUMENTS: Final = r"{speed}, {blend}, {tool} \WObj:={frame:other?} \TLoad:={load?}"
 """A `TLoad` of load0 leaves the load to the tool (RAPID reference manual, MoveL)."""
 _TEXT: Final = e.Name("{text}")
 _TARGET, _BY = e.Name("{target}"), e.Name("{by}")
 _ZERO, _ONE = e.Number(0), e.Number(1)
 
-ROWS: Final = Rows(
-    MotionRow(f"MoveJ {{target:value}}, {_HOW}", p.Move, kind="joint"),
-    MotionRow(f"MoveL {{target:value}}, {_HOW}", p.Move, kind="linear"),
-    MotionRow(f"MoveC {{via}}, {{target:value}}, {_HOW}", p.MoveCircular),
-    MotionRow(f"MoveAbsJ {{target:value}}, {_HOW}", p.MoveJoints),
+STATEMENT_ROWS: Final = Rows(
+    MotionRow(f"MoveJ {{target:value}}, {_MOTION_ARGUMENTS}", p.Move, kind="joint"),
+    MotionRow(f"MoveL {{target:value}}, {_MOTION_ARGUMENTS}", p.Move, kind="linear"),
+    MotionRow(f"MoveC {{via}}, {{target:value}}, {_MOTION_ARGUMENTS}", p.MoveCircular),
+    MotionRow(f"MoveAbsJ {{target:value}}, {_MOTION_ARGUMENTS}", p.MoveJoints),
     Row("WaitTime {seconds}", p.Wait),
     Row(r"WaitUntil {condition} \MaxTime:={timeout?}", p.WaitUntil),
     Row(r"WaitDI {signal:digital input}, {value} \MaxTime:={timeout?}", p.WaitSignal),
@@ -36,7 +36,7 @@ ROWS: Final = Rows(
     Row(f"VelSet {{percent}}, {SPEED_CAP}", p.SetOverride),
     Row("Stop", p.Stop),
     also=(
-        MotionRow(rf"MoveAbsJ {{target:robot}} \NoEOffs, {_HOW}", p.MoveJoints),
+        MotionRow(rf"MoveAbsJ {{target:robot}} \NoEOffs, {_MOTION_ARGUMENTS}", p.MoveJoints),
         Row("TPWrite {text}", p.Message, parts=(_TEXT,)),
         *(
             Row(

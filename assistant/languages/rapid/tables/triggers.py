@@ -14,23 +14,23 @@ from typing import Final, Literal
 
 from assistant.program.statements import Measure
 
-TYPE: Final = "triggdata"
+TRIGGER_TYPE: Final = "triggdata"
 MOST_TRIGGERS: Final = 8
 """Of one move: Trigg_1 and `\\T2` to `\\T8`."""
-LONGEST_TIME: Final = 0.5
+LONGEST_TRIGGER_TIME: Final = 0.5
 """Seconds of `\\Time`."""
-OUTPUTS: Final[Mapping[str, Literal["digital", "analog", "group"]]] = {
+TRIGGER_OUTPUTS: Final[Mapping[str, Literal["digital", "analog", "group"]]] = {
     "dop": "digital",
     "gop": "group",
     "aop": "analog",
 }
 """Kinds of signals by the option that names one."""
-MEASURES: Final[Mapping[str, Measure]] = {"": "end", "start": "start", "time": "time"}
+TRIGGER_MEASURES: Final[Mapping[str, Measure]] = {"": "end", "start": "start", "time": "time"}
 """What a distance is, by the option that stands with it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
+class TriggerSetup:
     """An instruction that sets a triggdata up: its name, and how its arguments are understood.
 
     count: of its positional ones: the variable, the distance, a delay if there is one, the value.
@@ -42,7 +42,7 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class TriggerMove:
     """A move with triggdata. plain: the same without. place: of its first triggdata, from 0."""
 
     word: str
@@ -50,16 +50,18 @@ class Move:
     place: int
 
 
-PLACED: Final = Setup("TriggIO", 3, ("", "start", "time"))
-EQUIPPED: Final = Setup("TriggEquip", 4, ("", "start"))
-SETUPS: Final[Mapping[str, Setup]] = {x.word.lower(): x for x in (PLACED, EQUIPPED)}
-MOVES: Final[Mapping[str, Move]] = {
+TRIGG_IO: Final = TriggerSetup("TriggIO", 3, ("", "start", "time"))
+TRIGG_EQUIP: Final = TriggerSetup("TriggEquip", 4, ("", "start"))
+TRIGGER_SETUPS: Final[Mapping[str, TriggerSetup]] = {
+    x.word.lower(): x for x in (TRIGG_IO, TRIGG_EQUIP)
+}
+TRIGGER_MOVES: Final[Mapping[str, TriggerMove]] = {
     x.word.lower(): x
     for x in (
-        Move("TriggJ", "MoveJ", 2),
-        Move("TriggL", "MoveL", 2),
-        Move("TriggC", "MoveC", 3),
+        TriggerMove("TriggJ", "MoveJ", 2),
+        TriggerMove("TriggL", "MoveL", 2),
+        TriggerMove("TriggC", "MoveC", 3),
     )
 }
-MORE: Final = tuple(f"t{number}" for number in range(2, MOST_TRIGGERS + 1))
+FURTHER_TRIGGERS: Final = tuple(f"t{number}" for number in range(2, MOST_TRIGGERS + 1))
 """Options with the further triggdata of a move, in lower case."""

@@ -58,12 +58,12 @@ CELL_MODULE: Final = "CellValues"
 PREDEFINED_VALUES: Final = {"low": 0, "high": 1}
 """Constants of type dionum, by lower-case name (RAPID reference manual, data types)."""
 
-ANSWERS: Final = {
+BUTTON_ANSWERS: Final = {
     "resunkwn": 0, "resok": 1, "resabort": 2, "resretry": 3, "resignore": 4, "rescancel": 5,
     "resyes": 6, "resno": 7,
 }  # fmt: skip
 """Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
-MODES: Final = {
+STATE_CONSTANTS: Final = {
     "op_undef": 0, "op_auto": 1, "op_man_prog": 2, "op_man_test": 3,
     "run_undef": 0, "run_cont_cycle": 1, "run_instr_fwd": 2, "run_instr_bwd": 3, "run_sim": 4,
     "run_step_move": 5,
@@ -83,7 +83,7 @@ MODES: Final = {
 """Constants of types symnum, iounit_state, busstate, errdomain and errtype (the same)."""
 ICONS: Final = {"iconnone": 0, "iconinfo": 1, "iconwarning": 2, "iconerror": 3}
 """Constants of type icondata (the same)."""
-WHOLE_NUMBERS: Final = {
+INTEGER_TYPES: Final = {
     "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
 }  # fmt: skip
 """Constants of type inttypes (the same)."""
@@ -94,8 +94,8 @@ SOCKET_STATES: Final = {
 """Constants of type socketstatus (the same)."""
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 """The letters of Latin-1 that have both cases."""
-ELSEWHERE: Final[Mapping[str, float | str]] = {
-    **ANSWERS, **MODES, **ICONS, **WHOLE_NUMBERS, **SOCKET_STATES, "pi": math.pi,
+PORTABLE_CONSTANTS: Final[Mapping[str, float | str]] = {
+    **BUTTON_ANSWERS, **STATE_CONSTANTS, **ICONS, **INTEGER_TYPES, **SOCKET_STATES, "pi": math.pi,
     "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
     "stempty": "", "eof": "EOF", "eof_num": 9.998e36, "wait_max": 99999.0,

@@ -20,17 +20,17 @@ from assistant.languages.signatures import Parameter, Signature
 from assistant.languages.vendor_statements import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import Effect, EffectBuilder, VendorTextKind, unknown_effect
 
-_SPEED: Final = "speeddata"
+_SPEED_TYPE: Final = "speeddata"
 """Type of a parameter that instructions have which move, and others have not."""
-_WAIT: Final = "wait"
-_TIMES: Final = frozenset(("maxtime", "timeout"))
+_WAIT_PREFIX: Final = "wait"
+_TIMEOUT_PARAMETERS: Final = frozenset(("maxtime", "timeout"))
 """Names of parameters that say how long an instruction waits at most."""
 _LITERALS: Final = (s.NumberLiteral, s.BoolLiteral)
 """Nodes that name nothing: a table of numbers has thousands."""
-_nodes: Final = Walk(lambda kind: issubclass(kind, s.Node) and kind not in _LITERALS).nodes
+_effect_nodes: Final = Walk(lambda kind: issubclass(kind, s.Node) and kind not in _LITERALS).nodes
 
 
-def of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
+def effect_of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
     """What nodes do; anything with a hole or a call whose name is worked out. text: of them."""
     done = _EFFECTS.of(tuple(tree))
     if done is None:
@@ -41,21 +41,21 @@ def of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
 
 
 @lru_cache(maxsize=1 << 14)
-def of_text(text: str, kind: VendorTextKind) -> Effect:
+def effect_of_text(text: str, kind: VendorTextKind) -> Effect:
     """What a text does; anything if it is no RAPID."""
     try:
         match kind:
             case "expression":
-                return of_nodes((verbatim.expression(text),), text)
+                return effect_of_nodes((verbatim.expression(text),), text)
             case "declaration":
-                return of_nodes(verbatim.items(text), text)
-        handlers = verbatim.handlers(text)
-        return of_nodes(verbatim.statements(text) if handlers is None else handlers, text)
+                return effect_of_nodes(verbatim.items(text), text)
+        handlers = verbatim.error_handlers(text)
+        return effect_of_nodes(verbatim.statements(text) if handlers is None else handlers, text)
     except Refused:
         return unknown_effect(text)
 
 
-def _call(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
+def _call_effect(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
     """Runs a routine; one of the user's may change what it is given."""
     if not isinstance(node.name, str) or node.name.lower() in CALLING:
         raise UnknownEffect
@@ -64,33 +64,33 @@ def _call(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
     if known is None:
         done.calls.add(key)
     else:
-        done.moves |= key in MOVING or any(q.type == _SPEED for q in _parameters(known))
-        done.waits |= key in WAITING or key.startswith(_WAIT)
-        done.waits |= any(q.name.lower() in _TIMES for q in _parameters(known))
+        done.moves |= key in MOVING or any(q.type == _SPEED_TYPE for q in _parameters(known))
+        done.waits |= key in WAITING or key.startswith(_WAIT_PREFIX)
+        done.waits |= any(q.name.lower() in _TIMEOUT_PARAMETERS for q in _parameters(known))
         done.jumps |= key in JUMPING
         if key in NAMING:
-            done.writes.update(_said(node.arguments))
+            done.writes.update(_named_words(node.arguments))
     for argument, parameter in _paired(node.arguments, known):
         if parameter is None or parameter.mode:
             done.writes.update(_EFFECTS.names(argument))
 
 
-def _moves(done: EffectBuilder, node: s.MoveRunNode) -> None:
+def _moves_effect(done: EffectBuilder, node: s.MoveRunNode) -> None:
     done.moves = True
-    done.reads.update((*_each(node.run.names), *_each(node.run.vias)))
+    done.reads.update((*_each_name(node.run.names), *_each_name(node.run.vias)))
     for motion in node.run.motions.table:
         given = (motion.speed, motion.zone, motion.tool, motion.frame)
         done.reads.update(name for name in given if name)
 
 
-def _root(node: Any) -> str | None:
+def _root_name(node: Any) -> str | None:
     data = root(node)
     return None if data is None else data.name
 
 
 _EFFECTS: Final = Effects(
-    _nodes,
-    _root,
+    _effect_nodes,
+    _root_name,
     {
         s.NameRef: lambda done, node: done.reads.add(node.name),
         s.StringLiteral: NodeEffect(words=("value",)),  # which may be the name of something
@@ -100,22 +100,22 @@ _EFFECTS: Final = Effects(
         s.Assignment: NodeEffect(writes=("target",)),
         s.ForLoop: NodeEffect(declares=("variable",)),
         s.Connect: NodeEffect(writes=("interrupt",), reads=("trap",)),
-        **dict.fromkeys((s.ProcedureCall, s.FunctionCall), _call),
+        **dict.fromkeys((s.ProcedureCall, s.FunctionCall), _call_effect),
         **dict.fromkeys(
             (s.Data, s.ParameterNode, s.Alias, s.Routine), NodeEffect(declares=("type", "name"))
         ),
         s.Record: lambda done, node: done.declare(node.name, *(t for t, _ in node.components)),
-        s.TargetRunNode: lambda done, node: done.declare(*_each(node.run.names)),
-        s.MoveRunNode: _moves,
+        s.TargetRunNode: lambda done, node: done.declare(*_each_name(node.run.names)),
+        s.MoveRunNode: _moves_effect,
         s.Placeholder: NodeEffect(untold=True),
     },
 )
 """What each kind of statement, declaration and expression does."""
 
 
-def _said(value: Any) -> Iterator[str]:
+def _named_words(value: Any) -> Iterator[str]:
     """Names in an expression or in arguments, and the words of texts in them."""
-    for node in _nodes(value):
+    for node in _effect_nodes(value):
         if isinstance(node, s.NameRef):
             yield node.name.lower()
         elif isinstance(node, s.StringLiteral):
@@ -147,5 +147,5 @@ def _paired(
                 yield variable, named.get(name.lower())
 
 
-def _each(names: Names) -> Iterator[str]:
+def _each_name(names: Names) -> Iterator[str]:
     return filter(None, (names.name(row) for row in range(len(names))))

@@ -11,31 +11,31 @@ from collections.abc import Iterator, Sequence
 
 from assistant.base.diagnostics import Refused
 from assistant.languages.rapid.text import verbatim
-from assistant.languages.rapid.text.header import opening
+from assistant.languages.rapid.text.header import module_header
 from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.program import identifier
 
 
-def said(data: s.Data) -> str:
+def header_declaration(data: s.Data) -> str:
     """A declaration as a heading says it: on one line, without its semicolon."""
     printed = print_file(s.File((s.Module("m", (), (data,)),)), "\n")
     return printed.split("\n")[1].strip().removesuffix(";")
 
 
-def stated(module: s.Module) -> Iterator[s.Data]:
+def controller_data(module: s.Module) -> Iterator[s.Data]:
     """What the heading of a module says of data that the controller has."""
-    for text in opening(module).there:
+    for text in module_header(module).there:
         try:
             yield from (one for one in verbatim.items(text + ";") if isinstance(one, s.Data))
         except Refused:
             continue
 
 
-def with_elsewhere(files: Sequence[s.File]) -> Sequence[s.File]:
+def with_controller_data(files: Sequence[s.File]) -> Sequence[s.File]:
     """The files, with one beside them that declares what their headings state and none declares."""
     modules = [module for file in files for module in file.modules]
-    found = {one.name.lower(): one for module in modules for one in stated(module)}
+    found = {one.name.lower(): one for module in modules for one in controller_data(module)}
     if not found:
         return files
     for module in modules:

@@ -19,7 +19,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
 from assistant.program.program import Program, Signal
 
-_ITEM: Final = re.compile(
+_HEADER_ITEM: Final = re.compile(
     rf"program: (?P<program>{ASCII_NAME})"
     r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
     rf"|entry: (?P<entry>{ASCII_NAME})"
@@ -30,7 +30,7 @@ _ITEM: Final = re.compile(
     rf"|name: (?P<short>{ASCII_NAME}) = (?P<original>{ASCII_NAME})",
     re.ASCII,
 )
-_QUOTED: Final = ": "
+_COMMENT_MARK: Final = ": "
 
 
 @dataclass(slots=True)
@@ -73,25 +73,27 @@ def header_lines(
             lines.append(f"robot: {program.robot}")
         if program.entry:
             lines.append(f"entry: {in_ascii(program.entry)}")
-        lines += [_signal(name, signal) for name, signal in program.signals.items()]
+        lines += [_signal_item(name, signal) for name, signal in program.signals.items()]
     else:
         lines = [f"{'module' if resident else 'unit'} of: {in_ascii(program.name)}"]
     lines += [f"elsewhere: {declaration}" for declaration in there]
     lines += [f"name: {short} = {in_ascii(original)}" for short, original in names]
     if unit is None:
         lines += [
-            _QUOTED + c if _ITEM.fullmatch(c) or c.startswith(_QUOTED.strip()) else c
+            _COMMENT_MARK + c
+            if _HEADER_ITEM.fullmatch(c) or c.startswith(_COMMENT_MARK.strip())
+            else c
             for c in program.comments
         ]
     return lines
 
 
-def is_item(text: str) -> bool:
+def is_header_item(text: str) -> bool:
     """True if a comment states something about the program."""
-    return _ITEM.fullmatch(text.strip()) is not None
+    return _HEADER_ITEM.fullmatch(text.strip()) is not None
 
 
-def _signal(name: str, signal: Signal) -> str:
+def _signal_item(name: str, signal: Signal) -> str:
     number = f" {signal.number}" if signal.number is not None else ""
     bits = f" x{signal.bits}" if signal.bits != 1 else ""
     gap = " " if bits and not number else ""
@@ -101,10 +103,12 @@ def _signal(name: str, signal: Signal) -> str:
 def read_header(comments: Sequence[str]) -> Header:
     header = Header()
     for comment in comments:
-        match = _ITEM.fullmatch(comment)
+        match = _HEADER_ITEM.fullmatch(comment)
         if match is None:
             header.comments.append(
-                comment.removeprefix(_QUOTED) if comment.startswith(_QUOTED) else comment
+                comment.removeprefix(_COMMENT_MARK)
+                if comment.startswith(_COMMENT_MARK)
+                else comment
             )
         elif match["program"]:
             header.program = from_ascii(match["program"])
@@ -129,7 +133,7 @@ def read_header(comments: Sequence[str]) -> Header:
     return header
 
 
-def opening(module: s.Module) -> Header:
+def module_header(module: s.Module) -> Header:
     """What the comments say that a module begins with."""
     lines = []
     for item in module.items:

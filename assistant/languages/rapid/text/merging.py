@@ -15,7 +15,7 @@ from typing import Any
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts import tree_merge
 
-Key = tuple[str, str]
+ItemKey = tuple[str, str]
 
 
 def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
@@ -27,17 +27,17 @@ def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
         return after
     (module,), (old,), (new,) = tree.modules, before.modules, after.modules
     merged = tree_merge.merged_by_key(
-        module.items, old.items, new.items, _key, changed=_routine, place=_place
+        module.items, old.items, new.items, _item_key, changed=_merged_routine, place=_place_of_item
     )
     if merged is None:
         return after
-    items = _with_comments(merged, _comments(old.items), _comments(new.items))
+    items = _with_comments(merged, _comment_texts(old.items), _comment_texts(new.items))
     name = module.name if old.name == new.name else new.name
     changed = replace(module, name=name, items=items)
     return replace(tree, parts=tuple(changed if part is module else part for part in tree.parts))
 
 
-def _key(item: Any) -> Key | None:
+def _item_key(item: Any) -> ItemKey | None:
     """Kind and lower-case name of what a module declares; a run is known by its first row."""
     match item:
         case s.TargetRunNode(_, run):
@@ -51,7 +51,7 @@ def _key(item: Any) -> Key | None:
     return None
 
 
-def _routine(here: Any, old: Any, new: Any) -> Any:
+def _merged_routine(here: Any, old: Any, new: Any) -> Any:
     """The new item, in a routine with the statements that did not change as they stand here."""
     if not isinstance(here, s.Routine) or len(here.body) != len(old.body):
         return new
@@ -63,7 +63,7 @@ def _routine(here: Any, old: Any, new: Any) -> Any:
     return replace(here if heads[0] == heads[1] else new, body=tuple(body))
 
 
-def _place(items: Sequence[s.Item], new: Any) -> int:
+def _place_of_item(items: Sequence[s.Item], new: Any) -> int:
     """Behind the last item of its kind; data before the first routine."""
     data = isinstance(new, s.Data | s.TargetRunNode)
     kinds: Any = (s.Data, s.TargetRunNode) if data else type(new)
@@ -74,7 +74,7 @@ def _place(items: Sequence[s.Item], new: Any) -> int:
     return routines[0] if routines and not isinstance(new, s.Routine) else len(items)
 
 
-def _comments(items: Iterable[s.Item]) -> list[str]:
+def _comment_texts(items: Iterable[s.Item]) -> list[str]:
     return [item.text for item in items if isinstance(item, s.CommentLine)]
 
 

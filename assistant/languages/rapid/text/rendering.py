@@ -10,30 +10,30 @@ from typing import Any, Final
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import plain
+from assistant.languages.rapid.tree.gather import plain_row
 from assistant.languages.texts import lossless
 from assistant.languages.texts.lossless import Block, Extent, Sketch
 from assistant.languages.texts.words import Word
 
-_OPTION: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*\\")
+_NEXT_OPTION: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*\\")
 """A comma may stand in front of an optional argument."""
-_SIMPLE: Final = (
+_ENDED_BY_SEMICOLON: Final = (
     *(s.Assignment, s.ProcedureCall, s.GotoLabel, s.ReturnFrom, s.RaiseError, s.Word),
     *(s.Connect, s.CompactIf, s.MoveRunNode),
 )
 """Statements that end with a semicolon, which their span may leave out."""
 _SEMICOLON: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*;")
-_HEADER: Final = re.compile(r"\s*%%%(.*?)%%%", re.DOTALL)
+_FILE_HEADER: Final = re.compile(r"\s*%%%(.*?)%%%", re.DOTALL)
 
 
 def render(file: s.File, origin: s.Origin) -> str:
     """The text of a file; what is as it was read keeps its bytes."""
-    begin = _HEADER.match(origin.source.text)
+    begin = _FILE_HEADER.match(origin.source.text)
     header = begin[1] if begin and origin.parts else None
     if file.parts is origin.parts and file.header == header:
         return origin.source.text
     old = s.File(origin.parts, header)
-    text = lossless.render(origin.source, old, replace(file, header=header), Layout())
+    text = lossless.render(origin.source, old, replace(file, header=header), FileLayout())
     if file.header == header:
         return text
     newline = origin.source.newline
@@ -44,7 +44,7 @@ def render(file: s.File, origin: s.Origin) -> str:
     return new + rest if new else re.sub(r"^[ \t]*\r?\n", "", rest)
 
 
-class Layout(lossless.RunLayout):
+class FileLayout(lossless.RunLayout):
     """RAPID: statements end with `;`, comments with their line."""
 
     spelled = frozenset(("string", "number"))
@@ -55,7 +55,7 @@ class Layout(lossless.RunLayout):
     def words(self, text: str, start: int, end: int) -> Iterator[Word]:
         for word in words(text, start, end):
             if word.kind not in ("comment", "newline"):
-                if word.text != "," or not _OPTION.match(text, word.end, end):
+                if word.text != "," or not _NEXT_OPTION.match(text, word.end, end):
                     yield word
 
     def noted(self, gap: str) -> bool:
@@ -78,7 +78,7 @@ class Layout(lossless.RunLayout):
             start += 1
         while start < end and text[end - 1].isspace():
             end -= 1
-        if isinstance(node, _SIMPLE) and text[end - 1] != ";":
+        if isinstance(node, _ENDED_BY_SEMICOLON) and text[end - 1] != ";":
             if semicolon := _SEMICOLON.match(text, end):
                 end = semicolon.end()
         return Extent(start, end)
@@ -95,4 +95,4 @@ class Layout(lossless.RunLayout):
         return isinstance(node, s.TargetRunNode | s.MoveRunNode)
 
     def may_be_row(self, node: Any) -> bool:
-        return plain(node) is not None
+        return plain_row(node) is not None

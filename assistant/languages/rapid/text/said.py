@@ -18,10 +18,10 @@ from typing import Final
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.texts.words import Word
 
-SILENT: Final = frozenset({"comment", "header", "newline"})
+UNCOMPARED: Final = frozenset({"comment", "header", "newline"})
 SCOPES: Final = frozenset({"local", "task"})
 STORAGES: Final = frozenset({"const", "pers", "var"})
-BLOCKS: Final = frozenset(
+PIECE_BEGINS: Final = frozenset(
     (
         *("module", "endmodule", "proc", "endproc", "func", "endfunc", "trap", "endtrap"),
         *("record", "endrecord", "alias", "if", "elseif", "else", "endif", "for", "endfor"),
@@ -29,7 +29,7 @@ BLOCKS: Final = frozenset(
     )
 )
 """Words that begin a piece, where no bracket is open."""
-ENDS: Final = frozenset({";", "then", "do", "else"})
+PIECE_ENDS: Final = frozenset({";", "then", "do", "else"})
 """Words that end one."""
 DIGITS: Final = 6
 DIGITS_OF: Final = {"dnum": 15}
@@ -37,21 +37,21 @@ BEFORE_SIGN: Final = frozenset({"[", "(", ",", ":="})
 """Before a `-` that is the sign of a number."""
 
 
-def said(text: str) -> Iterator[tuple[str, str]]:
+def module_pieces(text: str) -> Iterator[tuple[str, str]]:
     """The declarations and statements of a text: what each says, and how it is written there."""
     piece: list[Word] = []
     depth = 0
     for word in words(text):
-        if word.kind in SILENT:
+        if word.kind in UNCOMPARED:
             continue
         low = word.text.lower()
-        begins = low in BLOCKS or low in SCOPES or low in STORAGES
+        begins = low in PIECE_BEGINS or low in SCOPES or low in STORAGES
         if piece and depth == 0 and begins and piece[-1].text.lower() not in SCOPES:
             yield _piece(piece, text)
             piece = []
         piece.append(word)
         depth = max(0, depth + (low in "([{") - (low in ")]}")) if word.kind == "mark" else depth
-        if low in ENDS and depth == 0:
+        if low in PIECE_ENDS and depth == 0:
             yield _piece(piece, text)
             piece = []
     if piece:
@@ -60,10 +60,10 @@ def said(text: str) -> Iterator[tuple[str, str]]:
 
 def _piece(piece: list[Word], text: str) -> tuple[str, str]:
     last = piece[-1]
-    return _form(piece), text[piece[0].start : last.start + len(last.text)]
+    return _compared_form(piece), text[piece[0].start : last.start + len(last.text)]
 
 
-def _form(piece: list[Word]) -> str:
+def _compared_form(piece: list[Word]) -> str:
     lows = [word.text.lower() for word in piece]
     kind = next((i for i in (0, 1) if i < len(lows) and lows[i] in STORAGES), None)
     data = kind is not None and ":=" in lows
@@ -75,7 +75,7 @@ def _form(piece: list[Word]) -> str:
         if word.kind == "string":
             found.append(word.text)
         elif word.kind == "number":
-            value = _number(lows[i], digits)
+            value = _compared_number(lows[i], digits)
             if value == "0" and len(found) > 1 and found[-1] == "-" and found[-2] in BEFORE_SIGN:
                 found.pop()  # `-0.00` is printed for what is nothing
             found.append(value)
@@ -86,7 +86,7 @@ def _form(piece: list[Word]) -> str:
     return " ".join(found)
 
 
-def _number(text: str, digits: int) -> str:
+def _compared_number(text: str, digits: int) -> str:
     """digits: that count of one with a point or an exponent; 0 for all of them."""
     if text.startswith(("0x", "0b", "0o")):
         return str(int(text, 0))
@@ -97,12 +97,12 @@ def _number(text: str, digits: int) -> str:
     if digits == 0 or digits > DIGITS:
         shown = f"{value:.{digits}G}" if digits else repr(value)
     else:
-        shown = f"{_single(value):.{digits}G}"
+        shown = f"{_as_num(value):.{digits}G}"
     back = float(shown)
     return str(int(back)) if back.is_integer() and abs(back) < 1e15 else repr(back)
 
 
-def _single(value: float) -> float:
+def _as_num(value: float) -> float:
     """As a num holds it."""
     try:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])

@@ -16,7 +16,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.vendor_statements import ParsedTexts
 
 T = TypeVar("T")
-Kind = Literal["items", "statements", "handlers"]
+TextKind = Literal["items", "statements", "handlers"]
 
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
@@ -34,7 +34,7 @@ def statements(text: str) -> tuple[s.StatementNode, ...]:
     return _TEXTS.read("statements", text, parse_statements)
 
 
-def handlers(text: str) -> tuple[s.Handler, ...] | None:
+def error_handlers(text: str) -> tuple[s.Handler, ...] | None:
     """The error handlers of a text, None if it does not begin as one; raises Refused."""
     if not _HANDLER.match(text):
         return None
@@ -80,6 +80,6 @@ def declares(text: str) -> str:
     return ""
 
 
-def of_node(node: s.Item | s.StatementNode | s.Handler, kind: Kind) -> str:
+def of_node(node: s.Item | s.StatementNode | s.Handler, kind: TextKind) -> str:
     """The text that says a declaration, a statement or an error handler."""
     return _TEXTS.remember(kind, print_nodes((node,)), (node,))

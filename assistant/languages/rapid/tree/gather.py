@@ -21,9 +21,9 @@ from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import (
     CIRCULAR,
-    FEWEST,
-    MOVES,
-    PARTS,
+    FEWEST_IN_RUN,
+    PLAIN_MOVES,
+    TARGET_PARTS,
     MotionNames,
     MoveRow,
     MoveRun,
@@ -31,7 +31,7 @@ from assistant.languages.rapid.tree.runs import (
 )
 from assistant.languages.runs import columns as alike
 
-_PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+_PLAIN_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
@@ -40,11 +40,11 @@ def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
     if listed and isinstance(listed[0], s.CommentLine) and listed[0].trailing:
         listed[0] = replace(listed[0], trailing=False)
     commented = [isinstance(n, s.CommentLine) and n.trailing for n in (*listed[1:], None)]
-    rows = (None if commented[at] else plain(node) for at, node in enumerate(listed))
-    return tuple(alike.gather_runs(listed, rows, _run, _node, FEWEST))
+    rows = (None if commented[at] else plain_row(node) for at, node in enumerate(listed))
+    return tuple(alike.gather_runs(listed, rows, _run_of_rows, _run_node, FEWEST_IN_RUN))
 
 
-def plain(node: Any) -> alike.Row | None:
+def plain_row(node: Any) -> alike.Row | None:
     """What a declaration or a move may be joined with, and its row or rows; None for others."""
     match node:
         case s.TargetRunNode(scope, run):
@@ -60,20 +60,20 @@ def plain(node: Any) -> alike.Row | None:
     return None
 
 
-def _run(rows: list[Any]) -> TargetRun | MoveRun:
+def _run_of_rows(rows: list[Any]) -> TargetRun | MoveRun:
     return MoveRun.of(rows) if isinstance(rows[0], MoveRow) else TargetRun.of(rows)
 
 
-def _node(stretch: Sequence[Any], run: TargetRun | MoveRun) -> s.TargetRunNode | s.MoveRunNode:
+def _run_node(stretch: Sequence[Any], run: TargetRun | MoveRun) -> s.TargetRunNode | s.MoveRunNode:
     first, last = stretch[0].span, stretch[-1].span
     span = Span(first.start, last.end) if first and last else None
-    rows = None if span is None else _rows(stretch, span.start)
+    rows = None if span is None else _joined_spans(stretch, span.start)
     if isinstance(run, MoveRun):
         return s.MoveRunNode(run, rows=rows, span=span)
     return s.TargetRunNode(stretch[0].scope, run, rows=rows, span=span)
 
 
-def _rows(stretch: Sequence[Any], start: int) -> Rows | None:
+def _joined_spans(stretch: Sequence[Any], start: int) -> Rows | None:
     """Spans of the rows of several nodes, counted from `start`; None if a node has none."""
     parts: list[Rows] = []
     for node in stretch:
@@ -99,10 +99,10 @@ def target_values(node: s.Data) -> list[float] | None:
 
 def literal_target(value: s.Expression | None) -> list[float] | None:
     """The 17 numbers of a robtarget that is written out, None for anything else."""
-    if not isinstance(value, s.AggregateNode) or len(value.items) != len(PARTS):
+    if not isinstance(value, s.AggregateNode) or len(value.items) != len(TARGET_PARTS):
         return None
     numbers: list[float] = []
-    for part, (start, stop) in zip(value.items, PARTS, strict=True):
+    for part, (start, stop) in zip(value.items, TARGET_PARTS, strict=True):
         if not isinstance(part, s.AggregateNode) or len(part.items) != stop - start:
             return None
         for item in part.items:
@@ -122,53 +122,53 @@ def literal_number(node: s.Expression) -> float | int | None:
     if not isinstance(node, s.NumberLiteral):
         return None
     text = node.text.lower()
-    if text[:2] in BASES:
-        digits, base = text[2:], BASES[text[:2]]
-        if base == DECIMAL and math.isinf(float(digits)):
+    if text[:2] in NUMBER_BASES:
+        digits, base = text[2:], NUMBER_BASES[text[:2]]
+        if base == DECIMAL_BASE and math.isinf(float(digits)):
             return math.inf
         value = int(digits, base)
         return value if value <= sys.float_info.max else math.inf
     return int(text) if text.isdigit() and len(text) < 16 else float(text)
 
 
-DECIMAL: Final = 10
-BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": DECIMAL}
+DECIMAL_BASE: Final = 10
+NUMBER_BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": DECIMAL_BASE}
 
 
 def _plain_name(name: str) -> bool:
-    return len(name) <= LONGEST_NAME and _PLAIN.fullmatch(name) is not None
+    return len(name) <= LONGEST_NAME and _PLAIN_NAME.fullmatch(name) is not None
 
 
 def plain_move(node: s.ProcedureCall) -> MoveRow | None:
     r"""`MoveL p,v,z,t\WObj:=w;` or `MoveL [[…],…],v,z,t;`, None for any other call."""
-    if node.name not in MOVES:
+    if node.name not in PLAIN_MOVES:
         return None
-    kind, given, frame = MOVES.index(str(node.name)), node.arguments, ""
+    kind, given, frame = PLAIN_MOVES.index(str(node.name)), node.arguments, ""
     if given and isinstance(option := given[-1], s.Option) and option.name == "WObj":
-        given, frame = given[:-1], _name(option.value)
+        given, frame = given[:-1], _plain_reference(option.value)
         if not frame:
             return None
     values = [a.value for a in given if isinstance(a, s.Positional) and a.name is None]
     arc = kind == CIRCULAR
     if len(values) != len(given) or len(values) != 4 + arc:
         return None
-    via, to, speed, zone, tool = ["", *map(_name, values)][-5:]
+    via, to, speed, zone, tool = ["", *map(_plain_reference, values)][-5:]
     target = to or (None if arc else literal_target(values[0]))
     if target is None or not (speed and zone and tool) or (arc and not via):
         return None
     return MoveRow(kind, target, via, MotionNames(speed, zone, tool, frame))
 
 
-def _name(value: s.Expression | None) -> str:
+def _plain_reference(value: s.Expression | None) -> str:
     """The name that an expression is, empty for any other."""
     return value.name if isinstance(value, s.NameRef) and _plain_name(value.name) else ""
 
 
-def numbers(node: s.Expression | None) -> Any:
+def literal_values(node: s.Expression | None) -> Any:
     """The values of a literal, see `records`."""
     match node:
         case s.AggregateNode(items):
-            return [numbers(i) for i in items]
+            return [literal_values(i) for i in items]
         case s.BoolLiteral(value) | s.StringLiteral(value):
             return value
         case None:

@@ -9,11 +9,11 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 
-_FOLLOWING: Final = frozenset(("waitwobj", "dropwobj"))
+_CONVEYOR_INSTRUCTIONS: Final = frozenset(("waitwobj", "dropwobj"))
 """Instructions that follow a work object on a conveyor (option Conveyor Tracking)."""
 
 
-def unit_of(value: Any) -> str:
+def carrying_unit(value: Any) -> str:
     """The unit that carries the work object which a value in brackets is, empty if none does."""
     match value:
         case s.AggregateNode(
@@ -29,16 +29,16 @@ def unit_of(value: Any) -> str:
     return ""
 
 
-def place_of(unit: str) -> str:
+def still_frame_name(unit: str) -> str:
     """The name of a work object that is where a unit stands."""
     return unit + BASE_FRAME_SUFFIX
 
 
-def can_stand(modules: Sequence[s.Module]) -> bool:
+def units_can_stand(modules: Sequence[s.Module]) -> bool:
     """Whether no statement waits for what a unit brings, as a conveyor does."""
     return not any(
         isinstance(node, s.ProcedureCall)
         and isinstance(node.name, str)
-        and node.name.lower() in _FOLLOWING
+        and node.name.lower() in _CONVEYOR_INSTRUCTIONS
         for node in nodes(tuple(modules))
     )

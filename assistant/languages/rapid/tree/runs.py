@@ -15,7 +15,7 @@ from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.runs.columns import Entries, Names, Run
 from assistant.languages.runs.row_text import FewestDecimals, Groups
 
-FEWEST: Final = 8
+FEWEST_IN_RUN: Final = 8
 """Rows that make a run; fewer are cheap as ordinary nodes."""
 
 POSITION_PLACES: Final = 4
@@ -24,16 +24,16 @@ JOINT_PLACES: Final = 6
 """Of joints and external axes, degrees or mm."""
 SIZES_PLACES: Final = 6
 """Of masses, inertias, speeds and zone sizes."""
-DECIMALS: Final = FewestDecimals((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
-PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
+TARGET_DECIMALS: Final = FewestDecimals((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
+TARGET_PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
 """Columns of position, quaternion, confdata and external axes."""
-NUMBERS: Final = Groups(
-    tuple(stop - start for start, stop in PARTS),
+TARGET_GROUPS: Final = Groups(
+    tuple(stop - start for start, stop in TARGET_PARTS),
     *(b"[[", b"],[", b"]]"),
     known=tuple((text, UNUSED) for text in (b"9E9", b"9E+09", b"9E+9")),
 )
 """A robtarget that is written out."""
-MOVES: Final = ("MoveJ", "MoveL", "MoveC")
+PLAIN_MOVES: Final = ("MoveJ", "MoveL", "MoveC")
 JOINT, LINEAR, CIRCULAR = range(3)
 
 
@@ -117,19 +117,19 @@ def targets_text(run: TargetRun, scope: str, indent: str, newline: str) -> str:
         head.encode("ascii"),
         *run.names.pieces(),
         b":=",
-        *_target(run.values),
+        *_target_pieces(run.values),
     ]
     pieces.append(b";" + newline.encode("ascii"))
     return rows_text(pieces, len(run)).decode("ascii")
 
 
-def _target(values: Floats) -> list[Piece]:
-    return NUMBERS.pieces([DECIMALS.pieces(column) for column in values.T])
+def _target_pieces(values: Floats) -> list[Piece]:
+    return TARGET_GROUPS.pieces([TARGET_DECIMALS.pieces(column) for column in values.T])
 
 
 def moves_text(run: MoveRun, indent: str, newline: str) -> str:
     circular = run.kinds == CIRCULAR
-    kinds = tuple(f"{indent}{kind} ".encode("ascii") for kind in MOVES)
+    kinds = tuple(f"{indent}{kind} ".encode("ascii") for kind in PLAIN_MOVES)
     tails = tuple(
         f",{m.speed},{m.zone},{m.tool}{chr(92) + 'WObj:=' + m.frame if m.frame else ''};{newline}"
         for m in run.motions.table
@@ -137,6 +137,6 @@ def moves_text(run: MoveRun, indent: str, newline: str) -> str:
     pieces: list[Piece] = [Chosen(run.kinds, kinds)]
     if circular.any():
         pieces += [*run.vias.pieces(), Chosen(circular.astype(np.int64), (b"", b","))]
-    pieces += run.names.pieces() if run.values is None else _target(run.values)
+    pieces += run.names.pieces() if run.values is None else _target_pieces(run.values)
     pieces += [Chosen(run.motions.index, tuple(t.encode("ascii") for t in tails))]
     return rows_text(pieces, len(run)).decode("ascii")

@@ -10,7 +10,7 @@ from assistant.base.diagnostics import Span
 from assistant.languages.language_types import Part
 from assistant.languages.nodes import Walk
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.triggers import set_up
+from assistant.languages.rapid.tree.triggers import trigger_set_up
 
 ERRNO: Final = "errno"
 """The variable in lower case that holds the number of the error."""
@@ -20,7 +20,7 @@ nodes: Final = _WALK.nodes
 inside: Final = _WALK.inside
 
 
-def data(file: s.File) -> Iterator[Part]:
+def source_parts(file: s.File) -> Iterator[Part]:
     """The data of modules and routines that have a place in the text, and what sets some up."""
     for module in file.modules:
         for item in module.items:
@@ -32,11 +32,11 @@ def data(file: s.File) -> Iterator[Part]:
                     case s.TargetRunNode(span=Span() as span):
                         yield Part(span, count=len(node.run), lines=node.lines)
             for body in lists(item) if isinstance(item, s.Routine) else ():
-                yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
+                yield from (Part(x.span) for x in body if x.span is not None and trigger_set_up(x))
             if isinstance(item, s.Routine):
                 for handler in item.handlers:
-                    yield from _statements(handler.body, handler.span)
-                yield from _statements(item.body, item.span)
+                    yield from _statement_parts(handler.body, handler.span)
+                yield from _statement_parts(item.body, item.span)
 
 
 def mentions(files: Iterable[s.File], words: Sequence[str]) -> bool:
@@ -48,7 +48,7 @@ def mentions(files: Iterable[s.File], words: Sequence[str]) -> bool:
     return any(word in text for text in texts for word in words)
 
 
-def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Iterator[Part]:
+def _statement_parts(body: tuple[s.StatementNode, ...], within: Span | None) -> Iterator[Part]:
     """Those of a routine, which may be kept as one text, and of a handler, which is one there."""
     pending = [body]
     while pending:
@@ -62,10 +62,10 @@ def _statements(body: tuple[s.StatementNode, ...], within: Span | None) -> Itera
                 yield Part(node.span, within=within)
 
 
-ROUTINES: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
+ROUTINE_KINDS: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
 
 
-MEETING: Final = "syncident"
+MEETING_TYPE: Final = "syncident"
 """The type of what `WaitSyncTask` names."""
 
 
@@ -79,7 +79,7 @@ def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
         for item in module.items:
             match item:
                 case s.Routine(kind=word, local=False, name=name):
-                    yield name, ROUTINES[word]
+                    yield name, ROUTINE_KINDS[word]
                 case s.Record(local=False, name=name) | s.Alias(local=False, name=name):
                     yield name, "type"
                 case s.Data(scope=scope, name=name) if scope != "LOCAL":
@@ -97,7 +97,7 @@ def _is_shared(module: s.Module) -> bool:
     return bool(data) and all(
         isinstance(item, s.Data)
         and not item.scope
-        and (item.storage == "PERS" or item.type.lower() == MEETING)
+        and (item.storage == "PERS" or item.type.lower() == MEETING_TYPE)
         for item in data
     )
 
@@ -195,7 +195,7 @@ def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:
             pending.extend(blocks(statement))
 
 
-def of_handlers(modules: Sequence[s.Module]) -> frozenset[str]:
+def routines_of_handlers(modules: Sequence[s.Module]) -> frozenset[str]:
     """Names in lower case of the routines that handlers call, and that these call."""
     routines = [one for module in modules for one in module.items if isinstance(one, s.Routine)]
     calls: dict[str, set[str]] = {}

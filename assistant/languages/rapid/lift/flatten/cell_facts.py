@@ -19,19 +19,25 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.library import function_call
 from assistant.languages.rapid.tables.states import (
-    BY_NAME,
+    CONTROLLER_STATES,
     LAST_ERROR,
-    NUMBERS,
-    OF_OPTIONS,
-    STATES,
+    STATE_BY_NAME,
+    SYSTEM_INFO_NAMES,
     TASK_NUMBER,
+    TASK_NUMBER_OPTIONS,
     state_of,
 )
 from assistant.languages.rapid.tables.words import CELL_MODULE, UNUSED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import TASK_NAME, called
-from assistant.languages.rapid.tree.external_axes import AXES, FIRST, place_of, stated, still_axes
-from assistant.languages.rapid.tree.walk import ERRNO, nodes, of_handlers
+from assistant.languages.rapid.tree.external_axes import (
+    EXTERNAL_AXES,
+    FIRST_EXTERNAL_COLUMN,
+    stated_axes,
+    still_axes,
+    still_axis_name,
+)
+from assistant.languages.rapid.tree.walk import ERRNO, nodes, routines_of_handlers
 from assistant.program.rewriting import rewrite
 
 
@@ -42,7 +48,7 @@ def with_cell_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         for module in modules
         if module.name.lower().startswith(CELL_MODULE.lower())
         for item in module.items
-        if isinstance(item, s.Data) and item.name.lower() in BY_NAME
+        if isinstance(item, s.Data) and item.name.lower() in STATE_BY_NAME
     }
     if not known:
         return modules
@@ -61,7 +67,7 @@ def with_cell_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 
 def _with_cell_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules that ask for the last error of the cell where they handle none."""
-    handling = of_handlers(modules)
+    handling = routines_of_handlers(modules)
 
     def visit(node: Any) -> Any:
         if isinstance(node, s.NameRef) and node.name.lower() == ERRNO:
@@ -80,7 +86,9 @@ def _with_cell_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 def _task_number_variable(options: Mapping[str, s.Expression | None]) -> s.Expression | None:
     """The variable that takes the number of the task, if that is all that is asked besides."""
     match [(name.lower(), value) for name, value in options.items()]:
-        case [(name, (s.NameRef() | s.Component() | s.Element()) as value)] if name in NUMBERS:
+        case [(name, (s.NameRef() | s.Component() | s.Element()) as value)] if (
+            name in TASK_NUMBER_OPTIONS
+        ):
             return value
     return None
 
@@ -98,9 +106,13 @@ def _cell_answer(
         return None
     value: s.Expression = s.NameRef(state.name)
     numbered = _task_number_variable(call.options)
-    if numbered is not None and TASK_NUMBER.name in known and state is STATES["gettaskname"]:
+    if (
+        numbered is not None
+        and TASK_NUMBER.name in known
+        and state is CONTROLLER_STATES["gettaskname"]
+    ):
         value = function_call("text_and_number", value, s.NameRef(TASK_NUMBER.name), numbered)
-    elif state.name not in OF_OPTIONS and not state.options.issuperset(call.options):
+    elif state.name not in SYSTEM_INFO_NAMES and not state.options.issuperset(call.options):
         return None
     if isinstance(node, s.FunctionCall):
         return value
@@ -115,7 +127,7 @@ TASK_READS: Final = frozenset(("crobt", "cjointt", "ctool", "cwobj"))
 _REFERENCE: Final = "taskref"
 _SUFFIX: Final = "id"
 """Suffix of the predefined variable that refers to a task, `T_ROB1Id` of `T_ROB1`."""
-OWN_TASK: Final = STATES["gettaskname"].name
+OWN_TASK: Final = CONTROLLER_STATES["gettaskname"].name
 """The data of the cell that holds the name of the program's own task."""
 
 
@@ -209,18 +221,18 @@ def with_still_axes(
     still = still_axes(modules)
     if not still:
         return modules, [[] for _ in modules]
-    said = {place_of(axis) for axis in still}
-    columns = [FIRST + AXES.index(axis) for axis in still]
+    said = {still_axis_name(axis) for axis in still}
+    columns = [FIRST_EXTERNAL_COLUMN + EXTERNAL_AXES.index(axis) for axis in still]
 
     def stood(node: Any) -> Any:
-        if stated(node).isdisjoint(still):
+        if stated_axes(node).isdisjoint(still):
             return node
         if isinstance(node, s.TargetRunNode | s.MoveRunNode):
             values = np.array(node.run.values, copy=True)
             values[:, columns] = UNUSED
             return replace(node, run=replace(node.run, values=values))  # type: ignore[arg-type]
         *others, last = node.items
-        places = zip(AXES, last.items, strict=True)
+        places = zip(EXTERNAL_AXES, last.items, strict=True)
         items = tuple(_NO_AXIS if axis in still else item for axis, item in places)
         return replace(node, items=(*others, replace(last, items=items)))
 
@@ -241,6 +253,6 @@ def _still_axis_findings(module: s.Module, still: frozenset[str]) -> list[Diagno
     for node in nodes(module):
         if isinstance(node, _REPORTED_NODES) and node.span is not None:
             inner = [node] if isinstance(node, s.TargetRunNode | s.MoveRunNode) else nodes(node)
-            axes = sorted(frozenset().union(*map(stated, inner)) & still)
+            axes = sorted(frozenset().union(*map(stated_axes, inner)) & still)
             found += (rules.STILL_AXIS(axis=axis, span=node.span) for axis in axes)
     return found

@@ -17,7 +17,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.data_names import FreshNames
 from assistant.languages.rapid.lift.name_clashes import with_unique_data_names
-from assistant.languages.rapid.tables.signal_types import SIGNALS, VALUES
+from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES, VALUE_FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, mentions, nodes, root
 from assistant.program.program import Signal
@@ -25,7 +25,7 @@ from assistant.program.rewriting import rewrite
 
 _CHOOSING: Final = ("aliasio", "getdataval")
 _END_PROGRAM: Final = s.Word("EXIT")
-READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUES.values()), "testdi"))
+READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUE_FUNCTIONS.values()), "testdi"))
 """Functions of the value of a signal, in lower case."""
 
 
@@ -221,7 +221,7 @@ def _choice_items(one: ChosenSignal) -> list[s.Item]:
     """What holds a choice, and what gives the value of the signal that is chosen."""
     if not one.choice:
         return []
-    read = VALUES[one.data.type.lower()]
+    read = VALUE_FUNCTIONS[one.data.type.lower()]
     cases = tuple(
         s.TestCase(
             (s.NumberLiteral(str(at)),),
@@ -418,7 +418,7 @@ def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
     work = ChoiceWriter(chosen)
     made = [work.module(module) for module in modules]
     remarks = tuple(tuple(work.remarks[id(module)]) for module in modules)
-    signals = {name: SIGNALS[one.data.type.lower()] for one in chosen for name in one.names}
+    signals = {name: SIGNAL_TYPES[one.data.type.lower()] for one in chosen for name in one.names}
     gone = frozenset(one.data.name.lower() for one in chosen)
     return SignalChoices(made, remarks, signals, gone)
 
@@ -442,7 +442,9 @@ class _SignalVariables:
             inside = item if isinstance(item, s.Routine) else None
             for node in (item,) if inside is None else inside.body:
                 match node:
-                    case s.Data(storage="VAR", type=type, dimensions=()) if type.lower() in VALUES:
+                    case s.Data(storage="VAR", type=type, dimensions=()) if (
+                        type.lower() in VALUE_FUNCTIONS
+                    ):
                         one = ChosenSignal(node, inside)
                         self.variables[one.key] = one
         self.sources: dict[tuple[int, str], set[str] | None] = {}

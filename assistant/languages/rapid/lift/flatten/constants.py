@@ -29,7 +29,12 @@ from assistant.languages.rapid.lift.flatten.data_names import (
 from assistant.languages.rapid.lift.flatten.record_layout import RecordLayouts
 from assistant.languages.rapid.lift.flatten.tree_rewriting import is_literal
 from assistant.languages.rapid.lift.flatten.unread_data import OMISSION_MARK
-from assistant.languages.rapid.tables.processes import GUNS, MOVES, SPOTS, WELDS
+from assistant.languages.rapid.tables.processes import (
+    GUN_OPTIONS,
+    PROCESS_MOVES,
+    SPOT_DATA,
+    WELD_SPEED,
+)
 from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
@@ -489,20 +494,20 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules with the speeds of welds and numbers of spots where they are given to moves."""
     own = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     every = list(nodes(tuple(modules)))
-    if not own.isdisjoint(MOVES) or not any(map(_is_process_move, every)):
+    if not own.isdisjoint(PROCESS_MOVES) or not any(map(_is_process_move, every)):
         return modules
     steady = _constant_first_parts(modules, every)
 
     def said(node: Any) -> Any:
         if not _is_process_move(node):
             return node
-        known = MOVES[node.name.lower()]
+        known = PROCESS_MOVES[node.name.lower()]
         plain = [at for at, a in enumerate(node.arguments) if isinstance(a, s.Positional)]
         place = known.points + _ARGUMENTS_AFTER if known.given else len(plain)
         weld = known.kind == "arc"
         arguments = []
         for at, argument in enumerate(node.arguments):
-            of_gun = isinstance(argument, s.Option) and argument.name.lower() in GUNS
+            of_gun = isinstance(argument, s.Option) and argument.name.lower() in GUN_OPTIONS
             if isinstance(argument, s.Option) and argument.name.lower() in known.beside:
                 continue
             if (plain[place : place + 1] == [at] or of_gun) and argument.value is not None:
@@ -519,7 +524,7 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         value = steady.get(data.name.lower()) if isinstance(data, s.NameRef) else None
         if value is None and not weld:
             return data
-        return s.AggregateNode((value or s.Component(data, WELDS),))
+        return s.AggregateNode((value or s.Component(data, WELD_SPEED),))
 
     return [rewrite(module, said, ()) for module in modules]
 
@@ -527,7 +532,7 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 def _is_process_move(node: Any) -> bool:
     if not isinstance(node, s.ProcedureCall) or not isinstance(node.name, str):
         return False
-    known = MOVES.get(node.name.lower())
+    known = PROCESS_MOVES.get(node.name.lower())
     return known is not None and known.kind in _PROCESS_KINDS
 
 
@@ -552,7 +557,7 @@ def _constant_first_parts(
                 type=type, name=name, dimensions=(), value=s.AggregateNode(items=(first, *_))
             ) if name.lower() not in changed:
                 number = literal_number(first)
-                if number is not None and (number > 0 or type.lower() == SPOTS):
+                if number is not None and (number > 0 or type.lower() == SPOT_DATA):
                     steady[name.lower()] = first
     return steady
 

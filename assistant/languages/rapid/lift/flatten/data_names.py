@@ -27,7 +27,7 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     steady_types,
 )
 from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.processes import MOVES
+from assistant.languages.rapid.tables.processes import PROCESS_MOVES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import (
     LEAST_CENTRE,
@@ -38,7 +38,11 @@ from assistant.languages.rapid.tables.words import (
     usual_sizes,
 )
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.external_axes import AXES, COMPONENT, used_axes
+from assistant.languages.rapid.tree.external_axes import (
+    EXTERNAL_AXES,
+    EXTERNAL_COMPONENT,
+    used_axes,
+)
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
@@ -53,14 +57,14 @@ NO_AXIS_TEXT: Final = s.StringLiteral("9E+09")
 
 def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
     """Components of external axes that no target which is written out gives a place."""
-    return frozenset(AXES) - used_axes(modules)
+    return frozenset(EXTERNAL_AXES) - used_axes(modules)
 
 
 def is_unused_axis(node: Any, unused: frozenset[str]) -> bool:
     """Whether a component of a target is that of an external axis that there is none of."""
     match node:
         case s.Component(s.Component(_, part), axis):
-            return part.lower() == COMPONENT and axis.lower() in unused
+            return part.lower() == EXTERNAL_COMPONENT and axis.lower() in unused
     return False
 
 
@@ -180,7 +184,7 @@ class ProgramData:
     @property
     def has_axes(self) -> bool:
         """Whether anything states the place of an external axis."""
-        return not self.unused.issuperset(AXES)
+        return not self.unused.issuperset(EXTERNAL_AXES)
 
     def data_of(self, name: str) -> Datum | None:
         """Data of the modules by its lower-case name, also a row of a table of targets."""
@@ -313,7 +317,7 @@ class NameUses:
     def _given(self, name: Any, arguments: Sequence[s.Argument]) -> None:
         own = self._own.get(name.lower()) if isinstance(name, str) else None
         known = signature(name) if isinstance(name, str) and own is None else None
-        listed = known is not None and (not known.open or name.lower() in MOVES)
+        listed = known is not None and (not known.open or name.lower() in PROCESS_MOVES)
         slots = known.slots if known is not None and listed else None
         if own is not None:
             slots = _parameter_slots(own[0]) if len(own) == 1 else None

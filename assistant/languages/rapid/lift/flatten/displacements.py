@@ -23,7 +23,11 @@ from assistant.languages.rapid.lift.flatten.tree_rewriting import rewritten
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called, option, positional
-from assistant.languages.rapid.tree.mechanical_units import can_stand, place_of, unit_of
+from assistant.languages.rapid.tree.mechanical_units import (
+    carrying_unit,
+    still_frame_name,
+    units_can_stand,
+)
 from assistant.languages.rapid.tree.walk import inner_names, nodes
 from assistant.program.geometry import FLANGE
 from assistant.program.rewriting import rewrite
@@ -254,13 +258,13 @@ def with_fixed_units(
     for item in (item for module in modules for item in module.items):
         if isinstance(item, s.Data) and isinstance(item.value, s.AggregateNode):
             places[item.name.lower()] = item.value
-    units = {unit for module in modules for unit in map(unit_of, nodes(module)) if unit}
-    known = {unit: places.get(place_of(unit).lower()) for unit in units}
-    if None in known.values() or not units or not can_stand(modules):
+    units = {unit for module in modules for unit in map(carrying_unit, nodes(module)) if unit}
+    known = {unit: places.get(still_frame_name(unit).lower()) for unit in units}
+    if None in known.values() or not units or not units_can_stand(modules):
         return modules, nothing
 
     def stood(node: Any) -> Any:
-        place = known.get(unit_of(node))
+        place = known.get(carrying_unit(node))
         if place is None:
             return node
         _, _, _, _, object = node.items
@@ -279,8 +283,8 @@ def _user_frame(place: s.AggregateNode) -> s.Expression:
 def _unit_findings(module: s.Module) -> list[Diagnostic]:
     """A finding for each statement and declaration that says such a work object."""
     return [
-        rules.STANDS(unit=unit, frame=place_of(unit), span=node.span)
+        rules.STANDS(unit=unit, frame=still_frame_name(unit), span=node.span)
         for node in nodes(module)
         if isinstance(node, s.Data | s.Assignment) and node.span is not None
-        for unit in dict.fromkeys(filter(None, map(unit_of, nodes(node.value))))
+        for unit in dict.fromkeys(filter(None, map(carrying_unit, nodes(node.value))))
     ]

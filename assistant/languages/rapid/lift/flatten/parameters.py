@@ -21,9 +21,9 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     RecordLayouts,
 )
 from assistant.languages.rapid.tables import predefined
-from assistant.languages.rapid.tables.processes import DATA
+from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, of_handlers
+from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, routines_of_handlers
 from assistant.program.rewriting import rewrite
 
 SWITCH: Final = "switch"
@@ -347,7 +347,7 @@ def _is_equipment_data(group: s.ParameterGroup, own: frozenset[str]) -> bool:
         case (s.ParameterNode(type=type),) if type.lower() not in own:
             known = predefined.types().get(type.lower())
             open_ = known is not None and known.kind == "RECORD" and known.components is None
-            return open_ or type.lower() in DATA
+            return open_ or type.lower() in PROCESS_DATA_TYPES
     return False
 
 
@@ -415,7 +415,7 @@ ERROR_PARAMETER: Final = "error_number"
 def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules whose handlers hand the error over; themselves where no routine asks for it."""
     routines = [one for module in modules for one in module.items if isinstance(one, s.Routine)]
-    asking = _error_readers(routines, of_handlers(modules))
+    asking = _error_readers(routines, routines_of_handlers(modules))
     if not asking:
         return modules
 

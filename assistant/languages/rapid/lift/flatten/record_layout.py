@@ -18,7 +18,7 @@ from assistant.languages.rapid.tables.predefined import types as predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import numbers
+from assistant.languages.rapid.tree.gather import literal_values
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import frame_of, tool_of
 from assistant.languages.signatures import MOST_ALIASES, Type
@@ -279,7 +279,7 @@ def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozens
             case s.Assignment(s.Component(_, name), value):
                 for type in tuple(found):
                     sure = {**_STATIONARY[type], **_NO_UNIT}.get(name.lower())
-                    if sure is not None and numbers(value) != sure:
+                    if sure is not None and literal_values(value) != sure:
                         found.discard(type)
     return frozenset(found)
 
@@ -287,7 +287,7 @@ def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozens
 def _is_steady(type: str, value: Any) -> bool:
     if not isinstance(value, s.AggregateNode):
         return True  # another of them, or values that are looked at by themselves
-    said = numbers(value)
+    said = literal_values(value)
     if type == TOOL:
         tool = tool_of(said)
         return tool is None or tool.held
@@ -302,7 +302,7 @@ def _unsteady(items: Sequence[Any]) -> Iterator[str]:
             if not held:
                 yield TOOL
         case (s.BoolLiteral(held), fixed, mechanism, s.AggregateNode(), s.AggregateNode()):
-            if held or numbers(fixed) is not True or numbers(mechanism) != "":
+            if held or literal_values(fixed) is not True or literal_values(mechanism) != "":
                 yield FRAME
 
 
@@ -334,7 +334,7 @@ def changed_frame(
     steady: nothing else changes it, so that parts which say nothing are left out.
     """
     parts = _POSES[type]
-    frame = frame_of(numbers(node.value)) if steady and displaced and type == FRAME else None
+    frame = frame_of(literal_values(node.value)) if steady and displaced and type == FRAME else None
     if frame is not None:
         poses = zip(parts, (frame.user, frame.object), strict=True)
         parts = tuple(part for part, pose in poses if pose != IDENTITY)

@@ -49,7 +49,7 @@ from assistant.languages.rapid.lift.flatten.record_values import (
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import worked_out_task
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.runs import CIRCULAR, MOVES, PARTS, MoveRun
+from assistant.languages.rapid.tree.runs import CIRCULAR, PLAIN_MOVES, TARGET_PARTS, MoveRun
 from assistant.languages.rapid.tree.walk import lists, nodes, root
 
 
@@ -215,11 +215,11 @@ def single_moves(run: MoveRun) -> Iterator[s.ProcedureCall]:
         arguments: list[s.Argument] = [s.Positional(one) for one in given]
         if how.frame:
             arguments.append(s.Option("WObj", s.NameRef(how.frame)))
-        yield s.ProcedureCall(MOVES[kind], tuple(arguments))
+        yield s.ProcedureCall(PLAIN_MOVES[kind], tuple(arguments))
 
 
 def _target_literal(values: Sequence[float]) -> s.AggregateNode:
-    parts = (values[start:stop] for start, stop in PARTS)
+    parts = (values[start:stop] for start, stop in TARGET_PARTS)
     return s.AggregateNode(
         tuple(s.AggregateNode(tuple(map(_number_literal, part))) for part in parts)
     )

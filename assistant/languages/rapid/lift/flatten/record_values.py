@@ -51,7 +51,7 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     grouped,
     in_brackets,
 )
-from assistant.languages.rapid.tables.processes import DATA
+from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -523,7 +523,7 @@ class Values(Kinds):
                 case s.Positional(value) if type in SPEED_AND_ZONE:
                     made.append(replace(argument, value=self.given(value, type)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
-                    whole = reading or (self.kind(value) or ("", 0))[0] in DATA
+                    whole = reading or (self.kind(value) or ("", 0))[0] in PROCESS_DATA_TYPES
                     said = self.given(value, None) if whole else self.plain(value)
                     made.append(replace(argument, value=said))
                 case _:

@@ -36,7 +36,7 @@ from assistant.languages.rapid.lift.flatten.tree_rewriting import (
     with_routine_names,
     without_dead_branches,
 )
-from assistant.languages.rapid.tables.signal_types import SIGNALS
+from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
@@ -253,7 +253,7 @@ class UnreadCallers:
                 name = identifier(name, self._taken)
                 self._taken.add(name)
             self._given[key] = s.NameRef(name)
-            if type not in SIGNALS:
+            if type not in SIGNAL_TYPES:
                 start = INITIAL_VALUES.get(type)
                 storage = "VAR" if start is None else "PERS"
                 data = s.Data("", storage, type, name, value=start, span=one.span)

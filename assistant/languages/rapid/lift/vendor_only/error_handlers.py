@@ -31,7 +31,7 @@ MOST_STATEMENTS: Final = 40
 def handlers_of(node: p.Statement) -> tuple[s.Handler, ...]:
     """The handlers that a kept text says, none for any other statement."""
     if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE:
-        return verbatim.understood(verbatim.handlers, node.text) or ()
+        return verbatim.understood(verbatim.error_handlers, node.text) or ()
     return ()
 
 

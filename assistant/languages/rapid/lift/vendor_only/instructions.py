@@ -35,7 +35,7 @@ from assistant.languages.rapid.lift.vendor_statements import (
     without_options,
     word_of,
 )
-from assistant.languages.rapid.tables.processes import BRUSHES, MOVES
+from assistant.languages.rapid.tables.processes import BRUSH_INSTRUCTION, PROCESS_MOVES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
@@ -215,7 +215,9 @@ def _process_move(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
 ) -> Replacement:
     """A move with a process; what its equipment is told beside signals is told as left out."""
-    kind = "brush" if call.word.lower() == BRUSHES else MOVES[call.word.lower()].kind
+    kind = (
+        "brush" if call.word.lower() == BRUSH_INSTRUCTION else PROCESS_MOVES[call.word.lower()].kind
+    )
     said = [*_PROCESS_LOWERINGS[kind](telling, call)]
     if said:
         telling.lost(f"the data of {node.text.split()[0]}", *_EQUIPMENT_LOSSES[kind])
@@ -306,7 +308,7 @@ TEST_AND_SET_LOSS: Final = (
 )
 LOWERINGS: Final[Mapping[str, InstructionLowering]] = {
     "waittestandset": _test_and_set,
-    **dict.fromkeys((*MOVES, BRUSHES), _process_move),
+    **dict.fromkeys((*PROCESS_MOVES, BRUSH_INSTRUCTION), _process_move),
     "waitsynctask": _meet_tasks,
     **dict.fromkeys(("syncmoveon", "syncmoveoff"), _synchronised_moves),
     **dict.fromkeys(("movej", "movel", "movec"), _move_with_stated_motion),

@@ -19,7 +19,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver
 from assistant.languages.rapid.lift.vendor_only import waits
 from assistant.languages.rapid.lift.vendor_statements import instruction_of
-from assistant.languages.rapid.tables.signal_types import SIGNALS
+from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -51,7 +51,9 @@ from assistant.program.undeclared_names import interrupts
 Call = Called[s.Expression]
 LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
 EDGE_LEVEL: Final = 2.0
-_SIGNAL_ORDERS: Final = {f"isignal{letters[-2:]}": signal for letters, signal in SIGNALS.items()}
+_SIGNAL_ORDERS: Final = {
+    f"isignal{letters[-2:]}": signal for letters, signal in SIGNAL_TYPES.items()
+}
 """By the instruction in lower case, what its signal is."""
 _SINGLE_INSTRUCTIONS: Final = frozenset(("idelete", "isleep", "iwatch"))
 _GLOBAL_INSTRUCTIONS: Final = {"idisable": "off", "ienable": "on"}

@@ -19,7 +19,7 @@ from assistant.languages.rapid.lift import vendor_effects
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import instruction_of, word_of
 from assistant.languages.rapid.tables import processes as table
-from assistant.languages.rapid.tables.processes import MOVES, Process
+from assistant.languages.rapid.tables.processes import PROCESS_MOVES, ProcessMove
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
@@ -47,7 +47,7 @@ def spot_programs(program: Program) -> Mapping[str, float]:
 
     Without those that anything but a weld speaks of, which may change them.
     """
-    found = {name: _first_number(one) for name, one in _declared_data(program, table.SPOTS)}
+    found = {name: _first_number(one) for name, one in _declared_data(program, table.SPOT_DATA)}
     if not found:
         return {}
     kept = [one for one in program.statements() if isinstance(one, p.Opaque)]
@@ -62,7 +62,7 @@ def spot_programs(program: Program) -> Mapping[str, float]:
 
 def bead_numbers(program: Program) -> Mapping[str, int]:
     """Numbers of the declared beads by lower-case name, in their order."""
-    names = dict.fromkeys(name for name, _ in _declared_data(program, table.BEADS))
+    names = dict.fromkeys(name for name, _ in _declared_data(program, table.BEAD_DATA))
     return {name: number for number, name in enumerate(names, 1)}
 
 
@@ -85,11 +85,11 @@ def _first_number(data: s.Data) -> float | None:
 
 def _is_process_call(node: p.Opaque) -> bool:
     call = instruction_of(node)
-    return call is not None and word_of(call) in MOVES
+    return call is not None and word_of(call) in PROCESS_MOVES
 
 
 def _plain_move(
-    known: Process, call: Called[s.Expression], meaning: NameResolver, more: frozenset[str]
+    known: ProcessMove, call: Called[s.Expression], meaning: NameResolver, more: frozenset[str]
 ) -> p.MoveStatement | None:
     """The move of an instruction, None where it states what no move does.
 
@@ -112,7 +112,7 @@ def weld_move(
     call: Called[s.Expression], meaning: NameResolver, speeds: Mapping[str, float]
 ) -> Iterator[p.Statement]:
     """A move of a weld, and what it does to the arc."""
-    known = MOVES[call.word.lower()]
+    known = PROCESS_MOVES[call.word.lower()]
     speed = known.points
     if len(call.given) != speed + 5:
         return
@@ -124,7 +124,7 @@ def weld_move(
     move = _plain_move(known, call, meaning, frozenset())
     if move is None or not isinstance(weld, s.NameRef | s.AggregateNode):
         return
-    meaning.used.append((table.BURNS, table.OUTPUT))
+    meaning.used.append((table.ARC_OUTPUT, table.DIGITAL_OUTPUT))
     if known.part != "start" and isinstance(weld, s.NameRef):
         stated = speeds.get(weld.name.lower())
         fast = e.Name(meaning.original(weld.name)) if stated is None else Speed(stated)
@@ -133,15 +133,15 @@ def weld_move(
         yield move
     else:
         yield stopped(move)
-        yield p.SetSignal(table.BURNS, e.Number(int(known.part == "start")))
+        yield p.SetSignal(table.ARC_OUTPUT, e.Number(int(known.part == "start")))
 
 
 def spot_move(
     call: Called[s.Expression], meaning: NameResolver, programs: Mapping[str, float]
 ) -> Iterator[p.Statement]:
     """A move to a spot, the number of the weld, and the signals to the gun and from it."""
-    known, guns = MOVES[call.word.lower()], vendor_effects.guns(call)
-    move = _plain_move(known, call, meaning, frozenset((*table.GUNS, "retract")))
+    known, guns = PROCESS_MOVES[call.word.lower()], vendor_effects.guns(call)
+    move = _plain_move(known, call, meaning, frozenset((*table.GUN_OPTIONS, "retract")))
     if move is None or not guns:
         return
     stated = [_spot_program(gun.spot, meaning, programs) for gun in guns]
@@ -151,11 +151,11 @@ def spot_move(
     meaning.used += vendor_effects.process_signals(call)
     yield stopped(move)
     for gun, number in zip(guns, numbers, strict=True):
-        yield p.SetSignal(gun.name + table.PROGRAM, number)
+        yield p.SetSignal(gun.name + table.PROGRAM_SUFFIX, number)
     wide = vendor_effects.retracting(call)
-    starts = tuple(gun.name + table.STARTS for gun in guns)
+    starts = tuple(gun.name + table.START_SUFFIX for gun in guns)
     yield from (p.SetSignal(name, e.Number(1)) for name in (*wide, *starts))
-    yield from (p.WaitSignal(gun.name + table.READY, e.Number(1)) for gun in guns)
+    yield from (p.WaitSignal(gun.name + table.READY_SUFFIX, e.Number(1)) for gun in guns)
     yield from (p.SetSignal(name, e.Number(0)) for name in (*starts, *wide))
 
 
@@ -175,7 +175,7 @@ def bead_move(
     call: Called[s.Expression], meaning: NameResolver, numbers: Mapping[str, int]
 ) -> Iterator[p.Statement]:
     """A move of a bead, and what begins or ends at its target."""
-    known = MOVES[call.word.lower()]
+    known = PROCESS_MOVES[call.word.lower()]
     move = _plain_move(known, call, meaning, frozenset(("on", "off")))
     if move is None or call.options.keys() >= {"on", "off"}:
         return
@@ -183,19 +183,22 @@ def bead_move(
     number = numbers.get(bead.name.lower()) if isinstance(bead, s.NameRef) else None
     if number is None:
         return
-    meaning.used += [(table.FLOWS, table.OUTPUT), (table.BEAD, table.NUMBER)]
+    meaning.used += [
+        (table.DISPENSE_OUTPUT, table.DIGITAL_OUTPUT),
+        (table.BEAD_OUTPUT, table.GROUP_OUTPUT),
+    ]
     yield move
     if "off" in call.options:
-        yield p.SetSignal(table.FLOWS, e.Number(0))
+        yield p.SetSignal(table.DISPENSE_OUTPUT, e.Number(0))
     else:
-        yield p.SetSignal(table.BEAD, e.Number(number))
+        yield p.SetSignal(table.BEAD_OUTPUT, e.Number(number))
     if "on" in call.options:
-        yield p.SetSignal(table.FLOWS, e.Number(1))
+        yield p.SetSignal(table.DISPENSE_OUTPUT, e.Number(1))
 
 
 def paint_move(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     """A move with a brush: which one, is set before."""
-    move = _plain_move(MOVES[call.word.lower()], call, meaning, frozenset())
+    move = _plain_move(PROCESS_MOVES[call.word.lower()], call, meaning, frozenset())
     if move is not None:
         yield move
 
@@ -203,5 +206,5 @@ def paint_move(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.
 def brush_change(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
     """`SetBrush` without a place: the number of the brush, at once."""
     if len(call.given) == 1 and call.given[0] is not None and not call.options:
-        meaning.used.append((table.BRUSH, table.NUMBER))
-        yield p.SetSignal(table.BRUSH, meaning.expression(call.given[0]))
+        meaning.used.append((table.BRUSH_OUTPUT, table.GROUP_OUTPUT))
+        yield p.SetSignal(table.BRUSH_OUTPUT, meaning.expression(call.given[0]))

@@ -18,7 +18,7 @@ from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import instruction_of, word_of
-from assistant.languages.rapid.tables.signal_types import SIGNALS
+from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -165,8 +165,8 @@ def _alias_of(node: p.Opaque) -> tuple[str, str] | None:
 def _declared_signals(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
     read = verbatim.items if isinstance(kept, Declaration) else verbatim.statements
     match verbatim.understood(read, kept.text):
-        case (s.Data(type=type, name=str(name), dimensions=()),) if type.lower() in SIGNALS:
-            return [(name.lower(), SIGNALS[type.lower()])]
+        case (s.Data(type=type, name=str(name), dimensions=()),) if type.lower() in SIGNAL_TYPES:
+            return [(name.lower(), SIGNAL_TYPES[type.lower()])]
     return []
 
 

@@ -14,7 +14,7 @@ from typing import Final
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import is_by_gateway
-from assistant.languages.rapid.tables.states import COUNT
+from assistant.languages.rapid.tables.states import TASK_COUNT_SUFFIX
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -124,8 +124,8 @@ def task_lists(program: Program) -> Mapping[str, e.Expression]:
                 type.lower() == TASK_LIST_TYPE
             ):
                 counts.setdefault(name.lower(), set()).add(sum(map(_names_task, rows)))
-            case s.Data(name=name) if name.lower().endswith(COUNT):
-                stated[name.lower().removesuffix(COUNT)] = e.Name(name)
+            case s.Data(name=name) if name.lower().endswith(TASK_COUNT_SUFFIX):
+                stated[name.lower().removesuffix(TASK_COUNT_SUFFIX)] = e.Name(name)
             case s.Routine():
                 for node in nodes(item):
                     match node:
@@ -197,7 +197,9 @@ def task_sync(
             count = lists[listed.lower()]
             if call.options:
                 text = "WaitRob\\InPos;"
-                yield p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
+                yield p.Opaque(
+                    verbatim.LANGUAGE, text, effect=effects.effect_of_text(text, "statement")
+                )
             met = e.Apply("trunc", (e.Binary("/", here, count),))
             yield p.Assign(due, e.Binary("*", e.Binary("+", met, _ONE), count))
             yield p.Assign(here, e.Binary("+", here, _ONE))

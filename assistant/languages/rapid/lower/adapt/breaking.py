@@ -14,7 +14,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lower.adapt.interrupts import EVERY, declaration, kept
+from assistant.languages.rapid.lower.adapt.interrupts import (
+    TIMER_PERIOD,
+    vendor_declaration,
+    vendor_statement,
+)
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -32,32 +36,34 @@ from assistant.program.rewriting import Body, map_bodies, map_expressions, recor
 from assistant.program.statement_index import records_in_procedures
 from assistant.program.undeclared_names import interrupts
 
-FLAG: Final = "broken_off"
-ENDED: Final = ("StopMove;", "ClearPath;", "StartMove;")
+BREAK_FLAG: Final = "broken_off"
+STOPPING_STATEMENTS: Final = ("StopMove;", "ClearPath;", "StartMove;")
 
 
 def with_breaks(job: Legalisation) -> Program:
     """The program with what RAPID has for its moves that are broken off."""
     program = job.program
     moves = records_in_procedures(program, p.Move, p.MoveCircular, p.MoveJoints)
-    if any(_until(one) is not None for one in moves) or any(map(_asks, _applied(program))):
-        return _Breaks(job).said()
+    if any(_break_condition(one) is not None for one in moves) or any(
+        map(_asks_for_break, _applied_functions(program))
+    ):
+        return _BreakLowering(job).said()
     return program
 
 
-def _applied(program: Program) -> Iterator[e.Apply]:
+def _applied_functions(program: Program) -> Iterator[e.Apply]:
     return records_in_procedures(program, e.Apply)
 
 
-def _until(node: object) -> e.Expression | None:
+def _break_condition(node: object) -> e.Expression | None:
     return node.until if isinstance(node, p.MoveStatement) else None
 
 
-def _asks(part: Any) -> bool:
-    return isinstance(part, e.Apply) and part.function.lower() == FLAG
+def _asks_for_break(part: Any) -> bool:
+    return isinstance(part, e.Apply) and part.function.lower() == BREAK_FLAG
 
 
-class _Breaks:
+class _BreakLowering:
     """traps: by condition, the variable of its interrupt and its trap routine. flag: tells whether
     the last move was broken off, None where nothing asks for it.
     """
@@ -70,9 +76,9 @@ class _Breaks:
         self.traps: dict[e.Expression, tuple[str, str]] = {}
         self.procedures: list[Procedure] = []
         self.declared: list[Declaration] = []
-        asked = any(map(_asks, _applied(program)))
-        self.flag = e.Name(self._free(FLAG)) if asked else None
-        self.inside = _inside(program)
+        asked = any(map(_asks_for_break, _applied_functions(program)))
+        self.flag = e.Name(self._free(BREAK_FLAG)) if asked else None
+        self.inside = _interrupt_procedures(program)
 
     def _free(self, name: str) -> str:
         made = identifier(name, self.taken)
@@ -87,7 +93,9 @@ class _Breaks:
         variables = dict(program.variables)
         if self.flag is not None:
             variables[self.flag.name] = Variable("number", e.Number(0))
-        numbers = (declaration(f"VAR intnum {variable};") for variable, _ in self.traps.values())
+        numbers = (
+            vendor_declaration(f"VAR intnum {variable};") for variable, _ in self.traps.values()
+        )
         return replace(
             program,
             procedures=tuple(procedures),
@@ -100,7 +108,7 @@ class _Breaks:
         for node in body:
             if self.flag is not None:
                 node = map_expressions(node, self.read)
-            until = _until(node)
+            until = _break_condition(node)
             if until is None or not isinstance(node, p.MoveStatement):
                 made.append(map_bodies(node, lambda inner: self.body(owner, inner)))
                 continue
@@ -110,7 +118,7 @@ class _Breaks:
         return tuple(made)
 
     def read(self, x: e.Expression) -> e.Expression:
-        return self.flag if _asks(x) and self.flag is not None else x
+        return self.flag if _asks_for_break(x) and self.flag is not None else x
 
     def move(
         self, owner: Procedure, move: p.MoveStatement, until: e.Expression
@@ -120,15 +128,15 @@ class _Breaks:
             self.job.cannot("that a move of an interrupt is broken off", cure)
         order = self.order(owner, until)
         variable, trap = self.trap(until, move)
-        yield kept(f"IDelete {variable};")
-        yield kept(f"CONNECT {variable} WITH {trap};")
-        yield kept(f"{order},{variable};")
+        yield vendor_statement(f"IDelete {variable};")
+        yield vendor_statement(f"CONNECT {variable} WITH {trap};")
+        yield vendor_statement(f"{order},{variable};")
         if self.flag is None:
-            yield p.If((p.Branch(_not(until), (move,)),))
+            yield p.If((p.Branch(_negated(until), (move,)),))
         else:
             came = p.Branch(until, (p.Assign(self.flag, e.Number(1)),))
             yield p.If((came,), (p.Assign(self.flag, e.Number(0)), move))
-        yield kept(f"IDelete {variable};")
+        yield vendor_statement(f"IDelete {variable};")
 
     def order(self, owner: Procedure, until: e.Expression) -> str:
         """What interrupts, but for its variable."""
@@ -141,7 +149,7 @@ class _Breaks:
         if own := sorted(names & locals_of(owner)):
             cure = "keep that in a variable of the program"
             self.job.cannot(f"a move that `{own[0]}` of `{owner.name}` breaks off", cure)
-        return f"ITimer {EVERY:g}"
+        return f"ITimer {TIMER_PERIOD:g}"
 
     def signal(self, until: e.Expression) -> tuple[str, int] | None:
         """The digital signal whose value alone is asked for, and that value."""
@@ -162,26 +170,26 @@ class _Breaks:
 
     def make(self, until: e.Expression, trap: str, move: p.MoveStatement) -> None:
         plain = self.signal(until) is not None
-        how = "as the signal changes" if plain else f"that asks for it every {EVERY:g} s"
+        how = "as the signal changes" if plain else f"that asks for it every {TIMER_PERIOD:g} s"
         self.job.changed(
             "a move that is broken off", f"a trap routine {how}",
             "see on the robot how far it comes",
         )  # fmt: skip
         if plain:
-            lines = [*ENDED]
+            lines = [*STOPPING_STATEMENTS]
             if self.flag is not None:
                 lines.append(f"{self.flag.name}:=1;")
         else:
             answer = self._free("break_move_now")
             told = () if self.flag is None else (p.Assign(self.flag, e.Number(1)),)
-            branch = p.Branch(until, (*map(kept, ENDED), *told))
+            branch = p.Branch(until, (*map(vendor_statement, STOPPING_STATEMENTS), *told))
             self.procedures.append(Procedure(answer, (p.If((branch,)),), span=move.span))
             lines = [f"{answer};"]
         text = "\n".join((f"TRAP {trap}", *lines, "ENDTRAP"))
-        self.declared.append(declaration(text))
+        self.declared.append(vendor_declaration(text))
 
 
-def _not(x: e.Expression) -> e.Expression:
+def _negated(x: e.Expression) -> e.Expression:
     match x:
         case e.Binary("=", left, right):
             return e.Binary("<>", left, right)
@@ -192,7 +200,7 @@ def _not(x: e.Expression) -> e.Expression:
     return e.Unary("not", x)
 
 
-def _inside(program: Program) -> set[str]:
+def _interrupt_procedures(program: Program) -> set[str]:
     """The procedures that interrupts call, with those that these call, in lower case."""
     known = {q.name.lower(): q for q in program.procedures}
     pending, found = [one.call.procedure.lower() for one in interrupts(program)], set[str]()

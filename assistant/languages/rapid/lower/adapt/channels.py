@@ -27,13 +27,13 @@ from assistant.program.passes.operator_texts import lines_of_parts
 from assistant.program.program import Declaration, Procedure, Program, Variable
 from assistant.program.rewriting import rewrite
 
-END: Final = "\r"
-LONGEST: Final = 79
+TEXT_END: Final = "\r"
+LONGEST_TEXT: Final = 79
 """Characters of a text, which has room for its end in the 80 of a string."""
-HOME: Final = "HOME:"
+HOME_FOLDER: Final = "HOME:"
 FOR_EVER: Final = s.Option("Time", s.NameRef("WAIT_MAX"))
-STATUS: Final = ("SocketGetStatus", "SOCKET_CONNECTED")
-CONNECTED: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<>"}
+SOCKET_STATUS: Final = ("SocketGetStatus", "SOCKET_CONNECTED")
+STATUS_COMPARISONS: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<>"}
 """What asks for the status of a socket as a comparison of `connected` with 0 or 1 does."""
 
 
@@ -41,7 +41,7 @@ def with_channels(job: Legalisation) -> Program:
     """The program with what RAPID opens, writes and reads in place of its channels."""
     if not undeclared_names.channels(job.program):
         return job.program
-    said = _Channels(job)
+    said = _ChannelLowering(job)
     procedures = tuple(map(said.procedure, job.program.procedures))
     made = replace(
         job.program,
@@ -52,7 +52,7 @@ def with_channels(job: Legalisation) -> Program:
     return rewrite(made, said.asked)
 
 
-class _Channels(Rewording):
+class _ChannelLowering(Rewording):
     """kinds: of channels by lower-case name. variables: that reading takes."""
 
     def __init__(self, job: Legalisation) -> None:
@@ -83,13 +83,13 @@ class _Channels(Rewording):
         match part:
             case e.Binary(
                 ("=" | "<>") as relation, e.Apply("connected", (e.Text(name),)), e.Number(value)
-            ) if (relation, value) in CONNECTED and self.kinds.get(name.lower()) in (
+            ) if (relation, value) in STATUS_COMPARISONS and self.kinds.get(name.lower()) in (
                 "server",
                 "client",
             ):
-                function, state = STATUS
+                function, state = SOCKET_STATUS
                 status = e.Apply(function, (e.Name(name.lower()),))
-                sign: Any = CONNECTED[relation, int(value)]
+                sign: Any = STATUS_COMPARISONS[relation, int(value)]
                 return e.Binary(sign, status, e.Name(state))
         return part
 
@@ -107,7 +107,7 @@ class _Channels(Rewording):
 
     def attach(self, node: p.Attach) -> Iterator[p.Statement]:
         channel, given = node.channel.lower(), [s.Positional(self.node(x)) for x in node.place]
-        own, server = _named(channel), _named(f"{channel}_server")
+        own, server = _named_argument(channel), _named_argument(f"{channel}_server")
         if self.kinds[channel] != node.kind:
             self.job.cannot(f"the channel `{channel}` of two kinds", "give each a name of its own")
         match node.kind, node.place:
@@ -115,7 +115,7 @@ class _Channels(Rewording):
                 file = place if isinstance(place, e.Text) else None
                 whole = file is not None and ":" in file.value
                 words: tuple[s.Argument, ...] = (
-                    s.Positional(s.StringLiteral(HOME)),
+                    s.Positional(s.StringLiteral(HOME_FOLDER)),
                     s.Option("File", given[0].value),
                 )
                 mode = s.Option(node.mode.capitalize())
@@ -148,7 +148,7 @@ class _Channels(Rewording):
 
     def detach(self, node: p.Detach) -> Iterator[p.Statement]:
         socket = self.kind(node.channel) in ("server", "client")
-        yield self.call("SocketClose" if socket else "Close", _named(node.channel.lower()))
+        yield self.call("SocketClose" if socket else "Close", _named_argument(node.channel.lower()))
 
     def kind(self, channel: str) -> p.ChannelKind | None:
         found = self.kinds.get(channel.lower())
@@ -157,9 +157,9 @@ class _Channels(Rewording):
         return found
 
     def send(self, node: p.Send) -> Iterator[p.Statement]:
-        kind, own = self.kind(node.channel), _named(node.channel.lower())
+        kind, own = self.kind(node.channel), _named_argument(node.channel.lower())
         rows: list[list[e.Expression]] = (
-            lines_of_parts(node.parts, LONGEST) if node.parts else [[e.Text("")]]
+            lines_of_parts(node.parts, LONGEST_TEXT) if node.parts else [[e.Text("")]]
         )
         for number, row in enumerate(rows, 1):
             whole = node.kind == "line" and number == len(rows)
@@ -167,7 +167,7 @@ class _Channels(Rewording):
                 e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row
             ]
             if whole and kind != "file":
-                parts.append(e.Text(END))
+                parts.append(e.Text(TEXT_END))
             text = self.node(reduce(lambda a, b: e.Binary("+", a, b), parts))
             if kind in ("file", "serial"):
                 written: tuple[s.Argument, ...] = (own, s.Positional(text))
@@ -189,7 +189,7 @@ class _Channels(Rewording):
                 word = "ReadNum" if number else "ReadStr"
                 given: tuple[s.Argument, ...] = (s.Option("Delim", s.StringLiteral(",")),)
                 given += (FOR_EVER,) if kind == "serial" else ()
-                call = s.FunctionCall(word, (_named(channel.lower()), *given))
+                call = s.FunctionCall(word, (_named_argument(channel.lower()), *given))
                 node = replace(node, value=verbatim_of(call))
         yield node
 
@@ -199,8 +199,8 @@ class _Channels(Rewording):
         self.variables |= {text.name: Variable("text"), last.name: Variable("text")}
         one = s.Option("ReadNoOfBytes", s.NumberLiteral("1"))
         into = s.Option("Str", s.NameRef(last.name))
-        next_one = self.call("SocketReceive", _named(channel), into, one, FOR_EVER)
-        ends = (e.Binary("<>", last, e.Text(mark)) for mark in (END, ","))
+        next_one = self.call("SocketReceive", _named_argument(channel), into, one, FOR_EVER)
+        ends = (e.Binary("<>", last, e.Text(mark)) for mark in (TEXT_END, ","))
         plain = p.Branch(
             e.Binary("<>", last, e.Text("\n")), (p.Assign(text, e.Binary("+", text, last)),)
         )
@@ -223,5 +223,5 @@ class _Channels(Rewording):
     }
 
 
-def _named(name: str) -> s.Positional:
+def _named_argument(name: str) -> s.Positional:
     return s.Positional(s.NameRef(name))

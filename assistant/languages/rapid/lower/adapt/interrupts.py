@@ -35,9 +35,9 @@ from assistant.program.rewriting import Body, map_bodies
 from assistant.program.undeclared_names import interrupts
 from assistant.program.vendor_statements import effect_of
 
-EVERY: Final = 0.1
+TIMER_PERIOD: Final = 0.1
 """Seconds from one asking to the next, the least of a timer that interrupts."""
-SUFFIXES: Final = ("", "_on", "_answer", "_trap")
+NAME_SUFFIXES: Final = ("", "_on", "_answer", "_trap")
 
 
 def with_interrupts(job: Legalisation) -> Program:
@@ -45,10 +45,10 @@ def with_interrupts(job: Legalisation) -> Program:
     found = {one.name.lower(): one for one in interrupts(job.program)}
     if not found:
         return job.program
-    return _Interrupts(job, found).said()
+    return _InterruptLowering(job, found).said()
 
 
-class _Interrupts:
+class _InterruptLowering:
     """names: of the variable, the flag, the answer and the trap routine of each interrupt."""
 
     def __init__(self, job: Legalisation, found: dict[str, p.Interrupt]) -> None:
@@ -59,7 +59,7 @@ class _Interrupts:
         self.names: dict[str, list[str]] = {}
         for key, node in found.items():
             short = identifier(node.name, taken)[: LONGEST_NAME - len("_answer") - 2]
-            made = [identifier(short + suffix, taken) for suffix in SUFFIXES]
+            made = [identifier(short + suffix, taken) for suffix in NAME_SUFFIXES]
             taken.update(made)
             self.names[key] = made
         self.signals = {name.lower(): one for name, one in program.signals.items()}
@@ -78,11 +78,11 @@ class _Interrupts:
 
     def declarations(self) -> Iterator[Declaration]:
         for variable, *_ in self.names.values():
-            yield declaration(f"VAR intnum {variable};")
+            yield vendor_declaration(f"VAR intnum {variable};")
 
     def traps(self) -> Iterator[Declaration]:
         for _, _, answer, trap in self.names.values():
-            yield declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
+            yield vendor_declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
 
     def body(self, body: Body) -> Body:
         made: list[p.Statement] = []
@@ -113,17 +113,17 @@ class _Interrupts:
                     f"the interrupt `{node.name}`", f"a trap routine {self.asked(node)}",
                     "see on the robot where it comes, and how soon",
                 )  # fmt: skip
-                yield kept(f"IDelete {variable};")
-                yield kept(f"CONNECT {variable} WITH {trap};")
-                yield kept(f"{self.order(node, variable)};")
-                yield kept(f"ISleep {variable};")
+                yield vendor_statement(f"IDelete {variable};")
+                yield vendor_statement(f"CONNECT {variable} WITH {trap};")
+                yield vendor_statement(f"{self.order(node, variable)};")
+                yield vendor_statement(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
             elif node.state == "on":
-                yield kept(f"IWatch {variable};")
+                yield vendor_statement(f"IWatch {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(True))
                 yield p.Call(answer)
             else:
-                yield kept(f"ISleep {variable};")
+                yield vendor_statement(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
 
     def signal(self, node: p.Interrupt) -> tuple[str, int] | None:
@@ -138,12 +138,12 @@ class _Interrupts:
     def asked(self, node: p.Interrupt) -> str:
         if self.signal(node) is not None:
             return "that comes when the signal changes, and is called when it is switched on"
-        return f"that asks for its condition every {EVERY:g} s"
+        return f"that asks for its condition every {TIMER_PERIOD:g} s"
 
     def order(self, node: p.Interrupt, variable: str) -> str:
         found = self.signal(node)
         if found is None:
-            return f"ITimer {EVERY:g},{variable}"
+            return f"ITimer {TIMER_PERIOD:g},{variable}"
         name, value = found
         word = "ISignalDI" if self.signals[name.lower()].direction == "input" else "ISignalDO"
         return f"{word} {self.naming.get('signals', name)},{value},{variable}"
@@ -152,8 +152,10 @@ class _Interrupts:
         """The procedure that answers an interrupt while its condition holds."""
         _, flag, answer, _ = self.names[node.name.lower()]
         holds = e.Binary("and", e.Name(flag), node.condition)
-        stop, clear, start = (kept(f"{word};") for word in ("StopMove", "ClearPath", "StartMove"))
-        leave: Body = (clear, start, kept("ExitCycle;"))
+        stop, clear, start = (
+            vendor_statement(f"{word};") for word in ("StopMove", "ClearPath", "StartMove")
+        )
+        leave: Body = (clear, start, vendor_statement("ExitCycle;"))
         body: Body
         if node.ends == e.Truth(True):
             left = (p.Branch(holds, (stop, clear, start, node.call, leave[-1])),)
@@ -162,7 +164,7 @@ class _Interrupts:
             ends = () if node.ends is None else (p.If((p.Branch(node.ends, leave),)),)
             inner: Body = (node.call,)
             if self.moves(node.call.procedure):
-                inner = (kept("StorePath;"), node.call, kept("RestoPath;"))
+                inner = (vendor_statement("StorePath;"), node.call, vendor_statement("RestoPath;"))
             body = (p.While(holds, (stop, *inner, *ends, start)),)
         return with_named_positions(
             Procedure(answer, body, span=node.span), taken_names(self.job.program)
@@ -184,12 +186,12 @@ class _Interrupts:
         return False
 
 
-def kept(text: str) -> p.Opaque:
+def vendor_statement(text: str) -> p.Opaque:
     """A statement of RAPID alone."""
-    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
+    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.effect_of_text(text, "statement"))
 
 
-def declaration(text: str) -> Declaration:
+def vendor_declaration(text: str) -> Declaration:
     """A declaration of RAPID alone."""
     (item,) = verbatim.items(text)
     return Declaration(verbatim.LANGUAGE, verbatim.of_node(item, "items"))

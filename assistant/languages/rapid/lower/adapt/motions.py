@@ -30,13 +30,13 @@ from assistant.program.passes.legalisation import Legalisation
 from assistant.program.passes.motions import CornerSizes, NamedValues
 from assistant.program.passes.paths import reported_at_lines
 
-PERCENT: Final = (
+PERCENT_CURE: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
 )
 """Speed in mm/s that corresponds to one percent."""
 
 
-class Motions:
+class MotionAdapter:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
     def __init__(self, job: Legalisation, written: PartLegaliser) -> None:
@@ -55,7 +55,7 @@ class Motions:
         if not isinstance(speed, p.ComputedSpeed):
             speed = self.speeds.said(speed)
         elif speed.tcp is None or speed.joint is not None:
-            cure = PERCENT
+            cure = PERCENT_CURE
             self._job.cannot("a joint speed in percent that is worked out", cure)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
@@ -86,7 +86,7 @@ class Motions:
         said, changed = sayable_speed(speed)
         about = None if name is None else Declared(name, "speeds")
         if self._only_percent(speed):
-            cure = PERCENT
+            cure = PERCENT_CURE
             self._job.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
             self._job.changed(changed, speed_name(said), "state a speed in mm/s", about)

@@ -20,12 +20,12 @@ from assistant.program.geometry import IDENTITY
 from assistant.program.passes.legalisation import Changes, Legalisation, Rewording
 from assistant.program.program import Procedure, Program
 
-TIP: Final = "tframe"
-USER: Final = "uframe"
-OBJECT: Final = "oframe"
-MOUNTS: Final = ("tooldata", "wobjdata")
-RAPID: Final = "rapid"
-PARTS: Final = ("trans", "rot")
+TOOL_FRAME: Final = "tframe"
+USER_FRAME: Final = "uframe"
+OBJECT_FRAME: Final = "oframe"
+MOUNT_TYPES: Final = ("tooldata", "wobjdata")
+RAPID_NAME: Final = "rapid"
+POSE_PARTS: Final = ("trans", "rot")
 """Those of a position that are a pose."""
 
 
@@ -48,7 +48,7 @@ class _Mounts(Rewording):
         self.tools = {name.lower() for name in program.tools}
         self.shadows = {name.lower() for name in program.variables}
         self.own: set[str] = set()
-        texts = (one.text for one in program.declarations if one.language == RAPID)
+        texts = (one.text for one in program.declarations if one.language == RAPID_NAME)
         self.kept = _mounts_in(verbatim.items, texts)
         self.records = self.kept
 
@@ -64,10 +64,12 @@ class _Mounts(Rewording):
         if name in self.own or name not in {*self.frames, *self.tools} or self.is_whole(node.value):
             yield node
             return
-        outer = USER if name in self.frames else TIP
+        outer = USER_FRAME if name in self.frames else TOOL_FRAME
         yield replace(node, target=e.Member(node.target, outer), value=self.pose(node.value))
         if name in self.frames and self.frames[name].object != IDENTITY:
-            yield replace(node, target=e.Member(node.target, OBJECT), value=e.PoseValue(IDENTITY))
+            yield replace(
+                node, target=e.Member(node.target, OBJECT_FRAME), value=e.PoseValue(IDENTITY)
+            )
 
     def is_whole(self, value: e.Expression) -> bool:
         """Whether a value is a tool or frame itself, or a record of one."""
@@ -80,7 +82,7 @@ class _Mounts(Rewording):
                 return name.lower() in self.records - self.own
             case e.Apply(name):
                 routine = signature(name)
-                told = routine is not None and routine.result in MOUNTS
+                told = routine is not None and routine.result in MOUNT_TYPES
                 return told or name.lower() in self.records
         return isinstance(value, e.Aggregate | e.Verbatim)
 
@@ -89,7 +91,7 @@ class _Mounts(Rewording):
             case e.TargetValue(target):
                 return e.PoseValue(target.pose)
             case e.Name() | e.Index() if is_position(value, self.known):
-                return e.Aggregate(tuple(e.Member(value, part) for part in PARTS))
+                return e.Aggregate(tuple(e.Member(value, part) for part in POSE_PARTS))
             case e.Apply("inverse", (inner,)):
                 return e.inverse(self.pose(inner))
         return value
@@ -106,5 +108,5 @@ def _mounts_in(read: Callable[[str], Any], texts: Iterable[str]) -> frozenset[st
     return frozenset(
         node.name.lower()
         for node in nodes
-        if isinstance(node, s.Data | s.Routine) and node.type.lower() in MOUNTS
+        if isinstance(node, s.Data | s.Routine) and node.type.lower() in MOUNT_TYPES
     )

@@ -16,7 +16,7 @@ from assistant.languages.rapid.lower.adapt.breaking import with_breaks
 from assistant.languages.rapid.lower.adapt.channels import with_channels
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.interrupts import with_interrupts
-from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.lower.adapt.motions import MotionAdapter
 from assistant.languages.rapid.lower.adapt.mounts import with_set_mounts
 from assistant.languages.rapid.lower.adapt.pulses import with_pulses
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
@@ -55,7 +55,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
         adapted = legalise(job, PASSES)
         findings += NAMES.findings(adapted)
         find_outputs_of_two_names(replace(job, program=adapted))
-        trees = _built(adapted, findings)
+        trees = _built_units(adapted, findings)
     except Refused as refused:
         findings += refused.findings
         return Adapted(program, tuple(findings))
@@ -70,7 +70,7 @@ def sayable(job: Legalisation) -> Program:
             with job.findings.at(declaration.span):
                 job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
     written = PartLegaliser(job, POSITIONS)
-    motions = Motions(job, written)
+    motions = MotionAdapter(job, written)
     statements = StatementAdapter(job, motions, written)
     targets, joints = written.targets(program.targets), written.joint_targets(program.joint_targets)
     variables = {n: statements.variable(v, n) for n, v in program.variables.items()}
@@ -103,11 +103,11 @@ def sayable(job: Legalisation) -> Program:
         joint_targets=joints,
         variables=variables,
         procedures=procedures,
-        declarations=tuple(sorted(program.declarations, key=_rank)),
+        declarations=tuple(sorted(program.declarations, key=_declaration_rank)),
     )
 
 
-def _rank(declaration: Declaration) -> int:
+def _declaration_rank(declaration: Declaration) -> int:
     """Where it stands in a module: types, then data, then routines, whatever came first."""
     try:
         items = verbatim.items(declaration.text)
@@ -143,7 +143,7 @@ PASSES: Final[tuple[Pass, ...]] = (
 """Parts of a program as RAPID has them, and then what it says in other words, in this order."""
 
 
-def _built(program: Program, findings: Findings) -> dict[str | None, File]:
+def _built_units(program: Program, findings: Findings) -> dict[str | None, File]:
     """The units, or a finding for each procedure or declaration that cannot be built."""
     whole: tuple[Diagnostic, ...] = ()
     if not has_errors(findings):
@@ -152,7 +152,7 @@ def _built(program: Program, findings: Findings) -> dict[str | None, File]:
         except Refused as refused:
             whole = refused.findings  # of the first place alone
     data = [] if has_errors(findings) else [replace(program, procedures=())]
-    for tried in (*data, *(_alone(program, q) for q in program.procedures)):
+    for tried in (*data, *(_single_procedure(program, q) for q in program.procedures)):
         try:
             for unit in (None, *units(tried)):
                 build(tried, unit)
@@ -163,7 +163,7 @@ def _built(program: Program, findings: Findings) -> dict[str | None, File]:
     return {}
 
 
-def _alone(program: Program, procedure: Procedure) -> Program:
+def _single_procedure(program: Program, procedure: Procedure) -> Program:
     """A program of one procedure, without its paths."""
 
     def few(body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:

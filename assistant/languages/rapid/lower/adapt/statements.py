@@ -15,7 +15,7 @@ from assistant.languages.rapid.lift.expressions import (
     tool_name,
 )
 from assistant.languages.rapid.lift.statements import statements_of
-from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.lower.adapt.motions import MotionAdapter
 from assistant.languages.rapid.tables.hands import gripper
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
@@ -46,7 +46,7 @@ from assistant.program.rewriting import is_steady, map_expressions
 class StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, job: Legalisation, motions: Motions, written: PartLegaliser) -> None:
+    def __init__(self, job: Legalisation, motions: MotionAdapter, written: PartLegaliser) -> None:
         super().__init__(job)
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
@@ -68,7 +68,7 @@ class StatementAdapter(Rewording):
             self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
         initial = variable.initial
         if variable.type == "position" and variable.size:
-            initial = map_expressions(initial, _unset)
+            initial = map_expressions(initial, _unset_target)
         if variable.type == "truth":
             initial = map_expressions(initial, as_truth)
         initial = map_expressions(initial, self.plain)
@@ -129,7 +129,7 @@ def _understood(x: e.Verbatim) -> e.Expression:
     return x if known == x else known
 
 
-def _unset(x: e.Expression) -> e.Expression:
+def _unset_target(x: e.Expression) -> e.Expression:
     """A target that no move takes, as one that was given no value: its orientation is none."""
     if x != e.NEVER_GIVEN:
         return x
@@ -137,16 +137,16 @@ def _unset(x: e.Expression) -> e.Expression:
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
 
 
-Changed = list[p.Statement]
+Adaptation = list[p.Statement]
 
 
-def _motion(a: StatementAdapter, x: Any) -> Changed:
-    triggers = tuple(replace(one, value=_bit(one.value)) for one in x.triggers)
-    motion = a.motions.motion(_standing(a, x) if x.until is not None else x.motion)
+def _motion(a: StatementAdapter, x: Any) -> Adaptation:
+    triggers = tuple(replace(one, value=_bit_value(one.value)) for one in x.triggers)
+    motion = a.motions.motion(_stopping_motion(a, x) if x.until is not None else x.motion)
     return [replace(x, motion=motion, triggers=triggers)]
 
 
-def _standing(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
+def _stopping_motion(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
     """The motion of a move that is broken off, which the program has to wait for."""
     if declared_value(x.motion.blend, a.program.blends) == FINE:
         return x.motion
@@ -157,7 +157,7 @@ def _standing(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
     return replace(x.motion, blend=FINE)
 
 
-def _follow(a: StatementAdapter, x: p.Follow) -> Changed:
+def _follow(a: StatementAdapter, x: p.Follow) -> Adaptation:
     if not len(x.path):
         a.job.changed(f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out")
         return []
@@ -169,8 +169,8 @@ def _follow(a: StatementAdapter, x: p.Follow) -> Changed:
     return [move_at(path, 0, e.Name(name))]
 
 
-def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Changed:
-    value = _bit(x.value)
+def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Adaptation:
+    value = _bit_value(x.value)
     signal = a.signals.get(x.signal.lower())
     if signal is not None and signal.kind == "analog":
         condition = e.Binary("=", e.Name(x.signal), value)
@@ -178,23 +178,23 @@ def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Changed:
     return [replace(x, value=value)]
 
 
-def _bit(value: e.Expression) -> e.Expression:
+def _bit_value(value: e.Expression) -> e.Expression:
     return e.Number(int(value.value)) if isinstance(value, e.Truth) else value
 
 
-def _assign(a: StatementAdapter, x: p.Assign) -> Changed:
+def _assign(a: StatementAdapter, x: p.Assign) -> Adaptation:
     return [replace(x, value=as_truth(x.value)) if is_truth(x.target, a.known) else x]
 
 
-def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Changed:
-    value = _bit(x.value)
+def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Adaptation:
+    value = _bit_value(x.value)
     hand = gripper(x.signal, value) if x.pulse is None else None
     if hand is not None:
         return [replace(hand, span=x.span)]
     return [replace(x, value=value)]
 
 
-def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
+def _opaque(a: StatementAdapter, x: p.Opaque) -> Adaptation:
     if x.language != verbatim.LANGUAGE:
         a.job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         return [x]

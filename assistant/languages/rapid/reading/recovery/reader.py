@@ -118,17 +118,17 @@ CHANGES: Final = Changes(
 )
 
 
-def _open(ending: str, behind: str = "^") -> re.Pattern[str]:
+def _open_line(ending: str, behind: str = "^") -> re.Pattern[str]:
     """What the rest of a line is like that begins a block and does not end it."""
     return re.compile(rf"{behind}(?!.*\b{ending}\b)", re.IGNORECASE)
 
 
 LAYOUT: Final = Layout(
     openers={
-        "if": _open("endif", r"\bthen\b"),
-        "for": _open("endfor", r"\bdo\b"),
-        "while": _open("endwhile", r"\bdo\b"),
-        **{word: _open("end" + word) for word in ("test", "proc", "func", "trap", "module")},
+        "if": _open_line("endif", r"\bthen\b"),
+        "for": _open_line("endfor", r"\bdo\b"),
+        "while": _open_line("endwhile", r"\bdo\b"),
+        **{word: _open_line("end" + word) for word in ("test", "proc", "func", "trap", "module")},
     },
     closers={end: end.removeprefix("end") for end in (*ENDS, "endmodule")},
     clauses=frozenset(("else", "elseif", "case", "default", "error", "backward", "undo", "local")),

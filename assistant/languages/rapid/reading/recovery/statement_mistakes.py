@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.reading.recovery.value_mistakes import VALUES
+from assistant.languages.rapid.reading.recovery.value_mistakes import VALUE_MISTAKES
 from assistant.languages.recovery.mistakes import Mistake
 
 MISTAKES: Final = (
-    *VALUES,
+    *VALUE_MISTAKES,
     Mistake("write MODULE … ENDMODULE", "¦", before=r"\A", after=r"\s*\Z", repair=r"outside"),
     Mistake(
         "write FROM: `FOR i FROM 1 TO 10 DO`",

@@ -6,7 +6,7 @@ from typing import Final
 
 from assistant.languages.recovery.mistakes import Mistake
 
-VALUES: Final = (
+VALUE_MISTAKES: Final = (
     Mistake(
         "write unequal as `<>`; `!` begins a comment",
         "IF a ¦!= b THEN\n  c;\nENDIF",

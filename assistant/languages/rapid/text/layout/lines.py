@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.text.layout.segments import CUTTER
+from assistant.languages.rapid.text.layout.segments import SEGMENT_CUTTER
 from assistant.languages.rapid.text.layout.spacing import Spacing
 from assistant.languages.texts import layout
 from assistant.languages.texts.words import Word
@@ -31,10 +31,10 @@ from assistant.languages.texts.words import Word
 
 def lay_out(text: str) -> str:
     """The text in the one layout, for any text that the grammar takes; idempotent."""
-    return layout.lay_out(text, list(CUTTER.segments(text)), STYLE)
+    return layout.lay_out(text, list(SEGMENT_CUTTER.segments(text)), STYLE)
 
 
-def _rows(table: str, indent: str, newline: str) -> str:
+def _table_lines(table: str, indent: str, newline: str) -> str:
     """The lines of a table without the last line end: few long replacements, none by line."""
     tight = table.replace(" ", "").replace("\t", "").replace("\r", "")
     tight = "\n" + tight.removesuffix("\n")
@@ -43,7 +43,7 @@ def _rows(table: str, indent: str, newline: str) -> str:
     return tight[1:].replace("\n", newline)
 
 
-def _spelt(word: Word) -> str:
+def _spelt_word(word: Word) -> str:
     match word.kind:
         case "key" | "hole":
             return word.text.upper()
@@ -54,8 +54,8 @@ def _spelt(word: Word) -> str:
 
 STYLE: Final = layout.Style(
     Spacing,
-    _spelt,
-    _rows,
+    _spelt_word,
+    _table_lines,
     separate=frozenset({"proc", "func", "trap", "module"}),
     outermost=frozenset({"module"}),
     choosing=frozenset({"test"}),

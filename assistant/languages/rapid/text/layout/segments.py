@@ -12,7 +12,7 @@ _DIVIDES: Final = frozenset(
     {"else", "elseif", "<eit>", "case", "<cse>", "default", "backward", "error", "undo"}
 )
 _CLOSES: Final = frozenset(f"end{word}" for word in {*_OPENS, "if"})
-_HOLES: Final = frozenset({"<smt>", "<ddn>", "<tdn>", "<rdn>"})
+_STATEMENT_HOLES: Final = frozenset({"<smt>", "<ddn>", "<tdn>", "<rdn>"})
 _ENDED_BY: Final = {
     "elseif": frozenset({"then"}),
     "for": frozenset({"do"}),
@@ -22,7 +22,7 @@ _ENDED_BY: Final = {
     "if": frozenset({"then", ";", "<smt>"}),
 }
 
-CUTTER: Final = Cutter(
+SEGMENT_CUTTER: Final = Cutter(
     words=tokens,
     plain=lambda text, start: tokens(text, rows=False, start=start),
     scopes=frozenset({"local", "task"}),
@@ -30,7 +30,7 @@ CUTTER: Final = Cutter(
     opening={"if": "then"},
     divides=_DIVIDES,
     closes=_CLOSES,
-    alone=(_DIVIDES | _CLOSES | _HOLES) - _ENDED_BY.keys(),
+    alone=(_DIVIDES | _CLOSES | _STATEMENT_HOLES) - _ENDED_BY.keys(),
     end=";",
     ended_by=_ENDED_BY,
     ended_before={"test": frozenset({"case", "<cse>", "default", "endtest"})},

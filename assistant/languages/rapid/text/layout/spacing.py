@@ -10,17 +10,17 @@ from assistant.languages.texts import layout
 from assistant.languages.texts.layout import Segment
 from assistant.languages.texts.words import Word
 
-Role = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
+TokenRole = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
 """name: of an instruction that is called. late: the `%` around a name that is worked out."""
 
-_MARKS: Final[dict[str, Role]] = {
+_MARKS: Final[dict[str, TokenRole]] = {
     **dict.fromkeys(")]}", "close"),
     **dict.fromkeys("([", "open"),
     **dict.fromkeys("+-", "sign"),
     "%": "late",
 }
 _BETWEEN_OPERANDS: Final = frozenset({"and", "or", "xor", "div", "mod"})
-_VALUES: Final = frozenset({"true", "false"})
+_TRUTH_WORDS: Final = frozenset({"true", "false"})
 
 
 class Spacing(layout.Spacing):
@@ -29,18 +29,18 @@ class Spacing(layout.Spacing):
     def __init__(self, segment: Segment) -> None:
         self._calls = segment.form == "plain" and segment.word in ("", "if")
         self._compact_if = self._calls and segment.word == "if"
-        self._before: Role | None = None
+        self._before: TokenRole | None = None
         self._in_late = False
 
     def before(self, token: Word) -> bool:
         """Whether a blank stands before the next token."""
-        before, role = self._before, _role(token)
+        before, role = self._before, _token_role(token)
         ends = before in ("operand", "close")  # of an expression, if no operator follows
         self.begins_statement = (
             self._compact_if
             and ends
             and not self._in_late
-            and (role in ("operand", "late") or _starts(token))
+            and (role in ("operand", "late") or _starts_statement(token))
         )
         if role == "late":
             self._in_late = not self._in_late
@@ -57,11 +57,11 @@ class Spacing(layout.Spacing):
         return False
 
 
-def _role(token: Word) -> Role:
+def _token_role(token: Word) -> TokenRole:
     if token.kind == "key":
-        return "operand" if token.text.lower() in _VALUES else "key"
+        return "operand" if token.text.lower() in _TRUTH_WORDS else "key"
     return _MARKS.get(token.text, "mark") if token.kind == "mark" else "operand"
 
 
-def _starts(token: Word) -> bool:
+def _starts_statement(token: Word) -> bool:
     return token.kind == "key" and token.text.lower() not in _BETWEEN_OPERANDS

@@ -25,15 +25,15 @@ def tokens(text: str, *, rows: bool = True, start: int = 0) -> Iterator[Word]:
     if header is not None and header.kind == "header":
         at = header.end
         yield header._replace(start=start)
-    for table in _ROWS.finditer(text, at) if rows else ():
+    for table in _TABLE.finditer(text, at) if rows else ():
         if _may_be_rows(table[0]):
-            yield from _moved(words(text, at, table.start()), start)
+            yield from _moved_words(words(text, at, table.start()), start)
             yield Word("rows", table[0], start + table.start())
             at = table.end()
-    yield from _moved(words(text, at), start)
+    yield from _moved_words(words(text, at), start)
 
 
-def _moved(found: Iterator[Word], by: int) -> Iterator[Word]:
+def _moved_words(found: Iterator[Word], by: int) -> Iterator[Word]:
     return found if not by else (word._replace(start=word.start + by) for word in found)
 
 
@@ -43,9 +43,9 @@ def _may_be_rows(text: str) -> bool:
     return "true" not in lower and "false" not in lower
 
 
-_HEAD = r"(?:(?:LOCAL +)?+CONST +robtarget +|Move[JLC] +(?!\\))"
-_TIGHT = r"(?:[^\s;!\"()<>%]++|(?<=\W)[ \t]++|[ \t]++(?=\W))*+"
-_ROW = rf"[ \t]*+{_HEAD}{_TIGHT};[ \t]*+(?:\r?\n|\Z)"
+_ROW_HEAD = r"(?:(?:LOCAL +)?+CONST +robtarget +|Move[JLC] +(?!\\))"
+_ROW_REST = r"(?:[^\s;!\"()<>%]++|(?<=\W)[ \t]++|[ \t]++(?=\W))*+"
+_ROW = rf"[ \t]*+{_ROW_HEAD}{_ROW_REST};[ \t]*+(?:\r?\n|\Z)"
 """A declared target or a move on one line, that needs no blank but those of its head."""
 
-_ROWS: Final = re.compile(rf"^(?:{_ROW}){{{FEWEST_ROWS},{MOST_ROWS}}}+", re.MULTILINE)
+_TABLE: Final = re.compile(rf"^(?:{_ROW}){{{FEWEST_ROWS},{MOST_ROWS}}}+", re.MULTILINE)
