@@ -18,8 +18,8 @@ import pytest
 
 from assistant import languages
 from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.rapid.tables.constants import RESERVED, SPEEDS, ZONES
 from assistant.languages.rapid.tables.predefined import taken_names
-from assistant.languages.rapid.tables.words import RESERVED, SPEEDS, ZONES
 from assistant.robots import programming
 
 PACKAGE = FilePath(__file__).parent.parent / "assistant"

@@ -23,7 +23,7 @@ from assistant.compiler import compile
 from assistant.languages.melfa_basic.reading.nodes import Nodes as MelfaNodes
 from assistant.languages.melfa_basic.reading.parser import parse as parse_melfa
 from assistant.languages.melfa_basic.tree import syntax as m
-from assistant.languages.rapid.reading.nodes import Nodes as RapidNodes
+from assistant.languages.rapid.reading.parser import Nodes as RapidNodes
 from assistant.languages.rapid.reading.parser import parse as parse_rapid
 from docs.grammars import GRAMMAR, current
 from tests.languages.lark_trees import everything, node_of

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText
 from assistant.languages.language import Language
 from assistant.languages.language_types import ARITHMETIC, Adapted, Part, Precision
-from assistant.languages.rapid.reading.tasks import LOADING, surroundings, task_folder
+from assistant.languages.rapid.reading.files import LOADING, surroundings, task_folder
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program
@@ -78,7 +78,7 @@ class Rapid(Language["File"]):
         return parse(source)
 
     def by_lark(self) -> Lark:
-        from assistant.languages.rapid.reading.grammar import by_lark
+        from assistant.languages.rapid.reading.scanner import by_lark
 
         return by_lark()
 
@@ -95,7 +95,7 @@ class Rapid(Language["File"]):
             from assistant.languages.rapid.text.printer import print_file
 
             return print_file(tree)
-        from assistant.languages.rapid.text.rendering import render
+        from assistant.languages.rapid.text.changes import render
 
         return render(tree, tree.origin)
 
@@ -104,12 +104,12 @@ class Rapid(Language["File"]):
         text = self.render(tree)
         if tree.origin is None or has_errors(tree.findings) or not tree.parts:
             return text
-        from assistant.languages.rapid.text.layout.lines import lay_out
+        from assistant.languages.rapid.text.layout import lay_out
 
         return lay_out(text)
 
     def outline(self) -> Outline:
-        from assistant.languages.rapid.text.outline import OUTLINE
+        from assistant.languages.rapid.text.header import OUTLINE
 
         return OUTLINE
 
@@ -124,18 +124,18 @@ class Rapid(Language["File"]):
         return source_parts(tree)
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
-        from assistant.languages.rapid.checks.wanted import wanted
-        from assistant.languages.rapid.text.elsewhere import with_controller_data
+        from assistant.languages.rapid.checks.missing_names import wanted
+        from assistant.languages.rapid.text.header import with_controller_data
 
         return wanted(with_controller_data(trees))
 
     def supplied(self, given: Supplied, trees: Sequence[File]) -> str:
-        from assistant.languages.rapid.lower.supplied import cell_module_text
+        from assistant.languages.rapid.lower.cell_module import cell_module_text
 
         return cell_module_text(given, [one.name.lower() for tree in trees for one in tree.modules])
 
     def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
-        from assistant.languages.rapid.lower.supplied import with_cell_values
+        from assistant.languages.rapid.lower.cell_module import with_cell_values
 
         changed, left = with_cell_values(trees, given)
         return super().with_supplied(changed, left, path) if left else changed
@@ -156,12 +156,12 @@ class Rapid(Language["File"]):
         return words_of(text, self.comment_mark) - frozenset(own_names(tree))
 
     def effect(self, text: str, kind: VendorTextKind) -> Effect:
-        from assistant.languages.rapid.text.effects import effect_of_text
+        from assistant.languages.rapid.text.verbatim import effect_of_text
 
         return effect_of_text(text, kind)
 
     def said(self, text: str) -> Iterator[tuple[str, str]]:
-        from assistant.languages.rapid.text.said import module_pieces
+        from assistant.languages.rapid.text.changes import module_pieces
 
         return module_pieces(text)
 
@@ -173,7 +173,7 @@ class Rapid(Language["File"]):
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.checks.single_rows import with_single_rows
         from assistant.languages.rapid.lift.program import lift
-        from assistant.languages.rapid.text.elsewhere import with_controller_data
+        from assistant.languages.rapid.text.header import with_controller_data
 
         return lift(with_single_rows(with_controller_data(trees), unknown=False))
 
@@ -196,7 +196,7 @@ class Rapid(Language["File"]):
         robot: Robot | None,  # noqa: ARG002
     ) -> File:
         """What sets data up for moves stands anywhere: a change that reaches it is looked at."""
-        from assistant.languages.rapid.text.merging import merge
+        from assistant.languages.rapid.text.changes import merge
         from assistant.program.comparison import compare
         from assistant.program.passes.trigger_positions import sets_on_way
 
@@ -213,7 +213,7 @@ class Rapid(Language["File"]):
         *,
         most_targets: int | None = None,
     ) -> Adapted:
-        from assistant.languages.rapid.lower.adapt.program import adapt
+        from assistant.languages.rapid.lower.legalisation import adapt
 
         return adapt(program, most_targets)
 
@@ -233,7 +233,7 @@ class Rapid(Language["File"]):
         return module_name(program, unit) + ".mod"
 
     def spelled(self, program: Program) -> Callable[[str, str, str], str]:
-        from assistant.languages.rapid.lower.names import NAMES
+        from assistant.languages.rapid.lower.expressions import NAMES
 
         return NAMES.naming(program).spelled
 
@@ -246,7 +246,7 @@ class Rapid(Language["File"]):
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.rapid.checks import check
-        from assistant.languages.rapid.text.elsewhere import with_controller_data
+        from assistant.languages.rapid.text.header import with_controller_data
 
         return check(with_controller_data(trees))
 

@@ -10,7 +10,7 @@ from typing import Final
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as rapid
-from assistant.languages.rapid.tree.mechanical_units import carrying_unit, still_frame_name
+from assistant.languages.rapid.tree.literals import carrying_unit, still_frame_name
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.geometry import Frame, Pose
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 from assistant.languages.rapid.tables import predefined
-from assistant.languages.rapid.tables.signatures import rows
+from assistant.languages.rapid.tables.predefined import rows
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.machine import Machine

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import MoveRun, TargetRun
+from assistant.languages.rapid.tree.syntax import MoveRun, TargetRun
 
 MOVES: Final = ("MoveJ", "MoveL", "MoveC")
 CIRCULAR: Final = 2

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from assistant.languages.rapid.tables.standard import INSTRUCTIONS
+from assistant.languages.rapid.tables.predefined import INSTRUCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.events import Stopped
 from assistant.virtual.rapid.ends import (

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from random import Random
 from typing import Final
 
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.signatures import Parameter, Signature, Slot
 from tests.fuzz.valid.layout import odd
 from tests.fuzz.valid.rapid_values import Data, Made, Values, calls

@@ -12,7 +12,7 @@ from random import Random
 from typing import Final
 
 from assistant.languages.rapid.tables import predefined
-from assistant.languages.rapid.tables.signatures import rows, signature
+from assistant.languages.rapid.tables.predefined import rows, signature
 from assistant.languages.signatures import Parameter, Signature
 
 DEEPEST: Final = 2

@@ -6,7 +6,7 @@ import random
 import re
 from typing import Final
 
-from assistant.languages.rapid.tables.words import RESERVED
+from assistant.languages.rapid.tables.constants import RESERVED
 
 TOKENS: Final = re.compile(
     r"""(?P<header>\A%%%(?s:.*?)%%%) | (?P<string>"(?:[^"\\]|""|\\\\|\\[0-9A-F]{2})*")

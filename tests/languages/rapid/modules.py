@@ -13,9 +13,9 @@ from typing import Any, Final, TypeVar
 
 from hypothesis import strategies as st
 
-from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
+from assistant.languages.rapid.tables.constants import LONGEST_NAME, RESERVED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import gathered
+from assistant.languages.rapid.tree.literals import gathered
 
 DEPTH: Final = 2
 """Blocks, and operators of an expression, inside each other."""

@@ -16,8 +16,8 @@ from unicodedata import combining, normalize
 from assistant.base import rotations
 from assistant.languages.rapid.text.header import read_header
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, literal_target
-from assistant.languages.rapid.tree.runs import (
+from assistant.languages.rapid.tree.literals import literal_number, literal_target
+from assistant.languages.rapid.tree.syntax import (
     CIRCULAR,
     PLAIN_MOVES,
     TARGET_PARTS,

@@ -13,9 +13,8 @@ from lark.exceptions import UnexpectedInput
 from assistant import languages
 from assistant.languages.grammar import lark
 from assistant.languages.lalr import Stack
-from assistant.languages.rapid.reading.grammar import grammar
-from assistant.languages.rapid.reading.nodes import Nodes
-from assistant.languages.rapid.reading.scanner import table_words
+from assistant.languages.rapid.reading.parser import Nodes
+from assistant.languages.rapid.reading.scanner import grammar, table_words
 from assistant.languages.rapid.tree import syntax as s
 from assistant.resources import read_grammar
 from tests.examples import drawn

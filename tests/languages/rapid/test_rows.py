@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic
-from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.reading.rows import find_runs
+from assistant.languages.rapid.reading.parser import find_runs, parse
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import FEWEST_IN_RUN
+from assistant.languages.rapid.tree.syntax import FEWEST_IN_RUN
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")

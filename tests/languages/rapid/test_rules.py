@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,8 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Rule, Severity
 from assistant.base.source_text import SourceText
-from assistant.languages.rapid.checks import CHECKS, plain_rules
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.checks import CHECKS
 
 RAPID = languages.get("rapid")
 OF_CALLS = ("RA40", "RA41", "RA42", "RA43", "RA44")
@@ -572,7 +574,8 @@ def test_what_was_compiled_gets_no_advice() -> None:
 def test_every_rule_has_a_case() -> None:
     files = (Path(__file__), Path(__file__).with_name("test_triggers.py"))
     source = "".join(file.read_text(encoding="utf-8") for file in files)
-    codes = [rule.code for rule in vars(plain_rules).values() if isinstance(rule, Rule)]
+    known = [rule.code for rule in vars(rules).values() if isinstance(rule, Rule)]
+    codes = [code for code in known if re.fullmatch(r"RA(207|21[2-9]|22\d|235|4[5-7]\d)", code)]
     assert len(codes) > 25
     assert len({check.find for check in CHECKS}) == len(CHECKS)
     assert [code for code in codes if code not in source] == []

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.languages.rapid.reading.parameters import signals_file
-from assistant.languages.rapid.reading.signals import signals_of_file
+from assistant.languages.rapid.reading.controller_backup import signals_file, signals_of_file
 from assistant.program.program import Signal
 
 HEAD = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n\n"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.languages.rapid.tables import predefined, signatures, standard
-from assistant.languages.rapid.tables.signatures import signature
-from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.constants import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.signatures import Parameter, Signature
 
-ALL = [found for name in signatures.rows() if (found := signature(name))]
+ALL = [found for name in predefined.rows() if (found := signature(name))]
 
 
 def known(name: str) -> Signature:
@@ -19,7 +19,7 @@ def known(name: str) -> Signature:
 
 
 def test_every_line_is_a_routine_of_its_own() -> None:
-    assert len(ALL) == len(signatures.rows()) > 597
+    assert len(ALL) == len(predefined.rows()) > 597
     assert len({routine.name.lower() for routine in ALL}) == len(ALL)
     assert {routine.kind for routine in ALL} == {"PROC", "FUNC"}
 
@@ -89,9 +89,9 @@ def test_data_are_of_known_types() -> None:
 
 
 def test_standard_names_are_those_of_the_table() -> None:
-    sets = (standard.INSTRUCTIONS, standard.FUNCTIONS, standard.OPTION_ROUTINES)
-    assert frozenset().union(*sets) == set(signatures.rows())
+    sets = (predefined.INSTRUCTIONS, predefined.FUNCTIONS, predefined.OPTION_ROUTINES)
+    assert frozenset().union(*sets) == set(predefined.rows())
     assert sum(map(len, sets)) == len(ALL)
-    assert "movel" in standard.INSTRUCTIONS
-    assert "offs" in standard.FUNCTIONS
-    assert "arcl" in standard.OPTION_ROUTINES
+    assert "movel" in predefined.INSTRUCTIONS
+    assert "offs" in predefined.FUNCTIONS
+    assert "arcl" in predefined.OPTION_ROUTINES

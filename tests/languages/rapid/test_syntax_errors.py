@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
+from assistant.languages.rapid.reading.recovery import MISTAKES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.recovery.reader import MOST_FINDINGS
 from tests.examples import drawn

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import Refused
-from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.tables.words import RESERVED
+from assistant.languages.rapid.reading.scanner import grammar
+from assistant.languages.rapid.tables.constants import RESERVED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import FEWEST_IN_RUN
+from assistant.languages.rapid.tree.syntax import FEWEST_IN_RUN
 from tests.examples import drawn
 
 RAPID = languages.get("rapid")

@@ -1,66 +1,142 @@
-"""RAPID's own rules over the modules of one program: what a controller would refuse."""
+"""Rules of RAPID over the modules of one program: what a controller would refuse.
+
+`CHECKS` lists every rule. The modules are one task's unless their folders and files are named like
+several tasks; findings that only follow from a syntax error are left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import PurePosixPath
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, has_errors
-from assistant.languages.checks.registry import Check, Needs, findings, undamaged_findings
-from assistant.languages.rapid.checks import (
-    arcs,
-    by_construct,
-    flow,
-    motions,
-    mounted,
-    names,
-    storage,
-    targets,
-    timing,
-    undeclared,
-    unused,
-)
-from assistant.languages.rapid.checks.damage import damage_of
-from assistant.languages.rapid.checks.module_view import RuleContext, Task
+from assistant.languages.checks import registry
+from assistant.languages.checks.registry import Check, Damage, Needs, findings, undamaged_findings
+from assistant.languages.rapid.checks import declarations, flow, motions, records, uses
+from assistant.languages.rapid.checks.rule_context import RuleContext, Task
 from assistant.languages.rapid.checks.single_rows import with_single_rows
-from assistant.languages.rapid.checks.tasks import tasks
+from assistant.languages.rapid.tables.constants import RESERVED
+from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
+
+MOST_STATEMENT_LINES: Final = 51
+"""Of a statement; a finding of a whole routine or table is not of one damaged place."""
+_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_KNOWN_WORDS: Final = RESERVED | taken_names()
+
+
+def damage_of(trees: Sequence[s.File]) -> Damage | None:
+    """What is damaged in the modules of a program, None for nothing.
+
+    The lines around a damaged one are damaged as well, and so are names that a blank may have
+    parted in two.
+    """
+    return registry.damage_of(
+        trees,
+        _unknown_words,
+        hidden=_joined_words,
+        near=1,
+        most_lines=MOST_STATEMENT_LINES,
+        named_lines=1,
+    )
+
+
+def _joined_words(text: str) -> Iterator[str]:
+    """What two words beside each other would be as one."""
+    yield from ((one + other).lower() for one, other in pairwise(_NAME.findall(text)))
+
+
+def _unknown_words(text: str) -> Iterator[str]:
+    """Names in a text that are no words of the language, in lower case."""
+    for word in _NAME.findall(text):
+        if word.lower() not in _KNOWN_WORDS:
+            yield word.lower()
+
+
+_TASK_NAME: Final = re.compile(r"(?:T_\w+|TASK\d+)", re.IGNORECASE)
+"""Folders that a controller names after its tasks: `T_ROB1`, `TASK1` in a backup."""
+_ARM_NAME: Final = re.compile(r"(.+?)([Ll]eft|[Rr]ight|(?<![A-Za-z])[LRlr]|(?<=[a-z])[LR])(_?\d*)")
+"""Names of the files of a robot with two arms, each of which is a task."""
+COMMON_TASKS: Final = ("", "task0")
+"""No task, and the folder of a backup with the modules that every task has."""
+
+
+TaskFiles = tuple[s.File, ...]
+
+
+def tasks(files: Sequence[s.File]) -> Iterator[tuple[TaskFiles, TaskFiles]]:
+    """The files of each task, and those among them that are of every task.
+
+    One task with all files if no names of folders or files tell several apart.
+    """
+    paths = [PurePosixPath((file.path or "").replace("\\", "/")) for file in files]
+    arms = _arms(paths)
+    named = [_task_of_path(path) or arms.get(path.stem, "") for path in paths]
+    names = [name for name in dict.fromkeys(named) if name not in COMMON_TASKS]
+    if len(names) < 2:
+        yield tuple(files), ()
+        return
+    common = tuple(file for file, of in zip(files, named, strict=True) if of in COMMON_TASKS)
+    for name in names:
+        yield (
+            tuple(f for f, of in zip(files, named, strict=True) if of in (name, *COMMON_TASKS)),
+            common,
+        )
+
+
+def _task_of_path(path: PurePosixPath) -> str:
+    """The task that a path names: its innermost folder that is named like one, else the file."""
+    names = [*reversed(path.parts[:-1]), path.stem]
+    return next((name.lower() for name in names if _TASK_NAME.fullmatch(name)), "")
+
+
+def _arms(paths: Sequence[PurePosixPath]) -> dict[str, str]:
+    """`l` or `r` by the name of each file that has a counterpart for the other arm."""
+    sides = [(path.stem, match) for path in paths if (match := _ARM_NAME.fullmatch(path.stem))]
+    found: dict[tuple[str, str], set[str]] = {}
+    for _, match in sides:
+        found.setdefault((match[1], match[3]), set()).add(match[2][0].lower())
+    return {stem: m[2][0].lower() for stem, m in sides if len(found[m[1], m[3]]) == 2}
+
 
 __all__ = ["CHECKS", "check", "loaded_files"]
 
 CHECKS: Final[tuple[Check[RuleContext], ...]] = (
-    Check(names.module_names, Needs.ORDER),
-    Check(names.duplicate_names),
-    Check(names.name_spelling),
+    Check(declarations.module_names, Needs.ORDER),
+    Check(declarations.duplicate_names),
+    Check(declarations.name_spelling),
     Check(flow.declarations, Needs.ORDER),
     Check(flow.handlers, Needs.ORDER),
-    Check(storage.storage_places, Needs.ORDER),
-    Check(storage.initial_values),
-    Check(storage.array_dimensions),
-    Check(storage.read_only_data),
-    Check(storage.traps_and_aliases),
-    Check(names.string_lengths),
-    Check(names.number_sizes),
-    Check(targets.quaternion_lengths),
-    Check(targets.configurations),
+    Check(declarations.storage_places, Needs.ORDER),
+    Check(declarations.initial_values),
+    Check(declarations.array_dimensions),
+    Check(declarations.read_only_data),
+    Check(declarations.traps_and_aliases),
+    Check(declarations.string_lengths),
+    Check(declarations.number_sizes),
+    Check(records.quaternion_lengths),
+    Check(records.configurations),
     Check(motions.motion_names),
-    Check(mounted.equipment_values, Needs.ORDER),
-    Check(mounted.held_pairs, Needs.ORDER),
-    Check(timing.unset_triggers, Needs.ORDER),
-    Check(timing.long_trigger_times),
-    Check(by_construct.uses_by_construct),
+    Check(records.equipment_values, Needs.ORDER),
+    Check(records.held_pairs, Needs.ORDER),
+    Check(motions.unset_triggers, Needs.ORDER),
+    Check(motions.long_trigger_times),
+    Check(uses.uses_by_construct),
     Check(flow.jumps, Needs.ORDER),
     Check(flow.outside_handlers, Needs.ORDER),
     Check(flow.never_booked, Needs.ORDER),
     Check(flow.returns, Needs.ORDER),
     Check(flow.unreachable, Needs.ORDER),
     Check(flow.cases_and_steps, Needs.ORDER),
-    Check(undeclared.undeclared_names),
-    Check(arcs.arcs, Needs.ORDER, advice=True),
-    Check(timing.endless_waits, advice=True),
-    Check(timing.signals_on_the_fly, advice=True),
-    Check(unused.unused_declarations, Needs.ORDER, advice=True),
+    Check(declarations.undeclared_names),
+    Check(motions.arcs, Needs.ORDER, advice=True),
+    Check(motions.endless_waits, advice=True),
+    Check(motions.signals_on_the_fly, advice=True),
+    Check(declarations.unused_declarations, Needs.ORDER, advice=True),
 )
 """Each looks at one module, and sees what the modules beside it declare."""
 

@@ -1,4 +1,7 @@
-"""Rules of order: the way through a routine, jumps, where declarations and handlers may stand."""
+"""Rules of control flow: unreachable statements, jumps, returns, error handlers, CASE values.
+
+Also the order of declarations and handlers in modules and routines.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,10 @@ from typing import Any, Final
 from assistant.base.diagnostics import Severity
 from assistant.languages.checks.control_flow import Reachability
 from assistant.languages.checks.registry import Found
-from assistant.languages.rapid import rules as names
-from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import RuleContext, Task
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.checks.rule_context import RuleContext, Task
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import blocks, nodes, root
 
 Body = Sequence[s.StatementNode]
@@ -92,7 +94,7 @@ def jumps(look: RuleContext) -> Found:
             for statement, around in _nested_statements(body, (id(body),)):
                 if isinstance(statement, s.LabelMark):
                     if statement.name.lower() in marks:
-                        yield look.finding(names.DUPLICATE, statement, name=statement.name)
+                        yield look.finding(rules.DUPLICATE, statement, name=statement.name)
                     marks.setdefault(statement.name.lower(), around)
                 elif isinstance(statement, s.GotoLabel):
                     gotos.append((statement, around))
@@ -249,7 +251,7 @@ def declarations(look: RuleContext) -> Found:
             ((r, w) for kind, r, w in DECLARATION_RANKS if isinstance(item, kind)), (seen, "")
         )
         if rank < seen:
-            yield look.finding(names.OUT_OF_ORDER, item, what=what, after=RANK_TEXTS[seen])
+            yield look.finding(rules.OUT_OF_ORDER, item, what=what, after=RANK_TEXTS[seen])
         seen = max(seen, rank)
     for routine in look.routines:
         yield from _declarations_first(look, routine.body)
@@ -261,7 +263,7 @@ def _declarations_first(look: RuleContext, body: Sequence[s.StatementNode]) -> F
         if isinstance(node, s.Data | s.TargetRunNode):
             if stated:
                 yield look.finding(
-                    names.OUT_OF_ORDER, node, what="a declaration", after="a statement"
+                    rules.OUT_OF_ORDER, node, what="a declaration", after="a statement"
                 )
         elif not isinstance(node, s.CommentLine | s.Placeholder):
             stated = True

@@ -20,8 +20,8 @@ import numpy as np
 from assistant.base.arrays import Truths
 from assistant.base.diagnostics import Span
 from assistant.languages.checks.names import NameSet, repeated_rows
-from assistant.languages.rapid.checks.module_view import RuleContext, Task
 from assistant.languages.rapid.checks.motions import PREDEFINED_SETTINGS, nearest_predefined
+from assistant.languages.rapid.checks.rule_context import RuleContext, Task
 from assistant.languages.rapid.reading.parser import parse_rows
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s

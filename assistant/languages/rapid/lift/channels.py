@@ -29,11 +29,10 @@ from assistant.languages.rapid.lift.vendor_statements import (
     instruction_of,
     with_lowered_calls,
 )
-from assistant.languages.rapid.tables.words import SOCKET_STATES
+from assistant.languages.rapid.tables.constants import SOCKET_STATES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import name_of
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import name_of, nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program import undeclared_names

@@ -19,11 +19,11 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import span_over
 from assistant.languages.rapid.lift.expressions import lift_expression
-from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
-from assistant.languages.rapid.tables.words import UNUSED, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.constants import UNUSED, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.equivalents import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, literal_values
-from assistant.languages.rapid.tree.runs import CIRCULAR, TARGET_PARTS, TargetRun
+from assistant.languages.rapid.tree.literals import literal_number, literal_values
+from assistant.languages.rapid.tree.syntax import CIRCULAR, TARGET_PARTS, TargetRun
 from assistant.languages.rapid.tree.walk import lists, nodes, root
 from assistant.languages.records import frame_of, shape, target, tool_of
 from assistant.languages.runs.columns import Names, joined_runs

@@ -13,16 +13,16 @@ from functools import reduce
 from typing import Any, Final
 
 from assistant.languages.patterns import Reading
-from assistant.languages.rapid.tables import functions
-from assistant.languages.rapid.tables.operators import BINARY
-from assistant.languages.rapid.tables.signal_types import SIGNAL_READ_BY
-from assistant.languages.rapid.tables.words import COMPONENTS
-from assistant.languages.rapid.text import effects
+from assistant.languages.rapid.tables import equivalents
+from assistant.languages.rapid.tables.constants import COMPONENTS
+from assistant.languages.rapid.tables.equivalents import BINARY
+from assistant.languages.rapid.tables.signals import SIGNAL_READ_BY
+from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE
@@ -31,7 +31,7 @@ from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_procedures
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
-_OF_ARM: Final = {word.lower(): name for name, word in functions.ARM_FUNCTIONS.items()}
+_OF_ARM: Final = {word.lower(): name for name, word in equivalents.ARM_FUNCTIONS.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
 
 Original = Callable[[str], str]
@@ -56,7 +56,7 @@ class Expressions:
             {
                 "value": lambda node, _: self.of(node),
                 "position": lambda node, _: self._part(node, "trans"),
-                "turned": lambda node, _: self._part(node, functions.ORIENTATION_COMPONENT),
+                "turned": lambda node, _: self._part(node, equivalents.ORIENTATION_COMPONENT),
                 "timer": lambda node, _: self._timer(node),
                 "tool": lambda node, _: self._named(node, tool_name),
                 "frame": lambda node, _: self._named(node, frame_name),
@@ -108,7 +108,7 @@ class Expressions:
         call = called(node)
         if call is None:
             return verbatim_of(node)
-        said: e.Expression | None = functions.FUNCTION_ROWS.read(call, self.reading)
+        said: e.Expression | None = equivalents.FUNCTION_ROWS.read(call, self.reading)
         if said is not None:
             return said
         name, key = self.original(node.name), node.name.lower()
@@ -119,25 +119,25 @@ class Expressions:
         given = tuple(self.of(argument) for argument in call.given if argument is not None)
         if call.options or name in e.FUNCTIONS:
             return verbatim_of(node)
-        if key in functions.SIGNAL_FUNCTIONS and len(given) == 1:
+        if key in equivalents.SIGNAL_FUNCTIONS and len(given) == 1:
             if not isinstance(given[0], e.Name):
                 return verbatim_of(node)
             self.used.append((given[0].name, SIGNAL_READ_BY[key]))
             return given[0]
-        if key in functions.FUNCTION_ROWS and key not in functions.NO_OTHER:
+        if key in equivalents.FUNCTION_ROWS and key not in equivalents.NO_OTHER:
             return verbatim_of(node)
         return e.Apply(name, given)
 
     def oriented(self, target: s.Expression, value: s.Expression) -> e.Expression | None:
         """The target that `target:=value` turns to angles, as a whole with them."""
         place, other = (
-            self._part(target, functions.ORIENTATION_COMPONENT),
-            self._part(value, functions.ORIENTATION_COMPONENT),
+            self._part(target, equivalents.ORIENTATION_COMPONENT),
+            self._part(value, equivalents.ORIENTATION_COMPONENT),
         )
         if place is not None and other is not None:
             return e.Apply("oriented", (place, *(e.Member(other, name) for name in e.ANGLES)))
         call = called(value)
-        found = None if call is None else self.reading.fields(functions.ORIENTATION, call)
+        found = None if call is None else self.reading.fields(equivalents.ORIENTATION, call)
         if found is None or place is None:
             return None
         return e.Apply("oriented", (place, *(found[name] for name in e.ANGLES)))
@@ -159,7 +159,7 @@ class Expressions:
 def verbatim_of(node: s.Expression) -> e.Verbatim:
     """An expression as its text."""
     text = printed(node)
-    return e.Verbatim(LANGUAGE, text, effect=effects.effect_of_nodes((node,), text))
+    return e.Verbatim(LANGUAGE, text, effect=verbatim.effect_of_nodes((node,), text))
 
 
 def negated(operand: e.Expression) -> e.Expression:

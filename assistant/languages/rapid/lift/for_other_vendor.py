@@ -81,16 +81,14 @@ from assistant.languages.rapid.lift.vendor_statements import (
     is_vendor_text,
     lifted_call,
 )
+from assistant.languages.rapid.tables.constants import PORTABLE_CONSTANTS, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.constants import STATE_BY_NAME as STATE_OF
+from assistant.languages.rapid.tables.predefined import FUNCTIONS, error_numbers
 from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.predefined import error_numbers
-from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
-from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
-from assistant.languages.rapid.tables.standard import FUNCTIONS
-from assistant.languages.rapid.tables.states import STATE_BY_NAME as STATE_OF
-from assistant.languages.rapid.tables.words import PORTABLE_CONSTANTS, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.signals import PROCESS_DATA_TYPES, SIGNAL_TYPES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number, literal_values
+from assistant.languages.rapid.tree.literals import literal_number, literal_values
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p

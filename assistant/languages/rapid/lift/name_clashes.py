@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.rapid.tables.standard import FUNCTIONS
+from assistant.languages.rapid.tables.predefined import FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.renaming import renamed
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import nodes, renamed
 from assistant.languages.runs.columns import NameIndex, Names
 from assistant.program import expressions as e
 from assistant.program.program import TakenNames, identifier

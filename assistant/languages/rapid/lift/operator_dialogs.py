@@ -19,10 +19,10 @@ from assistant.languages.rapid.lift.vendor_statements import (
     VendorCall,
     with_lowered_calls,
 )
-from assistant.languages.rapid.tables.words import BUTTON_ANSWERS
+from assistant.languages.rapid.tables.constants import BUTTON_ANSWERS
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import name_of
+from assistant.languages.rapid.tree.walk import name_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes import operator_texts

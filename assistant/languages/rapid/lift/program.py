@@ -28,10 +28,10 @@ from assistant.languages.rapid.lift.statements import (
     opaque,
 )
 from assistant.languages.rapid.lift.vendor_effects import signals_in, with_places
-from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
-from assistant.languages.rapid.tables.standard import FUNCTIONS
-from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
-from assistant.languages.rapid.text import effects, verbatim
+from assistant.languages.rapid.tables.constants import PREDEFINED_VALUES, VALUE_OF_TYPE
+from assistant.languages.rapid.tables.equivalents import BLENDS, SPEEDS
+from assistant.languages.rapid.tables.predefined import FUNCTIONS
+from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.text.header import Header, module_header
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names
@@ -376,5 +376,5 @@ def _declaration_comments(item: s.Item | s.Module, notes: Sequence[str]) -> list
 
 def _declaration(item: s.Item) -> Declaration:
     text = verbatim.of_node(item, "items")
-    effect = effects.effect_of_nodes((item,), text)
+    effect = verbatim.effect_of_nodes((item,), text)
     return Declaration(verbatim.LANGUAGE, text, span=item.span, effect=effect)

@@ -18,19 +18,19 @@ from assistant.languages.patterns import Called, Read, Slot
 from assistant.languages.rapid.lift.clocks import restarted_clock
 from assistant.languages.rapid.lift.declared_data import DataLift, PathLift
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
-from assistant.languages.rapid.tables.hands import hand_of
-from assistant.languages.rapid.tables.motions import (
+from assistant.languages.rapid.tables.constants import LOADED_FROM
+from assistant.languages.rapid.tables.equivalents import (
     BLENDS,
     SPEED_PARTS,
     SPEEDS,
+    STATEMENT_ROWS,
     ZONE_SIZES,
     computed_zone,
     speed_of,
     zone_of,
 )
-from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OPTION_ROUTINES
-from assistant.languages.rapid.tables.statements import STATEMENT_ROWS
-from assistant.languages.rapid.tables.triggers import (
+from assistant.languages.rapid.tables.predefined import INSTRUCTIONS, OPTION_ROUTINES
+from assistant.languages.rapid.tables.signals import (
     FURTHER_TRIGGERS,
     TRIGGER_MEASURES,
     TRIGGER_MOVES,
@@ -39,14 +39,12 @@ from assistant.languages.rapid.tables.triggers import (
     TRIGGER_TYPE,
     TriggerMove,
     TriggerSetup,
+    hand_of,
 )
-from assistant.languages.rapid.tables.words import LOADED_FROM
-from assistant.languages.rapid.text import effects, verbatim
+from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.triggers import trigger_set_up, triggers_taken
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called, nodes, trigger_set_up, triggers_taken
 from assistant.languages.vendor_statements import INTERRUPTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -378,7 +376,7 @@ class StatementLift:
 
 
 def _opaque_text(text: str) -> p.Opaque:
-    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.effect_of_text(text, "statement"))
+    return p.Opaque(verbatim.LANGUAGE, text, effect=verbatim.effect_of_text(text, "statement"))
 
 
 def opaque(node: s.StatementNode) -> p.Opaque:
@@ -390,7 +388,7 @@ def handler(node: s.Handler) -> p.Opaque:
 
 
 def _opaque(node: s.Node, text: str) -> p.Opaque:
-    effect = effects.effect_of_nodes((node,), text)
+    effect = verbatim.effect_of_nodes((node,), text)
     return p.Opaque(verbatim.LANGUAGE, text, span=node.span, effect=effect)
 
 

@@ -16,15 +16,14 @@ from typing import Any, Final
 from assistant.base.diagnostics import Span
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
-from assistant.languages.rapid.tables import processes as table
-from assistant.languages.rapid.tables.functions import CURRENT_TARGET
-from assistant.languages.rapid.tables.processes import PROCESS_MOVES
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables import signals as table
+from assistant.languages.rapid.tables.equivalents import CURRENT_TARGET
+from assistant.languages.rapid.tables.predefined import signature
+from assistant.languages.rapid.tables.signals import PROCESS_MOVES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called, nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.motion_state import MotionStep

@@ -15,7 +15,7 @@ from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.statements import NameResolver, lift_instruction
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called, name_of
+from assistant.languages.rapid.tree.walk import called, name_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program

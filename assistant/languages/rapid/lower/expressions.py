@@ -1,37 +1,64 @@
-"""Expressions of the pseudo-program as RAPID's, with parentheses where its priorities need them."""
+"""Names and expressions of the pseudo-program in RAPID.
+
+Names that RAPID cannot have get another one; the header of a module keeps the original. Expressions
+get parentheses where RAPID's priorities need them. `RECORDS` rounds the values of records to the
+decimals that are printed.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Final
 
 from assistant.base.diagnostics import Refused
 from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.tables import functions
-from assistant.languages.rapid.tables.operators import (
-    AND,
-    BINARY,
-    OR,
-    PRIMARY,
-    SUM,
-    TERM,
+from assistant.languages.rapid.tables import equivalents
+from assistant.languages.rapid.tables.constants import (
+    COMPONENTS,
+    LONGEST_NAME,
+    LONGEST_STRING,
+    RESERVED,
+    UNUSED,
 )
-from assistant.languages.rapid.tables.words import COMPONENTS, LONGEST_STRING, UNUSED
+from assistant.languages.rapid.tables.equivalents import AND, BINARY, OR, PRIMARY, SUM, TERM
+from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import function_call
-from assistant.languages.rapid.tree.runs import (
+from assistant.languages.rapid.tree.syntax import (
     JOINT_PLACES,
     POSITION_PLACES,
     QUATERNION_PLACES,
     SIZES_PLACES,
 )
+from assistant.languages.rapid.tree.walk import function_call
 from assistant.languages.records import Decimals, Values
-from assistant.languages.scoped_names import Naming
+from assistant.languages.scoped_names import Naming, Scopes
 from assistant.program import expressions as e
 from assistant.program.geometry import FLANGE
+from assistant.program.program import Program
+
+
+def _declared_names(program: Program) -> Iterator[str]:
+    """Names that declarations in the words of RAPID declare; raises Refused if they are none."""
+    for declaration in program.declarations:
+        if declaration.language == verbatim.LANGUAGE:
+            for item in verbatim.items(declaration.text):
+                if hasattr(item, "name"):
+                    yield item.name
+
+
+NAMES: Final = Scopes(
+    longest=LONGEST_NAME,
+    reserved=taken_names() | RESERVED,
+    kept=_declared_names,
+    flange=FLANGE,
+    base="",
+    renamed=rules.SHORTENED,
+    language="RAPID",
+)
+
 
 RECORDS: Final = Decimals(
     POSITION_PLACES, QUATERNION_PLACES, JOINT_PLACES, SIZES_PLACES, rules.NOT_FINITE
@@ -81,7 +108,7 @@ class Expressions:
             case e.Aggregate(items):
                 return s.AggregateNode(tuple(self.lower(i) for i in items)), PRIMARY
             case e.Member(_, name) if name.lower() in e.ANGLES:
-                call = functions.FUNCTION_ROWS.write(x, self.writing)
+                call = equivalents.FUNCTION_ROWS.write(x, self.writing)
                 assert call is not None
                 return function_call(call), PRIMARY
             case e.Member(value, name):
@@ -100,7 +127,7 @@ class Expressions:
                 name, own, first, second = BINARY[operator]
                 return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
             case e.Binary() | e.Apply() | e.Elapsed() | e.Here():
-                call = functions.FUNCTION_ROWS.write(x, self.writing)
+                call = equivalents.FUNCTION_ROWS.write(x, self.writing)
                 if call is not None:
                     return function_call(call), PRIMARY
                 assert isinstance(x, e.Apply)
@@ -109,12 +136,12 @@ class Expressions:
                 return self._verbatim(x)
 
     def orientation(self, x: e.Expression) -> s.Component:
-        return s.Component(self._variable(x), functions.ORIENTATION_COMPONENT)
+        return s.Component(self._variable(x), equivalents.ORIENTATION_COMPONENT)
 
     def oriented(self, angles: tuple[e.Expression, ...]) -> s.FunctionCall:
         """The orientation of angles about x, y and z."""
         said = dict(zip(e.ANGLES, angles, strict=True))
-        call = self.writing.called(functions.ORIENTATION, said)
+        call = self.writing.called(equivalents.ORIENTATION, said)
         assert call is not None
         return function_call(call)
 
@@ -125,10 +152,10 @@ class Expressions:
         raise not_expressible("a component of an expression", "put the value into a variable first")
 
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
-        if function in functions.ARM_FUNCTIONS and len(given) == 1:
+        if function in equivalents.ARM_FUNCTIONS and len(given) == 1:
             values = (self.lower(given[0]), s.NameRef(FLANGE))
             return s.FunctionCall(
-                functions.ARM_FUNCTIONS[function], tuple(map(s.Positional, values))
+                equivalents.ARM_FUNCTIONS[function], tuple(map(s.Positional, values))
             )
         if function in e.FUNCTIONS:
             what = f"the function `{function}` of {len(given)} arguments"

@@ -1,31 +1,461 @@
-"""From the pseudo-program to the typed tree: one module a unit."""
+"""From the pseudo-program to the typed tree: modules, routines and statements.
+
+One module a unit. What another language calls by the name of its file becomes a module of its own,
+as it was a file of its own there; the task loads all modules, and such a call is a plain one. Long
+programs that are spread over units for want of room are loaded when they are called.
+
+Each statement is a row of `tables.equivalents` or has a function in `STATEMENTS`. An output that a
+move sets on its way becomes an instruction that sets up a triggdata, and a move that takes it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
 
-from assistant.base.diagnostics import Refused
+from assistant.base.diagnostics import Findings, Refused
+from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import (
+    blend_name_in,
     controller_data_nodes,
     data_nodes,
+    frame_name_in,
+    path_moves,
+    path_targets,
     scope_of_paths,
+    speed_name_in,
     variable_node,
 )
-from assistant.languages.rapid.lower.modules import resident_units, with_own_targets
-from assistant.languages.rapid.lower.motions import path_targets
-from assistant.languages.rapid.lower.names import NAMES
-from assistant.languages.rapid.lower.statements import BodyLowering
-from assistant.languages.rapid.tables.words import TYPE_OF_VALUE
+from assistant.languages.rapid.lower.expressions import NAMES, Expressions, not_expressible
+from assistant.languages.rapid.tables.constants import (
+    LOADED_FROM,
+    LONGEST_PULSE,
+    SHORTEST_PULSE,
+    TYPE_OF_VALUE,
+)
+from assistant.languages.rapid.tables.equivalents import (
+    OR,
+    STATEMENT_ROWS,
+    SUM,
+    TERM,
+    usual_details,
+)
+from assistant.languages.rapid.tables.signals import (
+    FURTHER_TRIGGERS,
+    LONGEST_TRIGGER_TIME,
+    MOST_TRIGGERS,
+    TRIGG_EQUIP,
+    TRIGG_IO,
+    TRIGGER_MEASURES,
+    TRIGGER_MOVES,
+    TRIGGER_OUTPUTS,
+    hand_signal,
+)
 from assistant.languages.rapid.text import verbatim
-from assistant.languages.rapid.text.elsewhere import header_declaration
-from assistant.languages.rapid.text.header import header_lines
+from assistant.languages.rapid.text.header import header_declaration, header_lines
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import gathered
+from assistant.languages.rapid.tree.literals import gathered
+from assistant.languages.rapid.tree.walk import arguments
 from assistant.languages.scoped_names import Naming, spelt
+from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Parameter, Procedure, Program, walk
+from assistant.program.analysis.declared_types import is_value, known_types
+from assistant.program.motion import Blend, Speed
+from assistant.program.passes.loops import ascends
+from assistant.program.passes.operator_texts import message_parts
+from assistant.program.program import Parameter, Procedure, Program, Signal, walk
+from assistant.program.rewriting import records
+
+_TARGET_TABLES: Final = ("targets", "joint_targets")
+_DATA_TABLES: Final = (
+    "tools", "frames", "speeds", "blends", "signals", "targets", "joint_targets", "variables",
+)  # fmt: skip
+
+
+def resident_units(program: Program) -> frozenset[str | None]:
+    """The units that a task holds: those that the source in another language had."""
+    origin = program.origin
+    if origin is None or origin.language == verbatim.LANGUAGE:
+        return frozenset()
+    return frozenset(q.unit for q in origin.lifted.procedures) - {None}
+
+
+def with_own_targets(program: Program, unit: str | None, held: Collection[str | None]) -> Program:
+    """A program with the data of one module: of one beside the main one places that it alone uses.
+
+    held: the units that are modules of the task.
+    """
+    if not held:
+        return program
+    users: dict[str, set[str | None]] = {}
+    for procedure in program.procedures:
+        home = procedure.unit if procedure.unit in held else None
+        for part in records(procedure):
+            if isinstance(part, e.Name):
+                users.setdefault(part.name.lower(), set()).add(home)
+    for part in records(tuple(program.variables.values())):
+        if isinstance(part, e.Name):
+            users.setdefault(part.name.lower(), set()).add(None)
+    texts = " ".join(one.text for one in program.declarations).lower()
+
+    def home_of(name: str) -> str | None:
+        found = users.get(name.lower(), {None})
+        return next(iter(found)) if len(found) == 1 and name.lower() not in texts else None
+
+    tables: dict[str, Any] = {}
+    if unit is not None:
+        tables = {table: {} for table in _DATA_TABLES} | {"procedures": ()}
+    for table in _TARGET_TABLES:
+        places = getattr(program, table)
+        tables[table] = {n: place for n, place in places.items() if home_of(n) == unit}
+    return replace(program, **tables)
+
+
+_TRIGGER_MOVES: Final = {move.plain: move for move in TRIGGER_MOVES.values()}
+_MEASURE_OPTIONS: Final = {measure: option for option, measure in TRIGGER_MEASURES.items()}
+_OUTPUT_OPTIONS: Final[Mapping[str, str]] = {
+    kind: option for option, kind in TRIGGER_OUTPUTS.items()
+}
+_SPELLED_OPTIONS: Final = {
+    "start": "Start",
+    "time": "Time",
+    "dop": "DOp",
+    "gop": "GOp",
+    "aop": "AOp",
+}
+
+
+def with_triggers(
+    move: s.ProcedureCall,
+    triggers: tuple[p.Trigger, ...],
+    names: Mapping[p.Trigger, str],
+    set_up: Callable[[p.Trigger, s.NameRef], s.ProcedureCall],
+) -> Iterator[s.ProcedureCall]:
+    """A plain move, as one that sets outputs; in front of it what sets up their data.
+
+    names: of the variables. set_up: see `trigger_set_up`.
+    """
+    for what, cure in _untranslatable_triggers(str(move.name), triggers):
+        raise not_expressible(what, cure)
+    kind = _TRIGGER_MOVES[str(move.name)]
+    variables = [s.NameRef(names[trigger]) for trigger in triggers]
+    yield from map(set_up, triggers, variables)
+    first, *others = variables
+    more = (
+        s.Option(name.upper(), one) for name, one in zip(FURTHER_TRIGGERS, others, strict=False)
+    )
+    before, after = move.arguments[: kind.place], move.arguments[kind.place :]
+    taking: tuple[s.Argument, ...] = (*before, s.Positional(first), *more, *after)
+    yield replace(move, name=kind.word, arguments=taking)
+
+
+def trigger_set_up(
+    x: p.Trigger,
+    variable: s.NameRef,
+    signal: s.NameRef,
+    kind: str,
+    lower: Callable[[e.Expression], s.Expression],
+) -> s.ProcedureCall:
+    """What sets up the data of one output; kind: of the signal."""
+    measure = _MEASURE_OPTIONS[x.measure]
+    arguments: list[s.Argument] = [s.Positional(variable), s.Positional(lower(x.amount))]
+    if measure:
+        arguments.append(s.Option(_SPELLED_OPTIONS[measure]))
+    if x.ahead is not None:
+        arguments.append(s.Positional(lower(x.ahead)))
+    arguments += (
+        s.Option(_SPELLED_OPTIONS[_OUTPUT_OPTIONS[kind]], signal),
+        s.Positional(lower(x.value)),
+    )
+    return s.ProcedureCall((TRIGG_IO if x.ahead is None else TRIGG_EQUIP).word, tuple(arguments))
+
+
+def _untranslatable_triggers(
+    word: str, triggers: tuple[p.Trigger, ...]
+) -> Iterator[tuple[str, str]]:
+    """What RAPID has no instruction for, and what to do instead."""
+    if word not in _TRIGGER_MOVES:
+        yield (
+            f"outputs on the way of a {word}",
+            "move to a target, or set them before or after the move",
+        )
+    if len(triggers) > MOST_TRIGGERS:
+        yield (
+            f"more than {MOST_TRIGGERS} outputs on the way of one move",
+            "divide the move, or set some before or after it",
+        )
+    for one in triggers:
+        yield from _untranslatable_trigger(one)
+
+
+def _untranslatable_trigger(x: p.Trigger) -> Iterator[tuple[str, str]]:
+    name = f"`{x.signal}`"
+    if x.pulse is not None:
+        cure = "set it there, and set it back at another place of the way"
+        yield f"a pulse of {name} on the way of a move", cure
+    if x.measure == "share":
+        cure = "give the place in mm, from the start or before the end"
+        yield f"that {name} is set when a share of a way of unknown length is done", cure
+    if x.measure == "time":
+        if x.ahead is not None:
+            cure = "give the sum of both times"
+            yield f"a delay of what {name} sets beside a time before the end", cure
+        if isinstance(x.amount, e.Number) and x.amount.value > LONGEST_TRIGGER_TIME:
+            cure = "give a distance, or a shorter time"
+            yield f"that {name} is set more than {LONGEST_TRIGGER_TIME:g} s before the end", cure
+
+
+Lowered = Iterator[s.StatementNode]
+
+
+class BodyLowering:
+    """What the statements of one procedure are lowered with.
+
+    names: of the whole program. expressions: as they are seen in the procedure. findings: why
+    statements were left out.
+    """
+
+    def __init__(self, program: Program, names: Naming, procedure: Procedure) -> None:
+        key = procedure.name.lower()
+        self.names, self.labels = names, names.labels[key]
+        self._inner, self._counters = names.inner[key], names.counters[key]
+        self._counting: list[str] = []
+        self.expressions = Expressions(names, self._value)
+        self.lower = self.expressions.lower
+        writers: dict[str, Write[s.Expression]] = {
+            **self.expressions.writing.kinds,
+            **dict.fromkeys(("signal", "digital", "analog", "group"), self.signal),
+            "hand": lambda hand, _: s.NameRef(hand_signal(hand)),
+            "speed": lambda speed, _: self._speed(speed),
+            "blend": lambda blend, _: self._blend(blend),
+            "other": lambda frame, _: s.NameRef(n) if (n := frame_name_in(names, frame)) else None,
+        }
+        self.writing = replace(self.expressions.writing, kinds=writers)
+        self.known = known_types(program, procedure)
+        self.signals = {n.lower(): g for n, g in program.signals.items()}
+        self.resident = resident_units(program)
+        self.findings = Findings()
+
+    def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
+        before: p.Statement | None = None
+        for statement in body:
+            above, before = before, statement
+            if isinstance(statement, p.Comment):
+                yield s.CommentLine(statement.text, statement.stands_at_end_of(above))
+                continue
+            with self.findings.at(statement.span):
+                try:
+                    if (lower := STATEMENTS.get(type(statement))) is None:
+                        what = f"a {type(statement).__name__} statement"
+                        raise not_expressible(what, "say it in other statements")
+                    yield from lower(self, statement)
+                except Refused as refused:
+                    self.findings += refused.findings
+
+    def block(self, body: tuple[p.Statement, ...]) -> tuple[Any, ...]:
+        return gathered(self.statements(body))
+
+    def counted(self, variable: str, body: tuple[p.Statement, ...]) -> tuple[str, tuple[Any, ...]]:
+        """RAPID's name of the variable of a loop, and the loop's body."""
+        self._counting.append(variable.lower())
+        block = self.block(body)
+        self._counting.pop()
+        return spelt(self._counters, variable), block
+
+    def _value(self, name: str) -> str:
+        if name.lower() in self._counting:
+            return spelt(self._counters, name)
+        if name.lower() in self._inner:
+            return spelt(self._inner, name)
+        return self.names.value(name)
+
+    def _speed(self, speed: Speed | p.ComputedSpeed | e.Name) -> s.Expression:
+        if not isinstance(speed, p.ComputedSpeed):
+            return s.NameRef(speed_name_in(self.names, speed))
+        parts = (speed.tcp, speed.rotation, speed.external_linear, speed.external_rotary)
+        return s.AggregateNode(tuple(self.lower(part) for part in parts if part is not None))
+
+    def _blend(self, blend: Blend | p.ComputedBlend | e.Name) -> s.Expression:
+        if not isinstance(blend, p.ComputedBlend):
+            return s.NameRef(blend_name_in(self.names, blend))
+        details = usual_details(blend.radius) if blend.details is None else blend.details
+        parts = (blend.stops or e.Truth(False), blend.radius, *details)
+        return s.AggregateNode(tuple(map(self.lower, parts)))
+
+    def set_up(self, x: p.Trigger, variable: s.NameRef) -> s.ProcedureCall:
+        signal = self.signals.get(x.signal.lower())
+        kind = signal.kind if signal else "digital"
+        named = s.NameRef(self.names.get("signals", x.signal))
+        return trigger_set_up(x, variable, named, kind, self.lower)
+
+    def call(self, word: str, *given: s.Expression, **options: s.Expression) -> s.ProcedureCall:
+        arguments: list[s.Argument] = [s.Positional(g) for g in given]
+        arguments += [s.Option(n, v) for n, v in options.items()]
+        return s.ProcedureCall(word, tuple(arguments))
+
+    def signal(self, name: str, slot: Slot) -> s.NameRef | None:
+        """A signal, if it is of the kind and direction that the slot tells."""
+        signal = self.signals.get(name.lower(), Signal("digital", "input"))
+        fits = slot.kind in ("signal", signal.kind) and slot.of in ("", signal.direction)
+        return s.NameRef(self.names.get("signals", name)) if fits else None
+
+
+def _move(b: BodyLowering, x: p.MoveStatement) -> Lowered:
+    (move,) = _table_row(b, replace(x, triggers=()))
+    if x.triggers:
+        yield from with_triggers(move, x.triggers, b.names.triggers, b.set_up)
+    else:
+        yield move
+
+
+def _follow(b: BodyLowering, x: p.Follow) -> Lowered:
+    yield from path_moves(x.path, b.names.rows[id(x)], b.names)
+
+
+def _table_row(b: BodyLowering, x: p.Statement) -> Iterator[s.ProcedureCall]:
+    """A statement that is a row of `tables.equivalents`."""
+    call = STATEMENT_ROWS.write(x, b.writing)
+    if call is None:
+        raise not_expressible(f"such a {type(x).__name__}", "say it otherwise")
+    yield s.ProcedureCall(call.word, arguments(call))
+
+
+def _start_timer(b: BodyLowering, x: p.StartTimer) -> Lowered:
+    clock = s.NameRef(b.names.get("timers", x.timer))
+    yield b.call("ClkReset", clock)
+    yield b.call("ClkStart", clock)
+
+
+def _set_signal(b: BodyLowering, x: p.SetSignal) -> Lowered:
+    if x.pulse is not None:
+        _check_pulse(b, x, x.pulse)
+    yield from _table_row(b, x)
+
+
+def _check_pulse(b: BodyLowering, x: p.SetSignal, seconds: e.Expression) -> None:
+    signal = b.signals.get(x.signal.lower())
+    if isinstance(seconds, e.Number) and not SHORTEST_PULSE <= seconds.value <= LONGEST_PULSE:
+        what = f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s"
+        raise not_expressible(what, "give a time in that range")
+    if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
+        group = signal is not None and signal.kind != "digital"
+        what = f"a pulse of the group `{x.signal}`" if group else f"such a pulse of `{x.signal}`"
+        raise not_expressible(what, "set the signal, wait and set it back")
+
+
+def _call(b: BodyLowering, x: p.Call) -> Lowered:
+    name = b.names.get("procedures", x.procedure)
+    given = tuple(s.Positional(b.lower(a)) for a in x.arguments)
+    if x.unit is None or x.unit in b.resident:
+        yield s.ProcedureCall(name, given)
+        return
+    file = s.StringLiteral(LOADED_FROM + b.names.get("modules", x.unit) + ".mod")
+    yield s.ProcedureCall("Load", (s.Option("Dynamic"), s.Positional(file)))
+    yield s.ProcedureCall(s.StringLiteral(name), given)
+    yield s.ProcedureCall("UnLoad", (s.Positional(file),))
+
+
+def _assign(b: BodyLowering, x: p.Assign) -> Lowered:
+    match x:
+        case p.Assign(place, e.Apply("oriented", (base, *angles))) if place == base and len(
+            angles
+        ) == len(e.ANGLES):
+            turn = b.expressions.orientation(place)
+            first = angles[0]
+            if isinstance(first, e.Member) and angles == [
+                e.Member(first.value, name) for name in e.ANGLES
+            ]:
+                yield s.Assignment(turn, b.expressions.orientation(first.value))
+                return
+            yield s.Assignment(turn, b.expressions.oriented(tuple(angles)))
+            return
+    target = b.lower(x.target)
+    if not isinstance(target, s.NameRef | s.Component | s.Element):
+        raise not_expressible("an assignment to an expression", "name a variable")
+    yield s.Assignment(target, b.lower(x.value))
+
+
+def _if(b: BodyLowering, x: p.If) -> Lowered:
+    branches = tuple(s.IfBranch(b.lower(c.condition), b.block(c.body)) for c in x.branches)
+    yield s.IfThen(branches, b.block(x.otherwise) if x.otherwise else None)
+
+
+def _while(b: BodyLowering, x: p.While) -> Lowered:
+    yield s.WhileLoop(b.lower(x.condition), b.block(x.body))
+
+
+def _for(b: BodyLowering, x: p.For) -> Lowered:
+    # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
+    upwards = x.step == p.ONE and ascends(x.first, x.last)
+    step = None if upwards or x.step is None else b.lower(x.step)
+    first, last = b.lower(x.first), b.lower(x.last)
+    variable, body = b.counted(x.variable, x.body)
+    yield s.ForLoop(variable, first, last, step, body)
+
+
+def _switch(b: BodyLowering, x: p.Switch) -> Lowered:
+    cases = tuple(s.TestCase(tuple(map(b.lower, c.values)), b.block(c.body)) for c in x.cases)
+    yield s.TestOf(b.lower(x.subject), cases, b.block(x.otherwise) if x.otherwise else None)
+
+
+def _stop(b: BodyLowering, x: p.Stop) -> Lowered:
+    if x.end:
+        yield s.Word("EXIT")
+    else:
+        yield from _table_row(b, x)
+
+
+def _return(b: BodyLowering, x: p.Return) -> Lowered:
+    yield s.ReturnFrom(None if x.value is None else b.lower(x.value))
+
+
+def _label(b: BodyLowering, x: p.Label) -> Lowered:
+    yield s.LabelMark(spelt(b.labels, x.name))
+
+
+def _goto(b: BodyLowering, x: p.Goto) -> Lowered:
+    yield s.GotoLabel(spelt(b.labels, x.label))
+
+
+def _message(b: BodyLowering, x: p.Message) -> Lowered:
+    whole: s.Expression | None = None
+    for part in message_parts(x, b.known) or (e.Text(""),):
+        if is_value(part, b.known):
+            own: s.Expression = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
+        else:
+            own = b.lower(part, TERM if whole is not None else SUM)
+        whole = own if whole is None else s.Infix("+", whole, own)
+    assert whole is not None
+    yield b.call("TPWrite", whole)
+
+
+def _opaque(_: BodyLowering, x: p.Opaque) -> Lowered:
+    if x.language != verbatim.LANGUAGE:
+        raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
+    yield from verbatim.statements(x.text)
+
+
+STATEMENTS: Final[dict[type, Callable[[BodyLowering, Any], Lowered]]] = {
+    **dict.fromkeys(STATEMENT_ROWS.records, _table_row),
+    **dict.fromkeys((p.Move, p.MoveCircular, p.MoveJoints), _move),
+    p.Follow: _follow,
+    p.StartTimer: _start_timer,
+    p.SetSignal: _set_signal,
+    p.Call: _call,
+    p.Assign: _assign,
+    p.If: _if,
+    p.While: _while,
+    p.For: _for,
+    p.Switch: _switch,
+    p.Stop: _stop,
+    p.Return: _return,
+    p.Label: _label,
+    p.Goto: _goto,
+    p.Message: _message,
+    p.Opaque: _opaque,
+}
 
 
 def build(program: Program, unit: str | None = None) -> s.File:

@@ -9,8 +9,8 @@ from functools import cache
 from typing import Final
 
 from assistant.languages.rapid.reading.scanner import words
-from assistant.languages.rapid.tables import predefined, signatures
-from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.constants import LONGEST_NAME, RESERVED
 from assistant.languages.texts.words import abouts
 from assistant.program.editor_support import (
     Declaration,
@@ -89,7 +89,7 @@ class EditableRapid(Editable):
         return {} if type is None else (type.components or {})
 
     def options(self, name: str) -> Mapping[str, str]:
-        called = signatures.signature(name)
+        called = predefined.signature(name)
         slots = () if called is None else called.slots
         return {one.name: one.type for slot in slots if slot.optional for one in slot.alternatives}
 
@@ -179,7 +179,7 @@ def _known() -> Mapping[str, KnownWord]:
     for low, datum in predefined.data().items():
         found[low] = KnownWord(datum.name, "variable", f"{datum.storage} {datum.type}")
     about = abouts("assistant.languages.rapid.tables")
-    for low, (line, option) in signatures.rows().items():
+    for low, (line, option) in predefined.rows().items():
         sort = "function" if line.startswith("FUNC") else "instruction"
         head, _, tail = line.partition("(")
         name = head.rpartition(" ")[2]

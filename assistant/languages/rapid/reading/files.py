@@ -1,13 +1,25 @@
-"""Files of RAPID as bytes: encodings, program lists, and what is no text at all."""
+"""Files and folders of RAPID: encodings, program lists, binary files, the folders of a task.
+
+A backup keeps the modules of a task in `RAPID/TASKn/PROGMOD` and `SYSMOD`, and those that all tasks
+share in `RAPID/TASK0`. A list of a program (`.pgf`) names its program modules only: the system
+parameters load the system modules.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import Final
+from pathlib import Path as FilePath
+from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText, decode
+from assistant.languages.language_types import (
+    ControllerConfiguration,
+    SharedData,
+    TaskLoading,
+    Texts,
+)
 from assistant.languages.rapid import rules
 
 _LOOKED_AT: Final = 1 << 16
@@ -118,3 +130,54 @@ def notes(source: SourceText) -> Iterable[Diagnostic]:
         yield source.finding(rules.ENCODING, Span(0, 1))
     if (at := source.text.find("\r\r\n")) >= 0:
         yield source.finding(rules.LINE_END, Span(at, at + 1))
+
+
+TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
+SYSTEM_FOLDER: Final = "SYSMOD"
+SYSTEM_SUFFIXES: Final = (".sys", ".sysx")
+_TASK_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)$")
+
+
+def task_folder(path: FilePath) -> FilePath:
+    """The modules of a folder are one task; a backup keeps a task's in two folders."""
+    folder = path.parent
+    return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
+
+
+def is_shared_folder(folder: FilePath) -> bool:
+    """Whether a folder is TASK0 of a backup."""
+    found = _TASK_FOLDER.search(folder.as_posix())
+    return found is not None and int(found[1]) == 0
+
+
+def is_task_folder(folder: FilePath) -> bool:
+    """Whether a folder is a task of a backup."""
+    return _TASK_FOLDER.search(folder.as_posix()) is not None
+
+
+def is_system_module(path: FilePath) -> bool:
+    """Whether a file is a system module by its folder or suffix."""
+    return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM_SUFFIXES
+
+
+def surroundings(module: FilePath, read: Texts) -> ControllerConfiguration:
+    from assistant.languages.rapid.reading.controller_backup import backup_configuration
+
+    return backup_configuration(module, read)
+
+
+def _with_shared_data_of_tasks(tasks: Sequence[tuple[str, Sequence[Any]]]) -> list[SharedData]:
+    """See `controller_backup`, which needs the tree: loaded only for several tasks."""
+    from assistant.languages.rapid.reading.controller_backup import with_shared_data
+
+    return with_shared_data(tasks)
+
+
+LOADING: Final = TaskLoading(
+    "main",
+    (".pgf",),
+    is_shared_folder,
+    is_task_folder,
+    is_system_module,
+    _with_shared_data_of_tasks,
+)

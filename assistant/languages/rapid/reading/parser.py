@@ -1,22 +1,321 @@
-"""Text of RAPID to the typed tree: runs as columns first, the rest by the lark grammar."""
+"""Text of RAPID to the typed tree: runs as columns first, the rest by the grammar.
+
+A regular expression bounds a run of alike lines and its words; the columns are read from it:
+
+    CONST robtarget p1:=[[600,0,300],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    MoveL p1,v100,z10,tool0;
+    MoveL [[600,0,300],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,z10,tool0;
+
+The grammar reads the other lines; each of its rules has a row, or a method of `Nodes`, that makes
+the node. A damaged text goes to `recovery`.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from typing import Any, Final, Literal
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from operator import itemgetter
+from typing import Any, Final, Literal, TypeAlias
+
+import numpy as np
 
 from assistant.base.budgets import without_gc
+from assistant.base.columns import Slots
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText, with_line_feeds
-from assistant.languages.grammar import RunInTheWay, Shortened
+from assistant.languages import nodes
+from assistant.languages.grammar import RunInTheWay, Shortened, number_of
 from assistant.languages.lalr import Stack
+from assistant.languages.nodes import Children, Place, row, without_place
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
-from assistant.languages.rapid.reading.rows import RunNode, Runs, find_runs
-from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
-from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode, TargetRunNode
-from assistant.languages.runs.row_text import Found
+from assistant.languages.rapid.tables.constants import (
+    LONGEST_NAME,
+    MOST_NESTING,
+    MOST_OPERATORS,
+    RESERVED,
+)
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.literals import gathered
+from assistant.languages.rapid.tree.syntax import (
+    CIRCULAR,
+    FEWEST_IN_RUN,
+    JOINT,
+    LINEAR,
+    TARGET_GROUPS,
+    TARGET_PARTS,
+    File,
+    Item,
+    MotionNames,
+    MoveRun,
+    Origin,
+    StatementNode,
+    TargetRun,
+    TargetRunNode,
+)
+from assistant.languages.runs.columns import Names, Store
+from assistant.languages.runs.row_text import MOST, Found, Marks, entries, line_spans, stretches
+from assistant.languages.runs.row_text import NameWords as Spelling
+
+_B = r"[ \t]"
+_NAME = r"[A-Za-z][A-Za-z0-9_]*+"
+_SLOT = rf"{_B}*+[-+0-9.eE]++{_B}*+"
+_EOL = rf";{_B}*+(?:\r?\n|\Z)"
+
+
+def _slots(count: int) -> str:
+    return r"\[" + ",".join([_SLOT] * count) + r"\]"
+
+
+_WIDE = r"\[\[[-+0-9.eE,\[\]]++"
+"""A value without blanks; that its brackets and commas stand right is seen in the columns."""
+_SPACED = r"\[" + ",".join(_slots(stop - start) for start, stop in TARGET_PARTS) + r"\]"
+_DECLARED = rf"{_B}++{_NAME}{_B}*+:={_B}*+(?:{_WIDE}{_EOL}|{_SPACED}{_EOL})"
+_TARGET_HEAD = rf"(?P<head>(?:LOCAL{_B}++)?+CONST{_B}++robtarget)"
+_SETTINGS = rf"{_B}*+,{_B}*+".join([_NAME] * 3)
+_FRAME = rf"(?:{_B}*+,?+{_B}*+\\WObj{_B}*+:={_B}*+{_NAME})?+{_B}*+{_EOL}"
+_TAIL = rf"{_B}*+,{_B}*+{_SETTINGS}{_FRAME}"
+_MOVE = rf"{_B}*+Move(?:[JL]{_B}++{_NAME}|C{_B}++{_NAME}{_B}*+,{_B}*+{_NAME}){_TAIL}"
+_INLINE = rf"{_B}*+Move[JL]{_B}*+(?:{_WIDE}(?<=\],){_SETTINGS}{_FRAME}|{_SPACED}{_TAIL})"
+_REST = f"{{{FEWEST_IN_RUN - 1},{MOST - 1}}}+"
+_ALL = f"{{{FEWEST_IN_RUN},{MOST}}}+"
+
+_RUNS: Final = re.compile(
+    rf"^(?:{_B}*+{_TARGET_HEAD}{_DECLARED}(?:{_B}*+(?P=head){_DECLARED}){_REST}"
+    rf"|(?P<moves>(?:{_MOVE}){_ALL})|(?P<inline>(?:{_INLINE}){_ALL}))",
+    re.MULTILINE,
+)
+_BLANKS: Final = b" \t\r\n"
+_NAME_SPELLING: Final = Spelling(LONGEST_NAME, RESERVED)
+_MOVE_KINDS: Final = np.zeros(256, dtype=np.uint8)
+_MOVE_KINDS[ord("C")], _MOVE_KINDS[ord("J")], _MOVE_KINDS[ord("L")] = CIRCULAR, JOINT, LINEAR
+
+
+RunNode: TypeAlias = s.TargetRunNode | s.MoveRunNode
+Runs: TypeAlias = Sequence[Found[RunNode]]
+
+
+def find_runs(text: str) -> Iterator[Found[RunNode]]:
+    """The runs of a text, in order; rows that are not exactly plain are left out."""
+    store = Store(text.count(";"), TARGET_PARTS[-1][1])
+    for match in _RUNS.finditer(text):
+        head, inline = match["head"], match["inline"] is not None
+        read: Callable[[bytes], RunNode] = partial(_move_run, store, inline)
+        if head is not None:
+            read = partial(_target_run, store, head)
+        yield from stretches(text, *match.span(), FEWEST_IN_RUN, store, read)
+
+
+# Rows without blanks, one behind the other
+
+
+def _target_run(store: Store, head: str, data: bytes) -> s.TargetRunNode:
+    """head: what stands before each name."""
+    text = Slots(data.translate(None, _BLANKS))
+    marks = Marks(text, b"=,", b";")
+    values = store.take(len(marks.rows))
+    equals = marks.offsets[marks.first]
+    TARGET_GROUPS.read(text, marks, 1, equals + 1, b";", values)
+    starts = marks.rows + len(re.sub(r"\s", "", head))
+    scope = "LOCAL" if head.startswith("LOCAL") else ""
+    names = _NAME_SPELLING.names(text, starts, equals - len(":"))
+    return s.TargetRunNode(scope, TargetRun(names, values), rows=line_spans(data, b";", ended=True))
+
+
+def _move_run(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
+    text = Slots(data.translate(None, _BLANKS))
+    marks = Marks(text, b",", b";")
+    kinds = _MOVE_KINDS[text.bytes[marks.rows + len("Move")]]
+    names = vias = Names.none(len(kinds))
+    begins, values = marks.rows + len("MoveL"), None
+    if inline:
+        values = store.take(len(kinds))
+        ends = TARGET_GROUPS.read(text, marks, 0, begins, b",", values)
+    else:
+        circular = kinds == CIRCULAR
+        first, ends = marks.offsets[marks.first], marks.offsets[marks.first + circular]
+        if circular.any():
+            at = np.flatnonzero(circular)
+            vias = _NAME_SPELLING.names(text, begins[at], first[at]).spread(at, len(kinds))
+            begins = np.where(circular, first + 1, begins)
+        names = _NAME_SPELLING.names(text, begins, ends)
+    motions = entries(text, ends + 1, marks.stops, 4 * LONGEST_NAME + 24, _motion_names)
+    run = MoveRun(kinds, names, vias, motions, values)
+    return s.MoveRunNode(run, rows=line_spans(data, b";", ended=False))
+
+
+def _motion_names(tail: bytes) -> MotionNames:
+    speed, zone, tool, *frame = re.findall(r"[A-Za-z]\w*", tail.decode("ascii"))
+    names = (speed, zone, tool, *frame[1:])
+    if any(len(name) > LONGEST_NAME or name.lower() in RESERVED for name in names):
+        raise ValueError("a word is no name")
+    return MotionNames(speed, zone, tool, frame[1] if frame else "")
+
+
+_TABLE_PART: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
+_ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
+
+
+def unescaped(literal: str) -> str:
+    """What a string literal, quotes included, says."""
+    return _ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else m[0][0], literal[1:-1])
+
+
+def _module_attribute(children: Children) -> str:
+    return str(children[0]).upper()
+
+
+def _open_dimensions(children: Children) -> int:
+    """Of an array that a routine is given, -1 for the hole that the pendant leaves."""
+    return len(children) if children[0] == "*" else -1
+
+
+NODE_ROWS: Final = {
+    **dict.fromkeys(("statements", "items", "block"), without_place(gathered)),
+    **dict.fromkeys(("attributes", "component", "dimensions", "element"), without_place(tuple)),
+    **dict.fromkeys(("parameters", "arguments"), without_place(tuple)),
+    **dict.fromkeys(("placeholder", "hole"), row(s.Placeholder, text=str.upper)),
+    "module": row(s.Module, "name attributes? items"),
+    "attribute": without_place(_module_attribute),
+    # declarations
+    "record": row(s.Record, "local? name *components"),
+    "alias": row(s.Alias, "local? type name"),
+    "data": row(
+        s.Data, "scope? storage type name dimensions? value", scope=str.upper, storage=str.upper
+    ),
+    "procedure": row(s.Routine, "local? name parameters? body *handlers", kind="PROC"),
+    "function": row(s.Routine, "local? type name parameters? body *handlers", kind="FUNC"),
+    "trap": row(s.Routine, "local? name body *handlers", kind="TRAP"),
+    "required": row(s.ParameterGroup, "*alternatives", optional=False),
+    "optional": row(s.ParameterGroup, "*alternatives", optional=True),
+    "parameter": row(s.ParameterNode, "mode? type name dimensions?", mode=str.upper),
+    "open_array": without_place(_open_dimensions),
+    "backward": row(s.Handler, "body", kind="BACKWARD"),
+    "error": row(s.Handler, "*numbers body", kind="ERROR"),
+    "undo": row(s.Handler, "body", kind="UNDO"),
+    # statements
+    "assign": row(s.Assignment),
+    "call": row(s.ProcedureCall),
+    "late_call": row(s.ProcedureCall),
+    "goto": row(s.GotoLabel),
+    "label": row(s.LabelMark),
+    "return": row(s.ReturnFrom),
+    "raise": row(s.RaiseError),
+    "exit": row(s.Word, "", word="EXIT"),
+    "retry": row(s.Word, "", word="RETRY"),
+    "try_next": row(s.Word, "", word="TRYNEXT"),
+    "connect": row(s.Connect),
+    "elseif": row(s.IfBranch),
+    "else_hole": row(s.IfBranch, "_", condition=None, body=()),
+    "compact_if": row(s.CompactIf),
+    "for": row(s.ForLoop),
+    "while": row(s.WhileLoop),
+    "test": row(s.TestOf, "subject *cases otherwise"),
+    "case": row(s.TestCase, "*values body"),
+    "case_hole": row(s.TestCase, "_", values=(), body=()),
+    # arguments
+    "positional": row(s.Positional, "value"),
+    "named_argument": row(s.Positional, "name value"),
+    "argument_hole": row(s.Positional, "_", value=s.Placeholder("<ARG>")),
+    "option": row(s.Option),
+    "conditional": row(s.Conditional),
+    # expressions
+    "negation": row(s.Prefix, "operand", operator="NOT"),
+    "signed": row(s.Prefix),
+    "number": row(s.NumberLiteral),
+    "string": row(s.StringLiteral, value=unescaped),
+    "true": row(s.BoolLiteral, "_", value=True),
+    "false": row(s.BoolLiteral, "_", value=False),
+    "aggregate": row(s.AggregateNode, "*items"),
+    "group": row(s.Group),
+    "function_call": row(s.FunctionCall),
+    "member": without_place(itemgetter(0)),
+    "whole": row(s.Whole, "_"),
+}
+"""Rules whose children are the fields of a node."""
+
+
+class Nodes(nodes.Nodes, rows=NODE_ROWS):
+    """And the others.
+
+    text: what the grammar read. offset: from an offset in it to one in the source, None for the
+    same.
+    """
+
+    def __init__(self, text: str, offset: Callable[[int], int] | None, runs: Runs) -> None:
+        super().__init__(offset)
+        self._text, self._runs = text, runs
+        self._offset: Callable[[int], int] = offset or (lambda at: at)
+
+    def start(self, _: Place, c: Children) -> tuple[str | None, tuple[Any, ...]]:
+        header, *parts = c
+        return None if header is None else header[3:-3], tuple(parts)
+
+    def note(self, place: Span, c: Children) -> s.CommentLine:
+        at = place.start
+        line = self._text[self._text.rfind("\n", 0, at) + 1 : at]
+        return s.CommentLine(c[0][1:].strip(), bool(line.strip()), span=self.span(place))
+
+    def targets(self, _: Place, c: Children) -> RunNode:
+        found = self._runs[number_of(c[0])]
+        return replace(found.node, span=Span(found.start, found.end))
+
+    moves = targets
+
+    def compound_if(self, place: Place, c: Children) -> s.IfThen:
+        condition, body, *rest, otherwise = c
+        first = s.IfBranch(condition, body)
+        return s.IfThen((first, *rest), otherwise, span=self.span(place))
+
+    def _infix(self, place: Place, c: Children) -> Any:
+        value = c[0]
+        for operator, right in zip(c[1::2], c[2::2], strict=True):
+            value = s.Infix(operator.upper(), value, right, span=self.span(place))
+        return value
+
+    disjunction = conjunction = relation = sum = term = _infix
+
+    def reference(self, place: Place, c: Children) -> Any:
+        span = self.span(place)
+        value: s.Variable = s.NameRef(c[0], span=span)
+        for part in c[1:]:
+            if isinstance(part, str):
+                value = s.Component(value, part, span=span)
+            else:
+                value = s.Element(value, part, span=span)
+        return value
+
+    def table(self, place: Span, c: Children) -> s.AggregateNode:
+        """Numbers in brackets as `aggregate` gives them."""
+        stack: list[list[Any]] = [[]]
+        begins: list[int] = []
+        for part in _TABLE_PART.finditer(c[0]):
+            start, end = place.start + part.start(), place.start + part.end()
+            if part[0] == "[":
+                begins.append(start)
+                stack.append([])
+            elif part[0] == "]":
+                span = Span(self._offset(begins.pop()), self._offset(end))
+                items = tuple(stack.pop())
+                stack[-1].append(s.AggregateNode(items, span=span))
+            else:
+                last = self._offset(end)
+                value: Any = s.NumberLiteral(part[2], span=Span(last - len(part[2]), last))
+                if part[1]:
+                    span = Span(self._offset(start), last)
+                    value = s.Prefix("-" if part[1] == "-" else "+", value, span=span)
+                stack[-1].append(value)
+        (node,) = stack[0]
+        assert isinstance(node, s.AggregateNode)
+        return node
+
+
+class SingleNodes(
+    Nodes, rows=dict.fromkeys(("statements", "items", "block"), without_place(tuple))
+):
+    """Every line as a node of its own, however many are alike."""
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:
@@ -66,9 +365,7 @@ def parse_rows(
     start: moves are statements, declarations are items of a module. A damaged line, which was
     mended when it was read, is mended once more.
     """
-    from assistant.languages.rapid.reading.grammar import grammar
-    from assistant.languages.rapid.reading.nodes import SingleNodes
-    from assistant.languages.rapid.reading.scanner import table_words
+    from assistant.languages.rapid.reading.scanner import grammar, table_words
 
     tables, words = grammar().tables[start], table_words()
     found: list[Any] = []
@@ -99,9 +396,7 @@ def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
-    from assistant.languages.rapid.reading.grammar import grammar
-    from assistant.languages.rapid.reading.nodes import Nodes
-    from assistant.languages.rapid.reading.scanner import table_words
+    from assistant.languages.rapid.reading.scanner import grammar, table_words
 
     text = with_line_feeds(source.text)
     tables = grammar().tables[start]
@@ -122,7 +417,7 @@ def _read(
             return source.finding(rules.TOO_DEEP, Span(at, at + 1), most=MOST_NESTING)
         if sound:
             return stack.values[0], ()
-        from assistant.languages.rapid.reading.recovery.reader import reader
+        from assistant.languages.rapid.reading.recovery import reader
 
         reading = reader().read(source, text, short, tables, nodes)
         if not isinstance(reading, RunInTheWay):

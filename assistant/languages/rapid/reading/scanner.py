@@ -1,16 +1,39 @@
-"""One scanner of RAPID for all who need its words: made of the terminals of the grammar."""
+"""Grammar, scanner and tokens of RAPID.
+
+One scanner, made of the terminals of the grammar `rapid.lark`, serves the parser, recovery, editors
+and the layout. `words` gives the words of a text; `tokens` also gives tables of alike lines as one
+token each.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.source_text import with_line_feeds
-from assistant.languages.grammar import WordScanner, terminals_pattern
-from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.grammar import Grammar, WordScanner, acceptor, load, terminals_pattern
 from assistant.languages.texts.words import Word
+
+if TYPE_CHECKING:
+    from lark import Lark
+
+
+GRAMMAR_FILE: Final = "rapid.lark"
+GRAMMAR_STARTS: Final = ("start", "statements", "items")
+
+
+@cache
+def grammar() -> Grammar:
+    """Of whole files (`start`), `statements` and `items`."""
+    return load(GRAMMAR_FILE, GRAMMAR_STARTS)
+
+
+def by_lark() -> Lark:
+    """Return lark's own parser for the same grammar."""
+    return acceptor(GRAMMAR_FILE, GRAMMAR_STARTS)
+
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""
@@ -98,3 +121,45 @@ def _kinds_of_terminals() -> Mapping[str | None, str]:
 def _table_pattern() -> re.Pattern[str]:
     """What a table of numbers is made of."""
     return re.compile(rf"(?P<number>{grammar().terminals['NUMBER'].regexp})|[^ \t]")
+
+
+FEWEST_ROWS: Final = 8
+MOST_ROWS: Final = 1 << 16
+"""Rows of one token, so that a long table comes in pieces of bounded size."""
+
+
+def tokens(text: str, *, rows: bool = True, start: int = 0) -> Iterator[Word]:
+    """The words of a text, and `rows`: tables of alike lines, line ends included.
+
+    rows: False takes tables apart as well. start: of the text.
+    """
+    found = words(text)
+    header = next(found, None)
+    at = 0
+    if header is not None and header.kind == "header":
+        at = header.end
+        yield header._replace(start=start)
+    for table in _TABLE.finditer(text, at) if rows else ():
+        if _may_be_rows(table[0]):
+            yield from _moved_words(words(text, at, table.start()), start)
+            yield Word("rows", table[0], start + table.start())
+            at = table.end()
+    yield from _moved_words(words(text, at), start)
+
+
+def _moved_words(found: Iterator[Word], by: int) -> Iterator[Word]:
+    return found if not by else (word._replace(start=word.start + by) for word in found)
+
+
+def _may_be_rows(text: str) -> bool:
+    """Whether no word in a table could need upper case."""
+    lower = text.lower()
+    return "true" not in lower and "false" not in lower
+
+
+_ROW_HEAD = r"(?:(?:LOCAL +)?+CONST +robtarget +|Move[JLC] +(?!\\))"
+_ROW_REST = r"(?:[^\s;!\"()<>%]++|(?<=\W)[ \t]++|[ \t]++(?=\W))*+"
+_ROW = rf"[ \t]*+{_ROW_HEAD}{_ROW_REST};[ \t]*+(?:\r?\n|\Z)"
+"""A declared target or a move on one line, that needs no blank but those of its head."""
+
+_TABLE: Final = re.compile(rf"^(?:{_ROW}){{{FEWEST_ROWS},{MOST_ROWS}}}+", re.MULTILINE)

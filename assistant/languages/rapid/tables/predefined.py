@@ -1,7 +1,14 @@
-"""Types and data that every controller knows, read from `predefined.txt`.
+"""Types, data and routines that every controller knows, and the routines of RobotWare's options.
 
-Sources: the data types of the RobotWare 6 manual (3HAC050917); component orders checked against
-rpiRobotics/abb_motion_program_exec; names of constants as KnoP-01/rapid-for-vim lists them.
+Read from `predefined.txt` (types and data) and `signatures.txt` (routines with their parameters).
+Sources: the instructions, functions and data types of the RobotWare 6 manual (3HAC050917); orders
+of components checked against rpiRobotics/abb_motion_program_exec; names of constants as
+KnoP-01/rapid-for-vim lists them; parameters compared with the arguments that programs give;
+routines of options by their manuals or by name only.
+
+A routine is a `PROC`, `FUNC` or `TRAP`. The mode of a parameter is `VAR`, `PERS`, `INOUT`, or `REF`
+for the mere name of any object. An uncertain parameter is open or has no type, so that no rule
+concludes anything from it.
 """
 
 from __future__ import annotations
@@ -13,8 +20,105 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
-from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OPTION_ROUTINES
-from assistant.languages.signatures import Type
+from assistant.languages.signatures import Parameter, Signature, Slot, Type
+
+
+@cache
+def signature(name: str) -> Signature | None:
+    """The standard routine of that name in any case, None if there is none."""
+    row = rows().get(name.lower())
+    return None if row is None else _signature(*row)
+
+
+@cache
+def rows() -> Mapping[str, tuple[str, str]]:
+    """Every standard routine by lower-case name: its line and the option that brings it."""
+    text = files("assistant.languages.rapid.tables").joinpath("signatures.txt").read_text("utf-8")
+    return dict(_rows(text))
+
+
+def _rows(text: str) -> Iterator[tuple[str, tuple[str, str]]]:
+    option = ""
+    for line in text.splitlines():
+        if line.startswith("["):
+            option = line.strip("[]")
+        elif line and not line.startswith("#"):
+            head = line.partition("(")[0]
+            yield head.rpartition(" ")[2].lower(), (line, option)
+
+
+_PARAMETER: Final = re.compile(
+    r"(?:(?P<mode>VAR|PERS|INOUT|REF) )?(?P<type>[\w?]+) (?P<name>\w+)(?P<array>\{\*\})?"
+)
+
+
+def _signature(line: str, option: str) -> Signature:
+    head, _, tail = line.partition("(")
+    kind, *result, name = head.split()
+    parts = [part for part in tail.removesuffix(")").split(", ") if part]
+    slots = tuple(_slot(part) for part in parts if part != "...")
+    return Signature(name, kind, slots, _parameter_type("".join(result)), "..." in parts, option)
+
+
+def _slot(text: str) -> Slot:
+    parts = text.removeprefix("\\").split(" | ")
+    return Slot(tuple(map(_parameter, parts)), text.startswith("\\"))
+
+
+def _parameter(text: str) -> Parameter:
+    found = _PARAMETER.fullmatch(text)
+    if found is None:
+        raise ValueError(f"signatures.txt: {text!r} is no parameter")
+    dimensions = -1 if found["array"] else 0
+    return Parameter(found["name"], _parameter_type(found["type"]), found["mode"] or "", dimensions)
+
+
+def _parameter_type(text: str) -> str:
+    return "" if text == "?" else text.lower()
+
+
+def _routine_names(word: str, *, options: bool) -> frozenset[str]:
+    lines = rows().items()
+    return frozenset(n for n, (line, of) in lines if line.startswith(word) and bool(of) == options)
+
+
+INSTRUCTIONS: Final = _routine_names("PROC", options=False)
+FUNCTIONS: Final = _routine_names("FUNC", options=False)
+OPTION_ROUTINES: Final = _routine_names("", options=True)
+"""Instructions and functions of RobotWare's options, lower case as all of these."""
+
+
+def _word_set(words: str) -> frozenset[str]:
+    return frozenset(words.lower().split())
+
+
+MOVING: Final = _word_set(
+    """
+    TriggAbsJ CyclicBrakeCheck StepBwdPath EGMRunJoint EGMRunPose
+    IndAMove IndCMove IndDMove IndRMove
+    ArcAdaptC ArcAdaptCEnd ArcAdaptL ArcAdaptLEnd ArcAdaptLStart ArcAdaptRepL ArcRepL
+    ArcC1 ArcC1End ArcC1Start ArcC2 ArcC2End ArcC2Start ArcCalcC ArcCalcCEnd
+    ArcL1 ArcL1End ArcL1Start ArcL2 ArcL2End ArcL2Start ArcCalcL ArcCalcLEnd ArcCalcLStart
+    BECheckTcp BESetupToolJ BETcpExtend BEUpdateTcp DaProcMJ DaProcML DispC DispL
+    FCPress1LStart FCPressC FCPressL FCPressLEnd FCPressEnd FCRefStart
+    PaintC PaintL PaintLDO PaintLSig CSSDeactMoveL ExecEngine PMgrRunMenu
+    CalibJ CalibL Calibrate MeasureWearL NutJ NutL SpotJ SpotL SpotMJ SpotML IndGunMove
+    TcDropOffTool TcPickupTool
+    """
+)
+"""Instructions that move an axis, or may, though no speed is known to be given to them.
+
+By the RAPID reference manual and the manuals of the options, lower case as all of these.
+"""
+WAITING: Final = _word_set("Stop Break SystemStopAction SyncMoveOn SyncMoveOff")
+"""Instructions that hold the program without a word of waiting or a time in their parameters."""
+JUMPING: Final = _word_set("ExitCycle ErrRaise RaiseToUser StartMoveRetry")
+"""Instructions behind which the program does not simply go on."""
+CALLING: Final = _word_set("CallByVar")
+"""Instructions that call routines whose names they are given as texts,"""
+NAMING: Final = _word_set("SetDataVal SetAllDataVal")
+"""and that change data of such names."""
+
 
 TYPE_KINDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)

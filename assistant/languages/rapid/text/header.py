@@ -1,23 +1,31 @@
-"""The comment lines that open a module: what RAPID itself has no words for.
+"""The comment lines that open a module, and the sections of an emitted module.
 
-One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME` of a module that is
-loaded when it is called, `module of: NAME` of one that its task holds beside the main one,
-`signal: NAME digital output [number [bits]]`, `name: SHORT = original`, `elsewhere: PERS …` of a
-tool or work object that the controller has, see `elsewhere.py`. Anything else is a
-comment; one that looks like an item is written with `: ` before it. Names are written in ASCII,
-for a module is.
+The header states what RAPID itself cannot express, one item a line: `program: NAME`, `robot: NAME`,
+`entry: NAME`, `unit of: NAME` of a module that is loaded when it is called, `module of: NAME` of
+one that its task holds beside the main one, `signal: NAME digital output [number [bits]]`,
+`name: SHORT = original`, and a tool or work object that the controller has, so that the module
+alone can be checked and moved through with the values that it was made for:
+
+    ! elsewhere: PERS tooldata gripper:=[TRUE,[[0,0,60],[1,0,0,0]],[0.5,[0,0,30],[1,0,0,0],0,0,0]]
+
+Any other line is a comment; a comment that looks like an item is written with `: ` before it.
+Names are written in ASCII, as a module is.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.base.diagnostics import Refused
+from assistant.languages.language_types import Outline
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text.printer import print_file
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
-from assistant.program.program import Program, Signal
+from assistant.program.program import Program, Signal, identifier
 
 _HEADER_ITEM: Final = re.compile(
     rf"program: (?P<program>{ASCII_NAME})"
@@ -141,3 +149,90 @@ def module_header(module: s.Module) -> Header:
             break
         lines.append(item.text)
     return read_header(lines)
+
+
+def header_declaration(data: s.Data) -> str:
+    """A declaration as a heading says it: on one line, without its semicolon."""
+    printed = print_file(s.File((s.Module("m", (), (data,)),)), "\n")
+    return printed.split("\n")[1].strip().removesuffix(";")
+
+
+def controller_data(module: s.Module) -> Iterator[s.Data]:
+    """What the heading of a module says of data that the controller has."""
+    for text in module_header(module).there:
+        try:
+            yield from (one for one in verbatim.items(text + ";") if isinstance(one, s.Data))
+        except Refused:
+            continue
+
+
+def with_controller_data(files: Sequence[s.File]) -> Sequence[s.File]:
+    """The files, with one beside them that declares what their headings state and none declares."""
+    modules = [module for file in files for module in file.modules]
+    found = {one.name.lower(): one for module in modules for one in controller_data(module)}
+    if not found:
+        return files
+    for module in modules:
+        for item in module.items:
+            if isinstance(item, s.Data) and item.scope != "LOCAL":
+                found.pop(item.name.lower(), None)
+    if not found:
+        return files
+    name = identifier("elsewhere", {module.name for module in modules})
+    return [*files, s.File((s.Module(name, (), tuple(found.values())),))]
+
+
+_OPENING_COMMENTS: Final = re.compile(r"(?: *!.*\n)*")
+_ROUTINE_LINE: Final = re.compile(
+    r"^(?:\r?\n)?    (?:LOCAL )?(?:(?:PROC|FUNC \w+) \w+\(|TRAP )", re.MULTILINE
+)
+_TARGET_LINE: Final = re.compile(
+    r"^    (?:(?:LOCAL|TASK) )?CONST (?:robtarget|jointtarget) .*;\r?\n", re.MULTILINE
+)
+_END: Final = "ENDMODULE"
+
+
+def sections(text: str) -> Mapping[str, str]:
+    """The lines between `MODULE` and `ENDMODULE`: opening comments, declarations, routines."""
+    start, end = text.index("\n") + 1, text.rindex(_END)
+    comments = _OPENING_COMMENTS.match(text, start, end)
+    below = comments.end() if comments else start
+    routine = _ROUTINE_LINE.search(text, below, end)
+    first = routine.start() if routine else end
+    return {
+        "header": text[start:below],
+        "declarations": text[below:first],
+        "routines": text[first:end],
+    }
+
+
+def _module_name(text: str) -> str:
+    found = re.match(r"MODULE (\w+)", text)
+    return found[1] if found else ""
+
+
+OUTLINE: Final = Outline(
+    template="rapid/module.mod.j2",
+    sections=sections,
+    within={
+        "data": ("declarations", lambda text: _TARGET_LINE.sub("", text)),
+        "targets": ("declarations", lambda text: "".join(_TARGET_LINE.findall(text))),
+    },
+    name=_module_name,
+    rank={"MODULE": 0, "header": 1, "declarations": 2, "data": 2, "targets": 2, "routines": 3}
+    | {_END: 4},
+    complete=(
+        ("MODULE", "header", "declarations", "routines", _END),
+        ("MODULE", "header", "data", "targets", "routines", _END),
+    ),
+    item=is_header_item,
+    frame={
+        # A system module has no `main`; the other attributes change nothing that the program does.
+        # Their order and what excludes what: technical reference manual, RAPID kernel, modules.
+        "MODULE": r"MODULE {name} ?(?:\( ?(?:NOVIEW|NOSTEPIN(?: ?, ?(?:VIEWONLY|READONLY))?"
+        r"|VIEWONLY|READONLY) ?\))?",
+        _END: _END,
+    },
+    numbered=lambda _: None,
+    blank=True,
+)

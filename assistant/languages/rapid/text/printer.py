@@ -9,7 +9,7 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import LINE_ENDS, one_line
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import moves_text, targets_text
+from assistant.languages.rapid.tree.syntax import moves_text, targets_text
 from assistant.languages.texts.printed_trees import Block, BlockPrinter, Templates, joined_texts
 
 INDENT: Final = "    "

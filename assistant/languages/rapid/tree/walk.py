@@ -1,16 +1,113 @@
-"""The nodes of a tree, one after the other, the lists of statements, and what these call."""
+"""Walks over a tree: its nodes, its lists of statements, calls and their arguments, names.
+
+`nodes` gives every node in the order of the text, `lists` every list of statements of a routine.
+`called` gives a call as the rows of the tables have it. `trigger_set_up` and `triggers_taken` tell
+which triggdata an instruction sets up or a move takes. `renamed` gives data of a module other
+names.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages.language_types import Part
 from assistant.languages.nodes import Walk
+from assistant.languages.patterns import Called
+from assistant.languages.rapid.tables.signals import FURTHER_TRIGGERS, TRIGGER_MOVES, TRIGGER_SETUPS
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.triggers import trigger_set_up
+from assistant.languages.rapid.tree.syntax import MotionNames
+from assistant.languages.runs.columns import Names
+from assistant.program.rewriting import rewrite
+
+TASK_NAME: Final = "taskname"
+"""The option that names the task whose arm a function reads of."""
+
+
+def called(node: s.Node) -> Called[s.Expression] | None:
+    """The call that a node is, without a word where that is worked out.
+
+    None for another node, or with an argument that a routine hands on.
+    """
+    if not isinstance(node, s.FunctionCall | s.ProcedureCall):
+        return None
+    given: list[s.Expression] = []
+    options: dict[str, s.Expression | None] = {}
+    for argument in node.arguments:
+        match argument:
+            case s.Positional(value, None):
+                given.append(value)
+            case s.Option(name, value):
+                options.setdefault(name.lower(), value)
+            case _:
+                return None
+    word = node.name if isinstance(node.name, str) else ""
+    return Called(word, given, options)
+
+
+def positional(call: s.FunctionCall | s.ProcedureCall) -> list[s.Expression]:
+    """The values that are given by their places."""
+    return [one.value for one in call.arguments if isinstance(one, s.Positional)]
+
+
+def option(call: s.FunctionCall | s.ProcedureCall, *names: str) -> s.Option | None:
+    """The first option of one of some names, which are in lower case."""
+    given = (one for one in call.arguments if isinstance(one, s.Option))
+    return next((one for one in given if one.name.lower() in names), None)
+
+
+def name_of(value: s.Expression | None) -> str:
+    """The name that an expression is, empty for any other one."""
+    return value.name if isinstance(value, s.NameRef) else ""
+
+
+def function_call(call: Called[s.Expression]) -> s.FunctionCall:
+    return s.FunctionCall(call.word, arguments(call))
+
+
+def arguments(call: Called[s.Expression]) -> tuple[s.Argument, ...]:
+    given = [s.Positional(node) for node in call.given if node is not None]
+    options = [s.Option(name, node) for name, node in call.options.items()]
+    parts: tuple[Sequence[s.Argument], ...] = (given, options)
+    first, second = reversed(parts) if call.leading else parts
+    return (*first, *second)
+
+
+def worked_out_task(call: s.FunctionCall) -> s.Expression | None:
+    """The name of the task whose arm is read, None where it is written out or left out."""
+    for argument in call.arguments:
+        match argument:
+            case s.Option(option, s.Node() as name) if option.lower() == TASK_NAME:
+                return None if isinstance(name, s.StringLiteral) else name
+    return None
+
+
+def trigger_set_up(node: s.Node) -> str:
+    """The lower-case name of the variable that an instruction sets up; empty for others."""
+    match node:
+        case s.ProcedureCall(str(word), (s.Positional(s.NameRef(name), None), *_)) if (
+            word.lower() in TRIGGER_SETUPS
+        ):
+            return name.lower()
+    return ""
+
+
+def triggers_taken(node: s.Node) -> tuple[s.NameRef, ...]:
+    """The plain variables that a move takes; none for what is no such move."""
+    move = TRIGGER_MOVES.get(str(node.name).lower()) if isinstance(node, s.ProcedureCall) else None
+    if move is None or not isinstance(node, s.ProcedureCall):
+        return ()
+    given = positional(node)
+    more = [
+        x.value
+        for x in node.arguments
+        if isinstance(x, s.Option) and x.name.lower() in FURTHER_TRIGGERS
+    ]
+    named = (*given[move.place : move.place + 1], *more)
+    return tuple(one for one in named if isinstance(one, s.NameRef))
+
 
 ERRNO: Final = "errno"
 """The variable in lower case that holds the number of the error."""
@@ -217,3 +314,29 @@ def called_in(value: Any) -> Iterator[str]:
     for node in nodes(value):
         if isinstance(node, s.FunctionCall | s.ProcedureCall) and isinstance(node.name, str):
             yield node.name.lower()
+
+
+def renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
+    """An item with other names, by lower-case name, but for what a routine declares itself."""
+    inner = {
+        node.name.lower()
+        for node in (nodes(item) if isinstance(item, s.Routine) else ())
+        if isinstance(node, s.Data | s.ParameterNode)
+    }
+
+    def of(name: str) -> str:
+        return name if name.lower() in inner else names.get(name.lower(), name)
+
+    def said(part: Any) -> Any:
+        match part:
+            case s.NameRef(name) | s.Data(name=name):
+                return replace(part, name=of(name))
+            case s.ForLoop(variable=str(name)):
+                return replace(part, variable=of(name))
+            case MotionNames(speed, zone, tool, frame):
+                return MotionNames(of(speed), of(zone), of(tool), of(frame))
+            case Names():
+                return Names.of([of(part.name(row)) for row in range(len(part))])
+        return part
+
+    return rewrite(item, said, ())

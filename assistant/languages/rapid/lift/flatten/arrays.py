@@ -24,7 +24,7 @@ from assistant.languages.rapid.lift.flatten.record_statements import names_in
 from assistant.languages.rapid.lift.flatten.routine_copies import call_graph, reentrant_routines
 from assistant.languages.rapid.lift.flatten.tree_rewriting import is_literal
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import called_in, inner_names, nodes
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite

@@ -18,26 +18,32 @@ import numpy as np
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.library import function_call
-from assistant.languages.rapid.tables.states import (
+from assistant.languages.rapid.tables.constants import (
+    CELL_MODULE,
     CONTROLLER_STATES,
     LAST_ERROR,
     STATE_BY_NAME,
     SYSTEM_INFO_NAMES,
     TASK_NUMBER,
     TASK_NUMBER_OPTIONS,
+    UNUSED,
     state_of,
 )
-from assistant.languages.rapid.tables.words import CELL_MODULE, UNUSED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import TASK_NAME, called
-from assistant.languages.rapid.tree.external_axes import (
+from assistant.languages.rapid.tree.literals import (
     EXTERNAL_AXES,
     FIRST_EXTERNAL_COLUMN,
     stated_axes,
     still_axes,
     still_axis_name,
 )
-from assistant.languages.rapid.tree.walk import ERRNO, nodes, routines_of_handlers
+from assistant.languages.rapid.tree.walk import (
+    ERRNO,
+    TASK_NAME,
+    called,
+    nodes,
+    routines_of_handlers,
+)
 from assistant.program.rewriting import rewrite
 
 

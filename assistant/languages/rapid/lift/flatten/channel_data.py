@@ -23,9 +23,8 @@ from assistant.languages.rapid.lift.flatten.data_names import FreshNames
 from assistant.languages.rapid.lift.flatten.library import function_call, library
 from assistant.languages.rapid.lift.flatten.tree_rewriting import rewritten
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called, option
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import inner_names, mentions, nodes
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called, inner_names, mentions, nodes, option
 from assistant.program.rewriting import rewrite
 
 LENGTH_ARRAY: Final = "raw_length"

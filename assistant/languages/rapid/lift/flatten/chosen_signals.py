@@ -17,7 +17,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.data_names import FreshNames
 from assistant.languages.rapid.lift.name_clashes import with_unique_data_names
-from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES, VALUE_FUNCTIONS
+from assistant.languages.rapid.tables.signals import SIGNAL_TYPES, VALUE_FUNCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, mentions, nodes, root
 from assistant.program.program import Signal

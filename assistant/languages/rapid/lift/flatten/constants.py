@@ -29,17 +29,17 @@ from assistant.languages.rapid.lift.flatten.data_names import (
 from assistant.languages.rapid.lift.flatten.record_layout import RecordLayouts
 from assistant.languages.rapid.lift.flatten.tree_rewriting import is_literal
 from assistant.languages.rapid.lift.flatten.unread_data import OMISSION_MARK
-from assistant.languages.rapid.tables.processes import (
+from assistant.languages.rapid.tables.constants import SPEEDS, ZONES
+from assistant.languages.rapid.tables.signals import (
     GUN_OPTIONS,
     PROCESS_MOVES,
     SPOT_DATA,
     WELD_SPEED,
 )
-from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.runs import MotionNames
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.syntax import MotionNames
 from assistant.languages.rapid.tree.walk import inner_names, lists, nodes, root
 from assistant.languages.runs.columns import NameIndex
 from assistant.program.program import TakenNames, identifier

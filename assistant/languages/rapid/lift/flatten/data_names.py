@@ -26,10 +26,7 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     component_parameters,
     steady_types,
 )
-from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.processes import PROCESS_MOVES
-from assistant.languages.rapid.tables.signatures import signature
-from assistant.languages.rapid.tables.words import (
+from assistant.languages.rapid.tables.constants import (
     LEAST_CENTRE,
     LEAST_MASS,
     SPEEDS,
@@ -37,14 +34,17 @@ from assistant.languages.rapid.tables.words import (
     ZONES,
     usual_sizes,
 )
+from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.predefined import signature
+from assistant.languages.rapid.tables.signals import PROCESS_MOVES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.external_axes import (
+from assistant.languages.rapid.tree.literals import (
     EXTERNAL_AXES,
     EXTERNAL_COMPONENT,
+    literal_number,
     used_axes,
 )
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.runs import TargetRun
+from assistant.languages.rapid.tree.syntax import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.runs.columns import NameIndex
 from assistant.languages.signatures import Parameter, Slot

@@ -20,15 +20,10 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.data_names import FreshNames, predefined_value
 from assistant.languages.rapid.lift.flatten.library import ARM_FUNCTIONS, function_call
 from assistant.languages.rapid.lift.flatten.tree_rewriting import rewritten
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called, option, positional
-from assistant.languages.rapid.tree.mechanical_units import (
-    carrying_unit,
-    still_frame_name,
-    units_can_stand,
-)
-from assistant.languages.rapid.tree.walk import inner_names, nodes
+from assistant.languages.rapid.tree.literals import carrying_unit, still_frame_name, units_can_stand
+from assistant.languages.rapid.tree.walk import called, inner_names, nodes, option, positional
 from assistant.program.geometry import FLANGE
 from assistant.program.rewriting import rewrite
 

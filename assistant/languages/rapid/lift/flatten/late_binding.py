@@ -20,8 +20,7 @@ from assistant.languages.rapid.lift.flatten.record_layout import SETTING_TYPES, 
 from assistant.languages.rapid.lift.statements import NameResolver
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import called, nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program

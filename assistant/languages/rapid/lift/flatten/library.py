@@ -18,11 +18,10 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import mentions, nodes
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called, mentions, nodes
 from assistant.program.rewriting import rewrite
 
 SAME_CALLS: Final[Mapping[str, str]] = {

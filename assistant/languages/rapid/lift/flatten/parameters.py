@@ -21,7 +21,7 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     RecordLayouts,
 )
 from assistant.languages.rapid.tables import predefined
-from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
+from assistant.languages.rapid.tables.signals import PROCESS_DATA_TYPES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, routines_of_handlers
 from assistant.program.rewriting import rewrite

@@ -14,11 +14,11 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from assistant.languages.rapid.tables.constants import VALUE_OF_TYPE
+from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tables.predefined import types as predefined
-from assistant.languages.rapid.tables.signatures import signature
-from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_values
+from assistant.languages.rapid.tree.literals import literal_values
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import frame_of, tool_of
 from assistant.languages.signatures import MOST_ALIASES, Type

@@ -47,10 +47,9 @@ from assistant.languages.rapid.lift.flatten.record_values import (
     with_configuration,
 )
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import worked_out_task
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.runs import CIRCULAR, PLAIN_MOVES, TARGET_PARTS, MoveRun
-from assistant.languages.rapid.tree.walk import lists, nodes, root
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.syntax import CIRCULAR, PLAIN_MOVES, TARGET_PARTS, MoveRun
+from assistant.languages.rapid.tree.walk import lists, nodes, root, worked_out_task
 
 
 def flat_declarations(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:

@@ -51,10 +51,10 @@ from assistant.languages.rapid.lift.flatten.record_layout import (
     grouped,
     in_brackets,
 )
-from assistant.languages.rapid.tables.processes import PROCESS_DATA_TYPES
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.predefined import signature
+from assistant.languages.rapid.tables.signals import PROCESS_DATA_TYPES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
 
 Kind = tuple[str, int]
 """A type without aliases, and of how many dimensions."""

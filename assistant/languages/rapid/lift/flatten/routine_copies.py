@@ -36,8 +36,8 @@ from assistant.languages.rapid.lift.flatten.tree_rewriting import (
     with_routine_names,
     without_dead_branches,
 )
-from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
-from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tables.predefined import signature
+from assistant.languages.rapid.tables.signals import SIGNAL_TYPES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, nodes, root
 from assistant.languages.signatures import Parameter

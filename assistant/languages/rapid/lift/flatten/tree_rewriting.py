@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.runs import MotionNames
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.syntax import MotionNames
 from assistant.program.rewriting import rewrite
 
 T = TypeVar("T")

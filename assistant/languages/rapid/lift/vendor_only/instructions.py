@@ -35,9 +35,9 @@ from assistant.languages.rapid.lift.vendor_statements import (
     without_options,
     word_of,
 )
-from assistant.languages.rapid.tables.processes import BRUSH_INSTRUCTION, PROCESS_MOVES
+from assistant.languages.rapid.tables.signals import BRUSH_INSTRUCTION, PROCESS_MOVES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.walk import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed

@@ -19,11 +19,11 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver
 from assistant.languages.rapid.lift.vendor_only import waits
 from assistant.languages.rapid.lift.vendor_statements import instruction_of
-from assistant.languages.rapid.tables.signal_types import SIGNAL_TYPES
+from assistant.languages.rapid.tables.signals import SIGNAL_TYPES
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
+from assistant.languages.rapid.tree.walk import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.io_use import with_used_signals

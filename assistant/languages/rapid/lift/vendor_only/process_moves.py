@@ -18,11 +18,11 @@ from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift import vendor_effects
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import instruction_of, word_of
-from assistant.languages.rapid.tables import processes as table
-from assistant.languages.rapid.tables.processes import PROCESS_MOVES, ProcessMove
+from assistant.languages.rapid.tables import signals as table
+from assistant.languages.rapid.tables.signals import PROCESS_MOVES, ProcessMove
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.literals import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Speed

@@ -17,9 +17,9 @@ from assistant.base.diagnostics import Findings, Span
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import instruction_of, word_of
-from assistant.languages.rapid.tables.words import SPEED_CAP
+from assistant.languages.rapid.tables.constants import SPEED_CAP
 from assistant.languages.rapid.text import verbatim
-from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.walk import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.possible_values import Numbers, PossibleValues, numbers_of_all

@@ -23,7 +23,7 @@ from assistant.languages.rapid.lift.vendor_only.error_handlers import exit_word
 from assistant.languages.rapid.lift.vendor_only.omissions import OMITTED_INSTRUCTIONS
 from assistant.languages.rapid.lift.vendor_statements import instruction_of, word_of
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.calls import called
+from assistant.languages.rapid.tree.walk import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, Signal, walk

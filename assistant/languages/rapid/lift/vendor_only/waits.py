@@ -14,8 +14,8 @@ from typing import Final
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
 from assistant.languages.rapid.lift.vendor_statements import is_by_gateway
-from assistant.languages.rapid.tables.states import TASK_COUNT_SUFFIX
-from assistant.languages.rapid.text import effects, verbatim
+from assistant.languages.rapid.tables.constants import TASK_COUNT_SUFFIX
+from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
@@ -198,7 +198,7 @@ def task_sync(
             if call.options:
                 text = "WaitRob\\InPos;"
                 yield p.Opaque(
-                    verbatim.LANGUAGE, text, effect=effects.effect_of_text(text, "statement")
+                    verbatim.LANGUAGE, text, effect=verbatim.effect_of_text(text, "statement")
                 )
             met = e.Apply("trunc", (e.Binary("/", here, count),))
             yield p.Assign(due, e.Binary("*", e.Binary("+", met, _ONE), count))
