@@ -196,9 +196,9 @@ class MelfaBasic(Language["File"]):
         return EditableMelfaBasic(self.dialect)
 
     def parts(self, tree: File) -> Iterator[Part]:
-        from assistant.languages.melfa_basic.tree.parts import parts
+        from assistant.languages.melfa_basic.tree.parts import report_parts
 
-        return parts(tree)
+        return report_parts(tree)
 
     def effect(self, text: str, kind: VendorTextKind) -> Effect:
         from assistant.languages.melfa_basic.text.effects import of_text
@@ -215,9 +215,9 @@ class MelfaBasic(Language["File"]):
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.melfa_basic.checks.wanted import wanted
-        from assistant.languages.melfa_basic.text.elsewhere import with_elsewhere
+        from assistant.languages.melfa_basic.text.elsewhere import with_stated_parameters
 
-        return wanted([with_elsewhere(tree) for tree in trees])
+        return wanted([with_stated_parameters(tree) for tree in trees])
 
     def wanted_of(
         self, trees: Sequence[File], values: Container[tuple[WantedKind, str]]
@@ -235,9 +235,9 @@ class MelfaBasic(Language["File"]):
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.files.program import lift
-        from assistant.languages.melfa_basic.text.elsewhere import with_elsewhere
+        from assistant.languages.melfa_basic.text.elsewhere import with_stated_parameters
 
-        return lift([with_elsewhere(tree) for tree in trees], robot)
+        return lift([with_stated_parameters(tree) for tree in trees], robot)
 
     def exported(
         self,
@@ -319,9 +319,9 @@ class MelfaBasic(Language["File"]):
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         """A call that works out the program's name is left aside."""
-        from assistant.languages.melfa_basic.tree.walk import awaited
+        from assistant.languages.melfa_basic.tree.walk import awaited_programs
 
-        return tuple(dict.fromkeys(f"{name}.prg" for _, name in awaited(tree)))
+        return tuple(dict.fromkeys(f"{name}.prg" for _, name in awaited_programs(tree)))
 
     def file_called(self, name: str, tree: File, there: Container[str]) -> str | None:
         """Any suffix of a program will do, that of the calling file before the others."""
@@ -344,9 +344,9 @@ class MelfaBasic(Language["File"]):
 
     def companions(self, tree: File) -> tuple[str, ...]:
         """Programs that a file runs or loads in other slots, and those that it includes."""
-        from assistant.languages.melfa_basic.tree.walk import called
+        from assistant.languages.melfa_basic.tree.walk import named_programs
 
-        return tuple(dict.fromkeys(f"{name}.prg" for _, name, _ in called(tree)))
+        return tuple(dict.fromkeys(f"{name}.prg" for _, name, _ in named_programs(tree)))
 
 
 def _errors(tree: File) -> int:

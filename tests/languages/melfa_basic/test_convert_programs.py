@@ -13,11 +13,11 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from assistant import languages
 from assistant.languages.melfa_basic.convert import names, original_names
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.convert.program import ROUNDING, compared
+from assistant.languages.melfa_basic.convert.program import COMPARISON_TOLERANCE, compared_programs
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
-from assistant.languages.melfa_basic.tree.targets import labelled
+from assistant.languages.melfa_basic.tree.targets import with_labelled_jumps
 from assistant.program.comparison import compare
 from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
@@ -57,10 +57,10 @@ def sayable(tree: s.File, to: str) -> s.File:
 
 def normal(tree: s.File) -> list[s.Item]:
     """What every conversion keeps: not the steps, the case of names, labels beside statements."""
-    items, _ = original_names.taken_out(tree.items)
-    items, _ = labelled(items)
+    items, _ = original_names.take_original_names(tree.items)
+    items, _ = with_labelled_jumps(items)
     order = {label: f"LABEL{n}" for n, label in enumerate(_defined(items))}
-    items = names.renamed(items, names.Names(labelled=order), upper=True)
+    items = names.with_names(items, names.Names(labelled=order), upper=True)
     return [
         _without_step(i)
         for item in gathered(items)
@@ -121,7 +121,7 @@ def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
     lower = through(tree, IV)
     assume(lower is not None)
     assert lower is not None
-    assert compare(*compared([tree], [lower], None), ROUNDING).same
+    assert compare(*compared_programs([tree], [lower], None), COMPARISON_TOLERANCE).same
 
 
 @settings(max_examples=drawn(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])

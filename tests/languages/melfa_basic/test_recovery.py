@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import has_errors
-from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
+from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign_words
 from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip
@@ -29,9 +29,9 @@ def test_usual_mistakes(mistake: Slip) -> None:
     assert FIVE.render(tree) == before + behind + "\r\n"
 
 
-@pytest.mark.parametrize("word", sorted(foreign()))
+@pytest.mark.parametrize("word", sorted(foreign_words()))
 def test_words_of_other_languages(word: str) -> None:
-    _, cure = foreign()[word]
+    _, cure = foreign_words()[word]
     tails = ["", " M1", " P1", " M1=1", " 1,0", ' "A"', " M1=1 Then"]
     said = [FIVE.parse(f"10 {word}{tail}\r\n").findings for tail in tails]
     first = [findings[0] for findings in said if findings]

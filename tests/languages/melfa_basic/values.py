@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.words import RESERVED
+from assistant.languages.melfa_basic.tables.words import RESERVED_WORDS
 from assistant.languages.melfa_basic.tree import syntax as s
 
 DEPTH: Final = 2
@@ -38,7 +38,7 @@ def some(items: Strategy, least: int = 0, most: int = 3) -> Strategy:
 
 # ---------------------------------------------------------------------------------- names
 
-TAKEN: Final = {part for word in RESERVED for part in (word, *word.split())} | {
+TAKEN: Final = {part for word in RESERVED_WORDS for part in (word, *word.split())} | {
     "OFF", "ON", "TO", "IS", "AS", "PI",
 }  # fmt: skip
 ODD_NAMES: Final[Mapping[str, tuple[str, ...]]] = {

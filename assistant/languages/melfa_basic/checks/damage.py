@@ -16,15 +16,15 @@ _NAME: Final = re.compile(r"[A-Z][A-Z0-9_]*")
 _CODE: Final = re.compile(r"[ \t]*([0-9]{0,9})[ \t]*(.*)", re.DOTALL)
 _PLAIN: Final = re.compile(r"[A-Z][A-Z0-9_]*[$%&!#]?(?:\(.*\))?(?:\.[A-Z0-9]+)?[ \t]*=")
 """Begin of an assignment."""
-WORDS: Final = frozenset(part.upper() for word in statements() for part in word.split())
-LEADING: Final = frozenset(
+LANGUAGE_WORDS: Final = frozenset(part.upper() for word in statements() for part in word.split())
+RUN_ON_WORDS: Final = frozenset(
     """
     ACCEL CMP COLCHK DLY ERROR FINE HCLOSE HOPEN HLT JOVRD LOADSET MOV MVA MVC MVR MVR2 MVR3 MVS
     OADL OVRD PRINT PREC SERVO SPD TORQ WAIT
     """.split()  # noqa: SIM905
 )
 """Words of statements that run on to the next line and that no other line depends on."""
-STEERING: Final = frozenset(
+STEERING_WORDS: Final = frozenset(
     """
     ACT BASE BREAK CALL CALLP CASE CLOSE CNT DEF DEFAULT ELSE ELSEIF END ENDIF EXIT FEND FOR
     FUNCTION GETM GOSUB GOTO IF INCLUDE NEXT ON OPEN RELM RETURN SELECT SKIP STEP THEN TO TOOL
@@ -38,7 +38,7 @@ _BROKEN_NAME: Final = re.compile(
     r"(?![A-Z*])|\*[ \t]*(?![A-Z])|\*[ \t]*\w+[ \t]+\w|[A-Z]\w*[ \t]+\w+[ \t]*[(=]"
 )
 """Begin of a line whose label or variable is left out, or parted by a blank."""
-DECLARING: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
+DECLARING_WORDS: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
 
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:
@@ -52,9 +52,9 @@ def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
     """
     if damage is None:
         return Needs.NOTHING
-    code = [part[2] for part in _parts(damage)]
+    code = [part[2] for part in _damaged_parts(damage)]
     spoils = Needs.WHOLE
-    if not all(map(_is_plain, code)):
+    if not all(map(_runs_on, code)):
         spoils |= Needs.ORDER
     hidden = Needs.ORDER in spoils and any(map(_has_functions, trees))
     if hidden or any("#" in line or _is_broken(line) for line in code):
@@ -64,33 +64,33 @@ def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
 
 def steps_of(damage: Damage | None) -> set[int]:
     """The step numbers of the damaged lines."""
-    return set() if damage is None else {int(part[1]) for part in _parts(damage) if part[1]}
+    return set() if damage is None else {int(part[1]) for part in _damaged_parts(damage) if part[1]}
 
 
-def _parts(damage: Damage) -> list[re.Match[str]]:
+def _damaged_parts(damage: Damage) -> list[re.Match[str]]:
     return [part for text in damage.texts if (part := _CODE.match(text.upper()))]
 
 
 def names_in(text: str) -> Iterator[str]:
     """Names in a text that are no words of the language, in upper case."""
     for word in _NAME.findall(text.upper()):
-        if word not in WORDS and status(word) is None and function(word) is None:
+        if word not in LANGUAGE_WORDS and status(word) is None and function(word) is None:
             yield word
 
 
 def _is_broken(code: str) -> bool:
     """Whether a damaged line may define something whose name is damaged as well."""
     first = _NAME.match(code)
-    if first is not None and first[0] in WORDS:
-        return first[0] in DECLARING
+    if first is not None and first[0] in LANGUAGE_WORDS:
+        return first[0] in DECLARING_WORDS
     return _BROKEN_NAME.match(code) is not None
 
 
-def _is_plain(code: str) -> bool:
+def _runs_on(code: str) -> bool:
     """Whether a damaged line, in upper case and without its step number, runs on to the next."""
     words = _NAME.findall(code)
-    leads = _PLAIN.match(code) is not None or (bool(words) and words[0] in LEADING)
-    return leads and "*" not in code and STEERING.isdisjoint(words)
+    leads = _PLAIN.match(code) is not None or (bool(words) and words[0] in RUN_ON_WORDS)
+    return leads and "*" not in code and STEERING_WORDS.isdisjoint(words)
 
 
 def _has_functions(tree: s.File) -> bool:

@@ -20,13 +20,13 @@ from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.languages.step_numbers import first_step, places_of_steps
 
-NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
+BLOCK_ERRORS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""
 CLOSERS: Final[Mapping[str, str]] = {kind: word for word, kind in CLOSING.items()}
 
 
 @dataclass(slots=True)
-class Part:
+class ScopePart:
     """A scope with its blocks, and the ways through it if they are sound."""
 
     scope: Scope
@@ -34,7 +34,7 @@ class Part:
     ways: Graph | None
 
 
-def parts(look: Look) -> list[Part]:
+def scope_parts(look: Look) -> list[ScopePart]:
     """Each scope of a file, worked out once."""
     found = []
     jumps = any(isinstance(target.place, int) for _, target in look.all(s.Target))
@@ -42,37 +42,37 @@ def parts(look: Look) -> list[Part]:
     for scope in look.scopes:
         blocks = blocks_of(look.code, scope.entries)
         ways = graph_of(look.code, scope.entries, blocks, steps) if blocks.sound else None
-        found.append(Part(scope, blocks, ways))
+        found.append(ScopePart(scope, blocks, ways))
     return found
 
 
-def _graphs(look: Look) -> Iterator[tuple[Part, Graph]]:
+def _graphs(look: Look) -> Iterator[tuple[ScopePart, Graph]]:
     """The scopes that have lines and whose blocks are sound, with the ways through them."""
-    for part in look.once(parts):
+    for part in look.once(scope_parts):
         if part.ways is not None and part.scope.entries:
             yield part, part.ways
 
 
 def structure(look: Look) -> Found:
     """Blocks that do not close, that close in another order, or that stand too deep."""
-    for part in look.once(parts):
+    for part in look.once(scope_parts):
         for wrong in part.blocks.wrong:
             yield from _misfit(look, wrong)
         for block in part.blocks.all:
             line, kind = look.code[block.first], block.kind
             if block.last is None:
-                number = NUMBERS[kind]
+                number = BLOCK_ERRORS[kind]
                 yield look.at(
                     rules.UNBALANCED, line, kind, word=kind, other=CLOSERS[kind], number=number
                 )
             yield from _depth(look, block)
-            yield from _order(look, block)
+            yield from _branch_order(look, block)
 
 
 def _misfit(look: Look, wrong: Misfit) -> Found:
     line = look.code[wrong.at]
     word = word_of(statement_of(line))
-    number = 3255 if word in ("Else", "ElseIf") else NUMBERS[wrong.kind]
+    number = 3255 if word in ("Else", "ElseIf") else BLOCK_ERRORS[wrong.kind]
     if wrong.inside is None:
         yield look.at(rules.UNBALANCED, line, word, word=word, other=wrong.kind, number=number)
     elif wrong.inside.last is not None:  # else it is told that the inner one does not close
@@ -94,7 +94,7 @@ def _depth(look: Look, block: Block) -> Found:
         yield look.at(rules.TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
 
 
-def _order(look: Look, block: Block) -> Found:
+def _branch_order(look: Look, block: Block) -> Found:
     """Branches behind Else, and cases behind Default that it makes unreachable."""
     last = {"If": "Else", "Select": "Default"}.get(block.kind)
     seen = False
@@ -109,7 +109,7 @@ def _order(look: Look, block: Block) -> Found:
 
 def loops(look: Look) -> Found:
     """Variables of For loops: changed inside, used by an inner loop, named wrongly by Next."""
-    for part in look.once(parts):
+    for part in look.once(scope_parts):
         over: dict[int, s.Variable] = {}
         told: set[int] = set()
         around = _Around(over)
@@ -176,7 +176,7 @@ def _changed(statement: s.Statement | None) -> s.Variable | None:
 
 
 def _next(
-    look: Look, part: Part, at: int, line: s.Entry, node: s.Next, over: dict[int, s.Variable]
+    look: Look, part: ScopePart, at: int, line: s.Entry, node: s.Next, over: dict[int, s.Variable]
 ) -> Found:
     for variable, block in zip(node.variables, part.blocks.closing.get(at, ()), strict=False):
         wanted = over.get(block.first)
@@ -197,9 +197,9 @@ def into_blocks(look: Look) -> Found:
                 line = look.code[place]
                 if missed and isinstance(line, s.Line):
                     kind = missed[-1].kind
-                    name = _name(look, place)
+                    name = _line_name(look, place)
                     loop = kind in ("For", "While")
-                    error = f" (controller error {NUMBERS[kind]})" if loop else ""
+                    error = f" (controller error {BLOCK_ERRORS[kind]})" if loop else ""
                     yield look.at(
                         rules.INTO_BLOCK, look.code[at], name, name=name, kind=kind, error=error
                     )
@@ -217,30 +217,30 @@ def subroutines(look: Look) -> Found:
         subs = Subroutines(ways, part.scope.entries[0], returns)
         into, alone = subs.entered()
         for at, before in into.items():
-            name = _name(look, at)
+            name = _line_name(look, at)
             if at in ways.jumps.get(before, ()):
                 yield look.at(rules.JUMPED_INTO, look.code[before], name, name=name)
             else:
-                yield _told(look, rules.FALLS_IN, at)
+                yield _found_at_callee(look, rules.FALLS_IN, at)
         for at in alone:
             yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
         for at in subs.endless():
             if isinstance(look.code[at], s.Line):
-                yield _told(look, rules.NO_RETURN, at)
+                yield _found_at_callee(look, rules.NO_RETURN, at)
         for at, sub, numbered in subs.of_wrong_kind():
             rule = rules.NUMBERED_RETURN if numbered else rules.HANDLER_RETURN
-            yield look.at(rule, look.code[at], "Return", name=_name(look, sub))
+            yield look.at(rule, look.code[at], "Return", name=_line_name(look, sub))
 
 
-def _name(look: Look, at: int) -> str:
+def _line_name(look: Look, at: int) -> str:
     """What jumps call a line: its label, else its step number."""
     line = look.code[at]
     return str(first_step(line)) if line.label is None else f"*{line.label}"
 
 
-def _told(look: Look, rule: Rule, at: int) -> Diagnostic:
+def _found_at_callee(look: Look, rule: Rule, at: int) -> Diagnostic:
     """The rule's finding at a line that is called."""
-    line, name = look.code[at], _name(look, at)
+    line, name = look.code[at], _line_name(look, at)
     where = look.word(line, name) if name.startswith("*") else None
     return look.finding(rule, where or line, name=name)
 
@@ -280,7 +280,7 @@ def _runs(item: s.Entry) -> bool:
     return not silent and word_of(statement) not in TAILS
 
 
-def _before(look: Look, part: Part, at: int) -> str:
+def _before(look: Look, part: ScopePart, at: int) -> str:
     """What keeps control from running on to a line."""
     entries = part.scope.entries
     for place in reversed(entries[: entries.index(at)]):

@@ -9,7 +9,7 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
-from assistant.languages.melfa_basic.tables.variables import MARKS, TYPES, DataType
+from assistant.languages.melfa_basic.tables.variables import TYPE_MARKS, TYPES, DataType
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import declarations, literal
 
@@ -18,15 +18,15 @@ Kind = str
 where it is not known.
 """
 
-SPOKEN: Final[Mapping[Kind, str]] = {
+KIND_WORDS: Final[Mapping[Kind, str]] = {
     "M": "a number", "C": "a text", "P": "a position", "J": "joints",
     "PJ": "a position or joints", "JP": "a position or joints", "PM": "a position or a number",
 }  # fmt: skip
 COMPARISONS: Final = frozenset(("=", "<>", "><", "<", "<=", "=<", ">", ">=", "=>"))
-NUMERIC: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
+NUMERIC_OPERATORS: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
 
 
-def declared(look: Look) -> dict[str, DataType]:
+def declared_types(look: Look) -> dict[str, DataType]:
     """Variables by name in upper case → the type that Def gives them; of two the last."""
     found: dict[str, DataType] = {}
     for line in look.lines:
@@ -43,38 +43,42 @@ def declared(look: Look) -> dict[str, DataType]:
     return found
 
 
-def of_variable(look: Look, variable: s.Variable) -> Kind:
+def kind_of_variable(look: Look, variable: s.Variable) -> Kind:
     """The type of a variable, an array's element, a component or a function's result."""
     key = variable.key
     if variable.component:
         return "M"
     if variable.suffix:
-        return MARKS[variable.suffix].letter
+        return TYPE_MARKS[variable.suffix].letter
     if variable.arguments is not None and (function := vocabulary.function(key)) is not None:
-        return _sure(function.result)
+        return _certain_kind(function.result)
     if key in look.functions:
-        return _of_function(look.functions[key])
+        return _kind_of_function(look.functions[key])
     if key.startswith("FN"):
-        return _sure(key[2:3])
+        return _certain_kind(key[2:3])
     if (status := vocabulary.status(key)) is not None:
-        return _sure(status.type)
-    if (known := look.once(declared).get(key)) is not None:
+        return _certain_kind(status.type)
+    if (known := look.once(declared_types).get(key)) is not None:
         return known.letter
-    if look.has_strangers and (variable.arguments is not None or key[0] not in SPOKEN):
+    if look.has_strangers and (variable.arguments is not None or key[0] not in KIND_WORDS):
         return ""  # a function or a name that a file declares which is not among these
     return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
 
 
-def _sure(types: str) -> Kind:
-    return types if types in SPOKEN else ""
+def _certain_kind(types: str) -> Kind:
+    return types if types in KIND_WORDS else ""
 
 
-def _of_function(function: s.Function) -> Kind:
+def _kind_of_function(function: s.Function) -> Kind:
     mark = function.suffix or function.result[-1:]
-    return MARKS[mark].letter if mark in MARKS else _sure(function.result[:1].upper())
+    return (
+        TYPE_MARKS[mark].letter
+        if mark in TYPE_MARKS
+        else _certain_kind(function.result[:1].upper())
+    )
 
 
-def of(look: Look, value: s.Expression | None) -> Kind:
+def kind_of(look: Look, value: s.Expression | None) -> Kind:
     """The type of a value, empty where it is not known or cannot be."""
     match value:
         case s.Number():
@@ -86,16 +90,16 @@ def of(look: Look, value: s.Expression | None) -> Kind:
         case s.Pallet():
             return "P"
         case s.Variable():
-            return of_variable(look, value)
+            return kind_of_variable(look, value)
         case s.Unary(_, operand):
-            return of(look, operand)
+            return kind_of(look, operand)
         case s.Binary(operator, left, right):
-            return _joined(operator, of(look, left), of(look, right))
+            return _kind_of_operation(operator, kind_of(look, left), kind_of(look, right))
     return ""
 
 
-def _joined(operator: str, left: Kind, right: Kind) -> Kind:
-    if operator in COMPARISONS or operator in NUMERIC:
+def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
+    if operator in COMPARISONS or operator in NUMERIC_OPERATORS:
         return "M"
     if left == right:
         return left
@@ -103,7 +107,7 @@ def _joined(operator: str, left: Kind, right: Kind) -> Kind:
     return next(of_points, "")
 
 
-def fits(given: Kind, wanted: str) -> bool:
+def kind_fits(given: Kind, wanted: str) -> bool:
     """Whether a value of a type may stand where some types are wanted."""
     return not given or not wanted or not set(given).isdisjoint(wanted)
 
@@ -111,28 +115,30 @@ def fits(given: Kind, wanted: str) -> bool:
 # --------------------------------------------------------------------------------------- rules
 
 
-def assignments(look: Look) -> Found:
+def assigned_types(look: Look) -> Found:
     """Values of another type than the variable that they are assigned to."""
     for line, node in look.all(s.Assign):
-        yield from _assigned(look, line, node.target, node.value)
+        yield from _assigned_type(look, line, node.target, node.value)
     for item in look.data:
         if isinstance(item, s.Data) and not item.type:
-            yield from _assigned(look, item, item.variable, item.value)
+            yield from _assigned_type(look, item, item.variable, item.value)
 
 
-def _assigned(look: Look, item: s.Item, target: s.Variable, value: s.Expression) -> Found:
-    wanted, given = of_variable(look, target), of(look, value)
-    if not wanted or not given or fits(given, wanted):
-        yield from _range(look, item, target, value)
+def _assigned_type(look: Look, item: s.Item, target: s.Variable, value: s.Expression) -> Found:
+    wanted, given = kind_of_variable(look, target), kind_of(look, value)
+    if not wanted or not given or kind_fits(given, wanted):
+        yield from _integer_range(look, item, target, value)
         return
     if target.key in look.functions or _is_function_result(look, target):
         return
-    plain = not target.suffix and not target.component and target.key not in look.once(declared)
+    plain = (
+        not target.suffix and not target.component and target.key not in look.once(declared_types)
+    )
     if given == "C" and wanted == "M" and plain:
         yield look.at(rules.NO_TEXT_MARK, item, target)
         return
     name = target.marked + (f".{target.component}" if target.component else "")
-    said, got = SPOKEN[wanted], SPOKEN[given]
+    said, got = KIND_WORDS[wanted], KIND_WORDS[given]
     yield look.at(rules.ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
 
 
@@ -142,8 +148,8 @@ def _is_function_result(look: Look, target: s.Variable) -> bool:
     )
 
 
-def _range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) -> Found:
-    kind = MARKS.get(target.suffix) or look.once(declared).get(target.key)
+def _integer_range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) -> Found:
+    kind = TYPE_MARKS.get(target.suffix) or look.once(declared_types).get(target.key)
     number = literal(value)
     if kind is None or kind.whole is None or number is None or target.component:
         return
@@ -154,23 +160,23 @@ def _range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) ->
         yield look.at(rules.INTEGER_RANGE, line, target, low=low, high=high, **words)
 
 
-def operands(look: Look) -> Found:
+def operand_types(look: Look) -> Found:
     """Numbers and texts that are added or compared."""
     for line, node in look.all(s.Binary):
-        left, right = of(look, node.left), of(look, node.right)
+        left, right = kind_of(look, node.left), kind_of(look, node.right)
         if left and right and left != right and "C" in (left, right):
             named = next((n for n in (node.left, node.right) if isinstance(n, s.Variable)), None)
             where = (named and look.place(line, named)) or line
-            kinds = {"left": SPOKEN[left], "right": SPOKEN[right]}
+            kinds = {"left": KIND_WORDS[left], "right": KIND_WORDS[right]}
             yield look.finding(rules.OPERAND_TYPE, where, operator=node.operator, **kinds)
 
 
-def suffixes(look: Look) -> Found:
+def type_marks(look: Look) -> Found:
     """Marks that say another type than the declaration."""
     seen: set[str] = set()
     for line, use in look.uses:
         variable = use.variable
-        kind, marked = look.once(declared).get(variable.key), MARKS.get(variable.suffix)
+        kind, marked = look.once(declared_types).get(variable.key), TYPE_MARKS.get(variable.suffix)
         if kind is None or marked is None or marked == kind or variable.key in seen:
             continue
         if use.role == "declared" or {kind.word, marked.word} <= {"Float", "Double"}:
@@ -180,7 +186,7 @@ def suffixes(look: Look) -> Found:
         yield look.at(rules.SUFFIX, line, variable, **words)
 
 
-def dimensions(look: Look) -> Found:
+def array_dimensions(look: Look) -> Found:
     """Arrays of one to three dimensions of 1 to 999, and literal subscripts that fit."""
     sizes: dict[str, list[float | None]] = {}
     for line, dim in look.all(s.Dim):

@@ -16,24 +16,24 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
 from assistant.languages.melfa_basic.tree.walk import nodes
 
-ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
-POSE: Final = 6
+POSITION_ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
+POSE_ELEMENTS: Final = 6
 """Elements that a pose has."""
-LEAST: Final = 3
+LEAST_VALUES: Final = 3
 """Values of a position without flags; fewer are joints."""
-FOUR_AXES: Final = ("A", "B")
+LEFT_OUT_BY_FOUR_AXES: Final = ("A", "B")
 """What the positions of a horizontal arm leave out (CR1D 4.3.12)."""
-FIVE_AXES: Final = ("C",)
+LEFT_OUT_BY_FIVE_AXES: Final = ("C",)
 """Components that positions of a five-axis arm may leave out."""
 
 
-def positions(look: Look) -> Found:
+def missing_coordinates(look: Look) -> Found:
     """Positions that leave out values; those that leave out all were never taught.
 
     An error where the program takes them as a pose, which the controller refuses.
     """
     taken = set[tuple[int, str]]()
-    for lacking in undefined(look.tree):
+    for lacking in incomplete_poses(look.tree):
         taken.add((id(lacking.item), lacking.name.upper()))
         yield look.at(
             rules.UNDEFINED, lacking.item, lacking.word, name=lacking.name, what=lacking.what
@@ -44,24 +44,30 @@ def positions(look: Look) -> Found:
         values, flags = item.value.values, item.value.flags
         if all(value is None for value in values):
             continue
-        left_out = list(_left_out(item.value) if not item.variable.key.startswith("J") else ())
+        left_out = list(
+            _missing_elements(item.value) if not item.variable.key.startswith("J") else ()
+        )
         if flags is not None and (flags[0] is None) != (flags[1] is None):
             left_out.append("FL1" if flags[0] is None else "FL2")
-        if left_out and tuple(left_out) != FOUR_AXES and (id(item), item.variable.key) not in taken:
+        if (
+            left_out
+            and tuple(left_out) != LEFT_OUT_BY_FOUR_AXES
+            and (id(item), item.variable.key) not in taken
+        ):
             what = " and ".join(left_out)
             yield look.at(rules.GAP, item, item.variable, name=item.variable.name, what=what)
     for line, node in look.all(s.Binary):
-        for constant in summed(node):
-            name, what = printer.expression(constant), " and ".join(_left_out(constant))
+        for constant in incomplete_summands(node):
+            name, what = printer.expression(constant), " and ".join(_missing_elements(constant))
             yield look.at(rules.GAP, line, name, name=name, what=what)
 
 
-def _left_out(constant: s.Constant) -> tuple[str, ...]:
+def _missing_elements(constant: s.Constant) -> tuple[str, ...]:
     """The elements of a pose that a constant leaves out, and additional axes among others."""
     values = constant.values
-    short = ELEMENTS[len(values) : POSE]
+    short = POSITION_ELEMENTS[len(values) : POSE_ELEMENTS]
     return (
-        *(name for name, value in zip(ELEMENTS, values, strict=False) if value is None),
+        *(name for name, value in zip(POSITION_ELEMENTS, values, strict=False) if value is None),
         *short,
     )
 
@@ -70,20 +76,22 @@ def _is_undefined(value: object) -> TypeGuard[s.Constant]:
     """True if it is a position constant that the controller does not accept as a pose."""
     if not isinstance(value, s.Constant) or all(one is None for one in value.values):
         return False
-    if value.flags is None and len(value.values) < LEAST:
+    if value.flags is None and len(value.values) < LEAST_VALUES:
         return False
-    found = tuple(name for name in _left_out(value) if name in ELEMENTS[:POSE])
-    return bool(found) and found not in (FOUR_AXES, FIVE_AXES)
+    found = tuple(
+        name for name in _missing_elements(value) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+    )
+    return bool(found) and found not in (LEFT_OUT_BY_FOUR_AXES, LEFT_OUT_BY_FIVE_AXES)
 
 
-def summed(node: s.Binary) -> Iterator[s.Constant]:
+def incomplete_summands(node: s.Binary) -> Iterator[s.Constant]:
     """Constants of a sum or a difference of positions that leave out values."""
     if node.operator in ("+", "-"):
         yield from (one for one in (node.left, node.right) if _is_undefined(one))
 
 
 @dataclass(frozen=True, slots=True)
-class Lacking:
+class IncompletePose:
     """A position that is taken as a pose and has elements without a value.
 
     item: its line, word: what of it; the name is as it is written.
@@ -95,7 +103,7 @@ class Lacking:
     what: str
 
 
-def undefined(tree: s.File) -> Iterator[Lacking]:
+def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
     """Positions of a file that it takes as poses though they leave out elements of one.
 
     One whose elements the program sets, or that anything else may change, is left aside.
@@ -132,7 +140,7 @@ def undefined(tree: s.File) -> Iterator[Lacking]:
         for pose in _poses(line.statement):
             if isinstance(pose, s.Constant) and _is_undefined(pose):
                 text = printer.expression(pose)
-                yield Lacking(line, text, text, _words(pose))
+                yield IncompletePose(line, text, text, _missing_words(pose))
             elif isinstance(pose, s.Variable) and pose.key in origin and not pose.component:
                 said.add(origin[pose.key])
     for rows in (item for item in tree.items if isinstance(item, MoveRows)):
@@ -143,11 +151,13 @@ def undefined(tree: s.File) -> Iterator[Lacking]:
                     said.add(origin[key])
     for key in sorted(said, key=list(given).index):
         item, variable, constant = given[key]
-        yield Lacking(item, variable, variable.name, _words(constant))
+        yield IncompletePose(item, variable, variable.name, _missing_words(constant))
 
 
-def _words(constant: s.Constant) -> str:
-    return " and ".join(name for name in _left_out(constant) if name in ELEMENTS[:POSE])
+def _missing_words(constant: s.Constant) -> str:
+    return " and ".join(
+        name for name in _missing_elements(constant) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+    )
 
 
 def _poses(statement: s.Statement | s.Target | None) -> Iterator[s.Expression | None]:
@@ -159,29 +169,29 @@ def _poses(statement: s.Statement | s.Target | None) -> Iterator[s.Expression | 
             case s.Command("Tool" | "Base", arguments):
                 yield from arguments
             case s.Binary("*" | "/", left, right):
-                if any(map(_is_place, (left, right))):
+                if any(map(_is_position, (left, right))):
                     yield from (left, right)
             case s.Variable(key="INV", arguments=tuple(arguments)):
                 yield from arguments
 
 
-def _is_place(value: s.Expression) -> bool:
+def _is_position(value: s.Expression) -> bool:
     return isinstance(value, s.Constant) or (
         isinstance(value, s.Variable) and value.key.startswith("P") and not value.component
     )
 
 
-NEEDED: Final = {"Plt": 3}
+NEEDED_ARGUMENTS: Final = {"Plt": 3}
 """`Def` of what → arguments behind its number that may not be left out."""
 
 
-def arguments(look: Look) -> Found:
+def missing_arguments(look: Look) -> Found:
     """Arguments that only stand after another one, and positions that a definition needs."""
     for line, motion in look.all(s.Motion):
         if motion.keyword != "Mvs" and motion.arguments[:1] == (None,):
             yield look.at(rules.LEFT_OUT, line, motion.keyword, word=motion.keyword, which="first")
     for line, node in look.all(s.DefOther):
-        needed = node.arguments[: 1 + NEEDED.get(node.kind, 0)]
+        needed = node.arguments[: 1 + NEEDED_ARGUMENTS.get(node.kind, 0)]
         if None in needed:
             word = f"Def {node.kind}"
             which = ("first", "second", "third", "fourth")[needed.index(None)]
@@ -192,7 +202,7 @@ def arguments(look: Look) -> Found:
             yield look.at(rules.LEFT_OUT, line, variable, word=name, which="first")
 
 
-def lines(look: Look) -> Found:
+def misplaced_lines(look: Look) -> Found:
     """Steps that hold nothing, and what looks like a variable line between steps."""
     for item in before_last_step(look):
         match item:

@@ -12,7 +12,7 @@ from assistant.languages.checks.moves import Follower, Moves
 from assistant.languages.checks.registry import Found, like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.variables_of import known
+from assistant.languages.melfa_basic.checks.variables_of import known_variables
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
@@ -20,43 +20,52 @@ from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 from assistant.program.geometry import ArcMeasures
 
-NEAR: Final = 0.05
+SAME_POINT: Final = 0.05
 """mm: points that are nearer to each other are the same one."""
-STRAIGHT: Final = 0.01
+STRAIGHT_ARC: Final = 0.01
 """mm: how far the second point of an arc must at least be beside the line of the others."""
 
 
-def moves(look: Look) -> Moves[s.Entry] | None:
+def moves_of_file(look: Look) -> Moves[s.Entry] | None:
     """Worked out once for a file."""
-    positions = look.once(_positions)
-    changed = _changed(look)
+    positions = look.once(_known_positions)
+    changed = _changed_positions(look)
     found: Follower[s.Entry] = Follower()
     follows = False
     for item in look.code:
         if isinstance(item, MoveRows):
-            _table(found, item, positions, changed, follows=follows)
+            _follow_table(found, item, positions, changed, follows=follows)
             follows = True
             continue
         if item.label is not None:
             follows = False
         if isinstance(item.statement, s.Motion):
-            _line(found, item, item.statement, positions, changed, follows=follows)
+            _follow_line(found, item, item.statement, positions, changed, follows=follows)
             follows = item.statement.append is None
         elif not _is_harmless(item.statement):
             follows = False
     return found.moves()
 
 
-def _positions(look: Look) -> Positions:
+def _known_positions(look: Look) -> Positions:
     return Positions(look.tree)
 
 
-def _changed(look: Look) -> set[str]:
+def _changed_positions(look: Look) -> set[str]:
     """Positions that the program gives a value while it runs."""
     return {use.variable.key for _, use in look.uses if use.role in ("written", "either")}
 
 
-KEEPS: Final = (s.Print, s.Open, s.Close, s.DefNames, s.Dim, s.DefOther, s.DefIo, s.Const)
+HARMLESS_STATEMENTS: Final = (
+    s.Print,
+    s.Open,
+    s.Close,
+    s.DefNames,
+    s.Dim,
+    s.DefOther,
+    s.DefIo,
+    s.Const,
+)
 """Statements after which the robot is where it was, beside commands that say so."""
 
 
@@ -68,10 +77,10 @@ def _is_harmless(statement: s.Statement | None) -> bool:
             return keyword in commands("stays")
         case s.Assign():
             return True
-    return isinstance(statement, KEEPS)
+    return isinstance(statement, HARMLESS_STATEMENTS)
 
 
-def _table(
+def _follow_table(
     found: Follower[s.Entry],
     rows: MoveRows,
     positions: Positions,
@@ -93,7 +102,7 @@ def _table(
     found.table(rows, rows.kinds, ends, vias=vias, starts=starts, postures=flags, follows=follows)
 
 
-def _line(
+def _follow_line(
     found: Follower[s.Entry],
     line: s.Line,
     motion: s.Motion,
@@ -108,7 +117,7 @@ def _line(
         start, via, end = motion.arguments[:ARC_POINTS]
     elif kind >= 0 and len(motion.arguments) == 1:
         (end,) = motion.arguments
-    at = [_constant(one, positions, changed) for one in (end, via, start)]
+    at = [_taught_constant(one, positions, changed) for one in (end, via, start)]
     ends, vias, starts = (one.values if one is not None else () for one in at)
     flags = at[0].flags if at[0] is not None else None
     second = literal(motion.type[1]) if motion.type else None
@@ -127,7 +136,7 @@ def _line(
 ARC_POINTS: Final = 3
 
 
-def _constant(
+def _taught_constant(
     expression: s.Expression | None, positions: Positions, changed: set[str]
 ) -> s.Constant | None:
     if isinstance(expression, s.Constant):
@@ -144,7 +153,7 @@ def _constant(
 
 def never_taught(look: Look) -> Found:
     """Moves to positions that are all zeros, or that were left without a value."""
-    names = look.once(known)
+    names = look.once(known_variables)
     zeros: dict[str, str] = {}
     for item in look.data:
         if isinstance(item, s.Data) and isinstance(item.value, s.Constant):
@@ -167,12 +176,12 @@ def never_taught(look: Look) -> Found:
 
 
 def _is_given_elsewhere(look: Look, key: str) -> bool:
-    return key in look.once(_changed)
+    return key in look.once(_changed_positions)
 
 
 def flags(look: Look) -> Found:
     """Linear moves and arcs between positions of different structure flags."""
-    run = look.once(moves)
+    run = look.once(moves_of_file)
     if run is None:
         return
     before = np.concatenate([[NO_FLAGS], run.postures[:-1]])
@@ -180,16 +189,23 @@ def flags(look: Look) -> Found:
     known = (before != NO_FLAGS) & (run.postures != NO_FLAGS)
     hits = straight & known & (before != run.postures)
     words = np.array(KEYWORDS)[run.kinds]
-    yield from _told(
-        look, rules.FLAGS, run, hits, most=MOST, word=words, before=before, after=run.postures
+    yield from _first_hit(
+        look,
+        rules.FLAGS,
+        run,
+        hits,
+        most=MOST_LISTED,
+        word=words,
+        before=before,
+        after=run.postures,
     )
 
 
-MOST: Final = 5
+MOST_LISTED: Final = 5
 """Moves of one kind of mistake that are told one by one."""
 
 
-def _told(
+def _first_hit(
     look: Look,
     rule: Rule,
     run: Moves[s.Entry],
@@ -201,13 +217,13 @@ def _told(
     """The rule's finding at the first of some moves (n,). words: a column (n,), or one for all."""
     rows = np.flatnonzero(hits).tolist()
     for count, at in enumerate(rows[:most], 1):
-        name, where = _named(look, run.items[run.item[at]], int(run.row[at]), point)
+        name, where = _named_position(look, run.items[run.item[at]], int(run.row[at]), point)
         said = {key: v[at] if isinstance(v, np.ndarray) else v for key, v in words.items()}
         more = like_it(len(rows) - most if count == most else 0)
         yield look.finding(rule, where, name=name, more=more, **said)
 
 
-def _named(
+def _named_position(
     look: Look, item: s.Entry, row: int, point: Literal["start", "end"]
 ) -> tuple[str, s.Item | Span | None]:
     """The name of a position that a move starts or ends at, and where it stands."""
@@ -224,20 +240,22 @@ def _named(
 
 def arcs(look: Look) -> Found:
     """Arcs that are no arcs, and arcs that start elsewhere."""
-    run = look.once(moves)
+    run = look.once(moves_of_file)
     if run is None or not (run.kinds == MVR).any():
         return
     arc = run.kinds == MVR
     measures = ArcMeasures.through(np.stack([run.starts, run.vias, run.ends], axis=1))
-    near = (measures.sides < NEAR).any(axis=1)
-    beside = measures.area / np.maximum(measures.sides[:, 2], NEAR)
+    near = (measures.sides < SAME_POINT).any(axis=1)
+    beside = measures.area / np.maximum(measures.sides[:, 2], SAME_POINT)
     for hits, what in (
         (arc & near, "two points of the arc are the same"),
-        (arc & ~near & (beside < STRAIGHT), "the points of the arc lie in a line"),
+        (arc & ~near & (beside < STRAIGHT_ARC), "the points of the arc lie in a line"),
     ):
-        yield from _told(look, rules.ARC_STRAIGHT, run, hits, what=what)
+        yield from _first_hit(look, rules.ARC_STRAIGHT, run, hits, what=what)
     gap = np.linalg.norm(run.starts - run.before, axis=1)
-    yield from _told(look, rules.ARC_START, run, arc & (gap > NEAR), "start", distance=gap)
+    yield from _first_hit(
+        look, rules.ARC_START, run, arc & (gap > SAME_POINT), "start", distance=gap
+    )
 
 
 def circles(look: Look) -> Found:

@@ -17,10 +17,10 @@ from assistant.languages.melfa_basic.tree.walk import declarations, program_name
 # ---------------------------------------------------------------------------------- as written
 
 
-def spelling(look: Look) -> Found:
+def name_forms(look: Look) -> Found:
     """Names and labels are within the limits of the version."""
     most = look.dialect.longest
-    long = (one for one in _named(look) if len(one[1]) > most and not _is_known(one[1]))
+    long = (one for one in _named_things(look) if len(one[1]) > most and not _is_known(one[1]))
     for item, name, where in firsts(long, lambda one: one[1].upper()):
         yield look.at(rules.LONG_NAME, item, where, name=name, most=most)
     for line in look.lines if not look.dialect.label_underscores else ():
@@ -29,7 +29,7 @@ def spelling(look: Look) -> Found:
             yield look.at(rules.LABEL_FORM, line, f"*{name}", name=name, title=title)
 
 
-def _named(look: Look) -> Iterator[tuple[s.Item, str, str]]:
+def _named_things(look: Look) -> Iterator[tuple[s.Item, str, str]]:
     """Names with what they stand in, and the word there; those of tables are short enough."""
     for line in look.lines:
         if line.label is not None:
@@ -45,7 +45,7 @@ def _is_known(name: str) -> bool:
     return vocabulary.status(name) is not None or vocabulary.function(name) is not None
 
 
-def program(look: Look) -> Found:
+def program_name_form(look: Look) -> Found:
     """The name of the file is the name that the controller stores the program by."""
     path = look.source.path if look.source else None
     name = program_name(look.tree)
@@ -66,7 +66,7 @@ def program(look: Look) -> Found:
 # --------------------------------------------------------------------------------- definitions
 
 
-def twice(look: Look) -> Found:
+def declared_twice(look: Look) -> Found:
     """Variables that are declared twice."""
     for scope in look.scopes:
         lines = look.lines_of(scope)

@@ -14,34 +14,36 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.walk import (
-    awaited,
-    called,
+    awaited_programs,
     lines_with,
     literal,
+    named_programs,
     program_key,
     program_name,
 )
 
 
-def missing(look: Look) -> Found:
+def missing_programs(look: Look) -> Found:
     """Programs that are called, run or loaded, and are not among the files."""
-    awaits = {program_key(name) for _, name in awaited(look.tree)}
-    for line, name, _ in firsts(called(look.tree), lambda call: program_key(call[1])):
+    awaits = {program_key(name) for _, name in awaited_programs(look.tree)}
+    for line, name, _ in firsts(named_programs(look.tree), lambda call: program_key(call[1])):
         if program_key(name) not in look.calls.by_name:
             rule = rules.NOT_CALLED if program_key(name) in awaits else rules.NO_PROGRAM
             yield look.at(rule, line, f'"{name}"', name=name)
 
 
-def recursion(look: Look) -> Found:
+def program_recursion(look: Look) -> Found:
     """Programs that call themselves, or call too deep: the first call of either kind."""
     own = program_name(look.tree).upper()
     most = look.dialect.calls
 
     def inner(name: str) -> list[str]:
         tree = look.calls.by_name.get(name)
-        return [program_key(other) for _, other in awaited(tree)] if tree is not None else []
+        return (
+            [program_key(other) for _, other in awaited_programs(tree)] if tree is not None else []
+        )
 
-    for line, written in awaited(look.tree):
+    for line, written in awaited_programs(look.tree):
         name = program_key(written)
         chain = call_chain(own, name, inner) if own else None
         if chain is not None:
@@ -54,35 +56,35 @@ def recursion(look: Look) -> Found:
             return
 
 
-def mechanisms(look: Look) -> Found:
+def mechanism_requests(look: Look) -> Found:
     """Programs that are run in slots other than 1, and move the robot without having asked."""
-    others = (call for call in called(look.tree) if (call[2] or 0) > 1)
+    others = (call for call in named_programs(look.tree) if (call[2] or 0) > 1)
     for line, name, slot in firsts(others, lambda call: program_key(call[1])):
         tree = look.calls.by_name.get(program_key(name))
         code = tree.code if tree else ()
         asks = any(command.keyword == "GetM" for _, command in lines_with(code, s.Command))
-        if any(map(_moves, code)) and not asks:
+        if any(map(_moves_robot, code)) and not asks:
             yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
 
 
-def _moves(item: s.Entry) -> bool:
+def _moves_robot(item: s.Entry) -> bool:
     return isinstance(item, MoveRows) or isinstance(item.statement, s.Motion)
 
 
 # ----------------------------------------------------------------------------------- interrupts
 
 
-Numbers = Keyed[float, tuple[s.Line, str]]
+NumberedLines = Keyed[float, tuple[s.Line, str]]
 """By number the line that names it, and the word that it stands behind."""
 
 
-def _without(look: Look, rule: Rule, some: Numbers, others: Numbers) -> Found:
+def _without(look: Look, rule: Rule, some: NumberedLines, others: NumberedLines) -> Found:
     """The rule's finding at each number that is not among others."""
     for number, (line, word) in some.without(others):
         yield look.at(rule, line, word, word=word, number=f"{number:g}")
 
 
-def interrupts(look: Look) -> Found:
+def interrupt_switches(look: Look) -> Found:
     """Interrupts that are switched but not defined, or defined but not switched on."""
     switches = list(_switches(look))
     defined = Keyed.of((literal(act.number), (line, "Act")) for line, act in look.all(s.DefAct))
@@ -106,7 +108,7 @@ def _switches(look: Look) -> Iterator[tuple[s.Line, float | None, float | None]]
 # --------------------------------------------------------------------------------------- files
 
 
-def files(look: Look) -> Found:
+def file_states(look: Look) -> Found:
     """Lines that are used without being opened, opened twice, or never closed."""
     printed = ((literal(node.number), (line, "Print")) for line, node in look.all(s.Print))
     read = ((literal(node.number), (line, "Input")) for line, node in look.all(s.Input))
@@ -122,10 +124,10 @@ def files(look: Look) -> Found:
     if not others:
         yield from _without(look, motion_rules.NOT_OPENED, used, opened)
     yield from _without(look, motion_rules.NOT_CLOSED, opened, closed)
-    yield from _twice(look)
+    yield from _opened_twice(look)
 
 
-def _twice(look: Look) -> Found:
+def _opened_twice(look: Look) -> Found:
     """Opens of a number that is open, as far as the lines run straight on."""
     busy: set[float] = set()
     for line in look.lines:

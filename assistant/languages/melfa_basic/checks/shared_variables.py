@@ -18,7 +18,7 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.line_blocks import EXIT
 from assistant.languages.melfa_basic.checks import flow_rules
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
-from assistant.languages.melfa_basic.checks.flow import Part, parts
+from assistant.languages.melfa_basic.checks.flow import ScopePart, scope_parts
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.checks.variables_of import given_by_data
 from assistant.languages.melfa_basic.tables import vocabulary
@@ -43,14 +43,14 @@ Keys: TypeAlias = frozenset[str]
 Side: TypeAlias = Literal["begins", "behind"]
 Facts: TypeAlias = Dataflow[tuple[Node, Side], Keys]
 
-NOTHING: Final[Keys] = frozenset()
+NO_KEYS: Final[Keys] = frozenset()
 
 
-def _both(some: Keys, others: Keys) -> Keys:
+def _common_keys(some: Keys, others: Keys) -> Keys:
     return some & others
 
 
-def _all(known: Sequence[Keys]) -> Keys:
+def _all_keys(known: Sequence[Keys]) -> Keys:
     return known[0].intersection(*known[1:])
 
 
@@ -58,7 +58,7 @@ def _all(known: Sequence[Keys]) -> Keys:
 class Branch:
     """One outcome of a statement: the variables that it sets, and the first lines that it calls."""
 
-    sets: Keys = NOTHING
+    sets: Keys = NO_KEYS
     calls: tuple[Node, ...] = ()
 
     def __or__(self, other: Branch) -> Branch:
@@ -76,7 +76,7 @@ class Start:
 
 
 @dataclass(slots=True)
-class Slots:
+class SharedSlots:
     """What the programs of some files do with shared variables, line by line.
 
     after, calls, handlers: lines that may follow a line, that it calls, that lead to interrupts.
@@ -116,8 +116,8 @@ class Slots:
         if not known:
             return None
         key, _ = self.waits.get(node, ("", 0.0))
-        gained = self.gains.get(node, NOTHING) if key in found else NOTHING
-        return found | _all(known) | gained
+        gained = self.gains.get(node, NO_KEYS) if key in found else NO_KEYS
+        return found | _all_keys(known) | gained
 
     def settle(self) -> None:
         """Work out what calls set, then what waits tell, each until nothing changes any more."""
@@ -127,8 +127,8 @@ class Slots:
                 before[place].append(node)
         entries = set(chain.from_iterable(self.calls.values()))
         while True:
-            back = Dataflow[Node, Keys](before, self.behind, _both)
-            back.spread((end, NOTHING) for end in self.ends)
+            back = Dataflow[Node, Keys](before, self.behind, _common_keys)
+            back.spread((end, NO_KEYS) for end in self.ends)
             found = {entry: back.found[entry] for entry in entries if entry in back.found}
             made = {e: keys for e in found if (keys := self.behind(e, found[e])) is not None}
             if made == self.surely:
@@ -138,9 +138,9 @@ class Slots:
         started = {start.program for start in self.starts}.union(*self.called.values())
         roots = [begin for of, begin in self.begins.items() if of not in started]
         while True:
-            self.facts = self.flow(((root, NOTHING) for root in roots), started=True)
+            self.facts = self.flow(((root, NO_KEYS) for root in roots), started=True)
             left = [n for n in self.begins.values() if (n, "begins") not in self.facts.found]
-            self.facts.spread(((node, "begins"), NOTHING) for node in left)
+            self.facts.spread(((node, "begins"), NO_KEYS) for node in left)
             gains = {node: self._gain(*self.waits[node]) for node in self.waits}
             if gains == self.gains:
                 break
@@ -161,7 +161,7 @@ class Slots:
         def effect(at: tuple[Node, Side], found: Keys) -> Keys | None:
             return found if at[1] == "begins" else self.behind(at[0], found)
 
-        facts: Facts = Dataflow(after, effect, _both)
+        facts: Facts = Dataflow(after, effect, _common_keys)
         facts.spread(((node, "begins"), keys) for node, keys in entries)
         return facts
 
@@ -174,7 +174,7 @@ class Slots:
             if (value is None or value == number) and (node, "begins") in reached
             if (behind := self.behind(node, reached[node, "begins"])) is not None
         ]
-        return _all(known) if known else NOTHING
+        return _all_keys(known) if known else NO_KEYS
 
     # ------------------------------------------------------------------------------- questions
 
@@ -206,10 +206,10 @@ class Slots:
 
 def started_early(look: Look) -> Found:
     """Programs that are run in other slots and may read a shared variable before it is set."""
-    found = look.calls.once(slots)
+    found = look.calls.once(shared_slots)
     if found is None:
         return
-    own = _place(look)
+    own = _file_number(look)
     for start in found.starts:
         entry = found.facts.found.get((start.node, "begins"))
         line, name = found.line(start.node), start.name
@@ -225,16 +225,16 @@ def started_early(look: Look) -> Found:
                 yield look.at(
                     flow_rules.READ_BEFORE_SET, line, where, name=variable.marked, program=name,
                     slot=f"slot {start.slot}" if start.slot else "another slot",
-                    reading=_named(found, node, start.program), setter=setter,
+                    reading=_line_reference(found, node, start.program), setter=setter,
                 )  # fmt: skip
 
 
 def last_values(look: Look) -> Found:
     """Shared variables that this program may read before they are set, and another slot sets."""
-    found = look.calls.once(slots)
+    found = look.calls.once(shared_slots)
     if found is None:
         return
-    own = _place(look)
+    own = _file_number(look)
     tasks = map(found.with_called, found.begins)
     mine = set().union(*(task for task in tasks if own in task))
     others = {
@@ -250,7 +250,7 @@ def last_values(look: Look) -> Found:
                 break
 
 
-def _setter(found: Slots, start: Start, key: str) -> str:
+def _setter(found: SharedSlots, start: Start, key: str) -> str:
     """The line or the other program that sets a variable beside a started program, in words.
 
     Empty for none. A line that may follow the start comes first.
@@ -262,7 +262,7 @@ def _setter(found: Slots, start: Start, key: str) -> str:
     if here:
         later = found.flows_into(start.node)
         best = min(here, key=lambda node: (node not in later, node[0] != own, node))
-        return f"line {_named(found, best, own)}" + (" here" if best[0] == own else "")
+        return f"line {_line_reference(found, best, own)}" + (" here" if best[0] == own else "")
     for other in found.starts:
         beside = found.with_called(other.program) if other.node[0] in task else ()
         if any(node[0] in beside for node in givers):
@@ -270,7 +270,7 @@ def _setter(found: Slots, start: Start, key: str) -> str:
     return ""
 
 
-def _named(found: Slots, node: Node, program: int) -> str:
+def _line_reference(found: SharedSlots, node: Node, program: int) -> str:
     """The number of a line, with the name of its file if that is not the program's."""
     tree, line = found.trees[node[0]], found.line(node)
     number = first_step(line)
@@ -279,7 +279,7 @@ def _named(found: Slots, node: Node, program: int) -> str:
     return f"{number}" if node[0] == program else f"{number} of `{program_name(tree).upper()}`"
 
 
-def _place(look: Look) -> int:
+def _file_number(look: Look) -> int:
     """The place of a file among the files."""
     return next(at for at, tree in enumerate(look.calls.trees) if tree is look.tree)
 
@@ -287,18 +287,18 @@ def _place(look: Look) -> int:
 # ------------------------------------------------------------------------------------- reading
 
 
-def slots(calls: Calls) -> Slots | None:
+def shared_slots(calls: Calls) -> SharedSlots | None:
     """What the programs of some files share; None if none of them starts another one."""
     looks = [Look(tree, DIALECTS[tree.dialect], calls) for tree in calls.trees]
     if not any(c.keyword == "XRun" for look in looks for _, c in look.all(s.Command)):
         return None
     places = {id(tree): at for at, tree in enumerate(calls.trees)}
     by_name = {name: places[id(tree)] for name, tree in calls.by_name.items()}
-    found = Slots(tuple(calls.trees))
+    found = SharedSlots(tuple(calls.trees))
     sound = [at for at, look in enumerate(looks) if _take_paths(look, at, found)]
     shared = _Shared(calls.once(given_by_data))
     for at in sound:
-        for part in looks[at].once(parts):
+        for part in looks[at].once(scope_parts):
             _Reader(looks[at], part, at, found, by_name, shared).take()
     for at in sound:
         found.starts += _starts(looks[at], at, found, by_name)
@@ -306,9 +306,9 @@ def slots(calls: Calls) -> Slots | None:
     return found
 
 
-def _take_paths(look: Look, of: int, found: Slots) -> bool:
+def _take_paths(look: Look, of: int, found: SharedSlots) -> bool:
     """Add the paths through a file; false if its blocks are not sound, or it has no lines."""
-    scopes = look.once(parts)
+    scopes = look.once(scope_parts)
     if not all(part.ways and part.scope.entries for part in scopes):
         return False
     found.after[of, EXIT] = []
@@ -350,9 +350,9 @@ class _Reader:
     """Adds what the lines of a scope do with shared variables."""
 
     look: Look
-    part: Part
+    part: ScopePart
     of: int
-    found: Slots
+    found: SharedSlots
     by_name: Mapping[str, int]
     shared: Callable[[Use], bool]
     _functions: dict[str, Node] = field(init=False)
@@ -360,7 +360,7 @@ class _Reader:
     _steps: dict[int, int] = field(init=False)
 
     def __post_init__(self) -> None:
-        scopes = [part.scope for part in self.look.once(parts)]
+        scopes = [part.scope for part in self.look.once(scope_parts)]
         self._functions = {
             scope.function.name.upper(): (self.of, scope.entries[0])
             for scope in scopes
@@ -440,7 +440,7 @@ class _Reader:
         )
 
 
-def _starts(look: Look, of: int, found: Slots, by_name: Mapping[str, int]) -> Iterator[Start]:
+def _starts(look: Look, of: int, found: SharedSlots, by_name: Mapping[str, int]) -> Iterator[Start]:
     """`XRun` of other slots, by a name or of what the last `XLoad` on a path there has loaded."""
     runs: list[tuple[int, int, str | None]] = []
     loads: dict[int, list[tuple[int, str]]] = {}
@@ -463,7 +463,7 @@ def _starts(look: Look, of: int, found: Slots, by_name: Mapping[str, int]) -> It
 
 
 def _loaded(
-    found: Slots, run: Node, slot: int, loads: Mapping[int, list[tuple[int, str]]]
+    found: SharedSlots, run: Node, slot: int, loads: Mapping[int, list[tuple[int, str]]]
 ) -> list[str]:
     """The programs that may be in a slot where it is run, by the lines of its file."""
     names = {at: [name for of, name in rows if of == slot] for at, rows in loads.items()}

@@ -20,7 +20,7 @@ from assistant.languages.step_numbers import places_of_steps
 _NUMBER: Final = re.compile(r"[ \t]*([0-9]+)")
 
 
-def order(look: Look) -> Found:
+def step_order(look: Look) -> Found:
     """Step numbers ascend, fit, and stand at every line if at one."""
     numbered = any(isinstance(i, MoveRows) or i.number is not None for i in look.code)
     before = 0
@@ -32,7 +32,7 @@ def order(look: Look) -> Found:
                 what = "the line has no step number, but others have"
                 yield look.finding(rules.NO_STEP_NUMBER, item, what=what)
         else:
-            where = _number(look, item)
+            where = _step_number(look, item)
             if not 1 <= item.number <= LAST_STEP:
                 yield look.finding(rules.STEP_RANGE, where, number=item.number, most=LAST_STEP)
             if item.number <= before:
@@ -44,14 +44,14 @@ def order(look: Look) -> Found:
         yield look.finding(rules.NO_STEP_NUMBER, first, what=what)
 
 
-def _number(look: Look, line: s.Line) -> Span | None:
+def _step_number(look: Look, line: s.Line) -> Span | None:
     if line.span is None or look.source is None:
         return None
     found = _NUMBER.match(look.source.text, line.span.start)
     return Span(*found.span(1)) if found else line.span
 
 
-def lengths(look: Look) -> Found:
+def step_lengths(look: Look) -> Found:
     """Steps that are longer than a controller takes, in bytes of the file's own encoding."""
     source = look.source
     encoding = source.encoding if source is not None else "utf-8"
@@ -68,25 +68,25 @@ def lengths(look: Look) -> Found:
 # --------------------------------------------------------------------------------------- labels
 
 
-def labels(look: Look) -> Found:
+def jump_labels(look: Look) -> Found:
     """A label stands once, and what is jumped to is there; functions have their own."""
     for scope in look.scopes:
         lines = look.lines_of(scope)
-        for line in repeated(lines, _label):
+        for line in repeated(lines, _label_of):
             yield look.at(rules.TWO_LABELS, line, f"*{line.label}", name=line.label)
-        labels = set(map(_label, lines))
+        labels = set(map(_label_of, lines))
         for line in lines:
-            yield from _targets(look, line, labels, inside=scope.function is not None)
+            yield from _missing_targets(look, line, labels, inside=scope.function is not None)
 
 
-def _label(line: s.Line) -> str | None:
+def _label_of(line: s.Line) -> str | None:
     return line.label.upper() if line.label is not None else None
 
 
-def _targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool) -> Found:
+def _missing_targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool) -> Found:
     for target in exits_of(line.statement).targets:
         if isinstance(target.place, int):
-            if target.place not in look.once(_steps):
+            if target.place not in look.once(_step_numbers):
                 word = str(target.place)
                 yield look.at(rules.NO_STEP, line, word, name=target.place)
             elif not look.dialect.line_targets:
@@ -100,9 +100,9 @@ def _targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool)
             yield look.at(rules.NO_LABEL, line, target, name=target.place, where=where)
 
 
-def _steps(look: Look) -> set[int]:
+def _step_numbers(look: Look) -> set[int]:
     return steps_of(look.damage).union(places_of_steps(look.code))
 
 
 def _all_labels(look: Look) -> set[str | None]:
-    return set(map(_label, look.lines))
+    return set(map(_label_of, look.lines))

@@ -10,15 +10,15 @@ from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.words import MOST_PULSES
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.blocks import is_block_word
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 
-STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
-LISTENS: Final = frozenset({"Wait"})
+STOPPING_COMMANDS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
+WAITING_COMMANDS: Final = frozenset({"Wait"})
 
 
-def corners(look: Look) -> Found:
+def corners_at_stops(look: Look) -> Found:
     """Corners that are left on where the program stops or waits behind a move."""
     rounded: bool | None = False
     moved = False
@@ -27,7 +27,7 @@ def corners(look: Look) -> Found:
             moved = True
             continue
         statement = item.statement
-        if item.label is not None or is_word(statement):
+        if item.label is not None or is_block_word(statement):
             rounded, moved = None, False
         match statement:
             case s.Motion():
@@ -36,7 +36,7 @@ def corners(look: Look) -> Found:
                 value = literal(arguments[0]) if arguments else None
                 rounded = None if value is None else value != 0
                 moved = False
-            case s.Command(keyword=word) if word in STOPS or word in LISTENS:
+            case s.Command(keyword=word) if word in STOPPING_COMMANDS or word in WAITING_COMMANDS:
                 if rounded and moved:
                     yield look.at(rules.CNT_LEFT, item, word, word=word)
                 moved = False
@@ -46,7 +46,7 @@ def corners(look: Look) -> Found:
                 rounded, moved = None, False
 
 
-def tools(look: Look) -> Found:
+def missing_tool(look: Look) -> Found:
     """Programs that move and set no tool."""
     if look.compiled or look.once(_sets_tool):
         return
@@ -68,7 +68,7 @@ def _sets_tool(look: Look) -> bool:
     ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)
 
 
-def at_a_time(look: Look) -> Found:
+def pulses_at_a_time(look: Look) -> Found:
     """More pulses in a row than run beside each other, with nothing between that takes time."""
     count = 0
     for item in look.code:

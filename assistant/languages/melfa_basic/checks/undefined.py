@@ -9,20 +9,20 @@ from assistant.languages.checks.names import typing_distance
 from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.variables_of import given_anywhere, known
+from assistant.languages.melfa_basic.checks.variables_of import given_anywhere, known_variables
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 
-_PLACES: Final = ("Tool", "Base")
+_SETTING_COMMANDS: Final = ("Tool", "Base")
 
 
-def variables(look: Look) -> Found:
+def undefined_variables(look: Look) -> Found:
     """Variables that are read, and moves to positions, that nothing gives a value."""
     if look.has_strangers:
         return
-    names = look.once(known)
-    moved = _moved_to(look)
+    names = look.once(known_variables)
+    moved = _plain_move_targets(look)
     seen: set[str] = set()
     for line, use in look.uses:
         variable, key = use.variable, use.variable.key
@@ -54,7 +54,7 @@ def is_call(look: Look, variable: s.Variable) -> bool:
     return key in look.functions or key.startswith("FN") or key == "PLT"
 
 
-def _moved_to(look: Look) -> set[str]:
+def _plain_move_targets(look: Look) -> set[str]:
     """Plain variables that moves, tools and bases name."""
     found: set[str] = set()
     for _, motion in look.all(s.Motion):
@@ -62,12 +62,12 @@ def _moved_to(look: Look) -> set[str]:
             if isinstance(node, s.Variable) and node.key[0] in "PJ" and not node.component:
                 found.add(node.key)
     for _, command in look.all(s.Command):
-        if command.keyword in _PLACES:
+        if command.keyword in _SETTING_COMMANDS:
             found |= {n.key for n in nodes(command.arguments) if isinstance(n, s.Variable)}
     return found
 
 
-def calls(look: Look) -> Found:
+def undefined_calls(look: Look) -> Found:
     """Functions of MELFA-BASIC VI that are called as a statement and are not there."""
     if look.has_strangers:
         return
@@ -82,11 +82,11 @@ def near_status(key: str) -> str:
     if key[2:].isdigit():
         return ""
     for name, row in vocabulary.variables().items():
-        if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT:
+        if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT_NAME:
             if typing_distance(name, key, 1) <= 1:
                 return row.name
     return ""
 
 
-SHORT: Final = 4
+SHORT_NAME: Final = 4
 """Names so short that others are near them by chance."""

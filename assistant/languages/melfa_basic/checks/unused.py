@@ -11,7 +11,12 @@ from assistant.languages.checks.registry import Found, Listing
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.uses import Use
-from assistant.languages.melfa_basic.checks.variables_of import Known, is_position, known, names_of
+from assistant.languages.melfa_basic.checks.variables_of import (
+    Known,
+    is_position,
+    known_variables,
+    names_of,
+)
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
@@ -19,7 +24,7 @@ from assistant.languages.melfa_basic.tree.targets import labels_named
 from assistant.languages.runs.columns import Names
 
 
-def twice(look: Look) -> Found:
+def stored_twice(look: Look) -> Found:
     """Variables with two lines of data; names in tables are there once."""
     items: dict[str, list[s.Data]] = {}
     for item in look.data:
@@ -34,7 +39,7 @@ def twice(look: Look) -> Found:
 # -------------------------------------------------------------------------------------- unused
 
 
-def unused(look: Look) -> Found:
+def unused_names(look: Look) -> Found:
     """Labels, variables and positions that nothing uses; one finding for each of the three."""
     aimed = set(labels_named(look.lines))
     labels: Listing[s.Item] = Listing()
@@ -43,22 +48,22 @@ def unused(look: Look) -> Found:
         # what begins with `L_` is shared with the programs on top of this one
         if label and label not in aimed and not label.startswith("L_"):
             labels.add(line, f"*{line.label}")
-    yield from _told(look, "label", labels)
-    names = look.once(known)
+    yield from _listed_finding(look, "label", labels)
+    names = look.once(known_variables)
     variables: Listing[s.Item] = Listing()
     told: set[str] = set()
-    moved = _moved_to(look)
+    moved = _table_move_targets(look)
     for line, use in look.uses:
         key = use.variable.key
         written = use.role in ("written", "declared") and key not in told
         if written and _is_own(look, use, names) and key not in moved:
             told.add(key)
             variables.add(line, use.variable.marked)
-    yield from _told(look, "variable", variables)
-    yield from _unused_positions(look, _moved_to(look, names.read | told))
+    yield from _listed_finding(look, "variable", variables)
+    yield from _unused_positions(look, _table_move_targets(look, names.read | told))
 
 
-def _moved_to(look: Look, words: Set[str] = frozenset()) -> NameSet:
+def _table_move_targets(look: Look, words: Set[str] = frozenset()) -> NameSet:
     """The positions that moves in tables name, and other words."""
     moved = NameSet()
     moved.words |= words
@@ -80,7 +85,7 @@ def _is_own(look: Look, use: Use, names: Known) -> bool:
     )
 
 
-def _told(look: Look, what: str, found: Listing[s.Item]) -> Found:
+def _listed_finding(look: Look, what: str, found: Listing[s.Item]) -> Found:
     if found.first is None:
         return
     item, row = found.first
@@ -103,7 +108,7 @@ def _unused_positions(look: Look, used: NameSet) -> Found:
             found.add_rows(item, np.flatnonzero(~used.among(names_of(item))), written.name)
         elif is_position(item) and not _is_shared(item.variable) and item.variable.key not in used:
             found.add(item, item.variable.name)
-    yield from _told(look, "position", found)
+    yield from _listed_finding(look, "position", found)
 
 
 def _is_shared(variable: s.Variable) -> bool:

@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.tree.walk import inside
 Role = Literal["read", "written", "declared", "either"]
 """What is done with a variable; `either` where a statement may read or write it."""
 
-WORDS: Final = frozenset(
+ARGUMENT_WORDS: Final = frozenset(
     {
         *(word.upper() for row in statements().values() for word in row.words),
         *("NOERR", "ERR", "P", "J", "S", "L", "F"),
@@ -32,7 +32,7 @@ class Use:
     role: Role
 
 
-ROLES: Final[Mapping[tuple[type, str], Role]] = {
+FIELD_ROLES: Final[Mapping[tuple[type, str], Role]] = {
     (s.Assign, "target"): "written",
     (s.Const, "variable"): "written",
     (s.DefIo, "variable"): "written",
@@ -57,11 +57,11 @@ def uses(node: Any, role: Role = "read") -> Iterator[Use]:
         if kind is s.Variable:
             yield Use(node, role)
             if node.arguments and role != "declared":
-                left.append((node.arguments, "either" if _gives(node.key) else "read"))
+                left.append((node.arguments, "either" if _gives_results(node.key) else "read"))
         elif kind is tuple:
             left += [(inner, role) for inner in reversed(node)]
-        elif kind in _OWN:
-            yield from _own(node)
+        elif kind in _OWN_KINDS:
+            yield from _own_uses(node)
         else:
             left += [(getattr(node, name), own or role) for name, own in _fields(kind)]
 
@@ -69,13 +69,13 @@ def uses(node: Any, role: Role = "read") -> Iterator[Use]:
 @cache
 def _fields(kind: type) -> tuple[tuple[str, Role | None], ...]:
     """Fields that may hold nodes, the last one first, with what is done with what is in them."""
-    return tuple((name, ROLES.get((kind, name))) for name in inside(kind) or ())
+    return tuple((name, FIELD_ROLES.get((kind, name))) for name in inside(kind) or ())
 
 
-_OWN: Final = frozenset({s.Next, s.Append, s.Call, s.DefFunction, s.Command})
+_OWN_KINDS: Final = frozenset({s.Next, s.Append, s.Call, s.DefFunction, s.Command})
 
 
-def _own(node: Any) -> Iterator[Use]:
+def _own_uses(node: Any) -> Iterator[Use]:
     """Uses in what is not read field by field."""
     match node:
         case s.Append(statement, condition):
@@ -87,18 +87,18 @@ def _own(node: Any) -> Iterator[Use]:
             yield from (use for use in uses(value) if use.variable.key not in own)
         case s.Command(keyword, arguments):
             given = uses(arguments, "either" if keyword in commands("gives") else "read")
-            yield from (use for use in given if not is_word(use.variable))
+            yield from (use for use in given if not is_argument_word(use.variable))
         case s.Next():
             return  # its variables are those of the loops
 
 
-def is_word(variable: s.Variable) -> bool:
+def is_argument_word(variable: s.Variable) -> bool:
     """Whether a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
     plain = variable.arguments is None and not variable.suffix and not variable.component
-    return plain and variable.key in WORDS
+    return plain and variable.key in ARGUMENT_WORDS
 
 
-def _gives(name: str) -> bool:
+def _gives_results(name: str) -> bool:
     """Whether a function of the language may give results in its arguments."""
     known = function(name)
     return known is not None and any(a.assigned or a.types == ANY for a in known.arguments)

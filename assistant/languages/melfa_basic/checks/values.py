@@ -66,7 +66,7 @@ INDICES: Final[dict[str, Limits]] = {
 
 
 PULSE: Final = Limits("the length of the pulse", 0, inf)
-TYPE: Final = Limits("the first number of `Type`", 0, 1)
+TYPE_NUMBER: Final = Limits("the first number of `Type`", 0, 1)
 
 _Values = Sequence[s.Expression | None]
 LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None], _Values]]]] = {
@@ -81,26 +81,28 @@ LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None],
     s.Close: lambda node: ((FILE,) * len(node.numbers), node.numbers),
     s.Assign: lambda node: ((PULSE,), (node.delay,)),
     s.Variable: lambda node: ((INDICES.get(node.key),), node.arguments or ()),
-    s.Motion: lambda node: ((TYPE,), (node.type or ())[:1]),
+    s.Motion: lambda node: ((TYPE_NUMBER,), (node.type or ())[:1]),
 }
 """Construct → numbers in it, and what each may be where it is a plain one."""
 
 
-def ranges(look: Look) -> Found:
+def argument_ranges(look: Look) -> Found:
     """Plain numbers that an argument cannot be."""
     for construct, limited in LIMITED.items():
         for line, node in look.all(construct):
             for limits, argument in zip(*limited(node), strict=False):
-                yield from _in(look, line, limits, argument)
+                yield from _in_range(look, line, limits, argument)
     limits = Limits("the second number of `Type`", 0, 2 if look.dialect.singular_type else 1)
     for line, move in look.all(s.Motion):
-        yield from _in(look, line, limits, move.type[1] if move.type else None)
+        yield from _in_range(look, line, limits, move.type[1] if move.type else None)
 
 
-def _in(look: Look, line: s.Line, limits: Limits | None, argument: s.Expression | None) -> Found:
+def _in_range(
+    look: Look, line: s.Line, limits: Limits | None, argument: s.Expression | None
+) -> Found:
     value = literal(argument)
     if limits is not None and value is not None and not limits.holds(value):
-        words = limits.words(value, OUT_OF_RANGE)
+        words = limits.words(value, RANGE_ERROR)
         yield look.at(rules.OUT_OF_RANGE, line, f"{abs(value):g}", **words)
 
 
@@ -108,21 +110,21 @@ def _in(look: Look, line: s.Line, limits: Limits | None, argument: s.Expression 
 
 MOST_PARAMETERS: Final = 16
 """Of CallP and FPrm (COSIROP help)."""
-TOO_MANY, TOO_FEW, OUT_OF_RANGE = 3120, 4220, 3110
+TOO_MANY_ERROR, TOO_FEW_ERROR, RANGE_ERROR = 3120, 4220, 3110
 """Numbers of the controller's errors."""
-TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
+ARGUMENT_TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
 """Types of arguments that may be more than a number. Where a version has no stored frames, a number
 is a finding of what it lacks.
 """
-POINTS: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
+MOVE_POINT_TYPES: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
 """Word of a move → types of its points; other moves have three positions."""
 SPLINES: Final = ("MvSpl", "EMvSpl")
 """They go along a spline that is stored by its number (CR750 manual, appendix 7.3)."""
-ORDER: Final = ("the first argument", "the second argument", "the third argument", "an argument")
+ORDINALS: Final = ("the first argument", "the second argument", "the third argument", "an argument")
 
 
 @dataclass(frozen=True, slots=True)
-class Taken:
+class TakenArguments:
     """What is given where arguments are taken.
 
     what: the word, or the name that is called. types: of the arguments, as `kinds.fits` wants
@@ -135,61 +137,66 @@ class Taken:
     most: int | None = None
     types: Sequence[str] = ()
     more: str = ""
-    too_few: int = TOO_MANY
+    too_few: int = TOO_MANY_ERROR
 
     @property
     def word(self) -> str:
         return self.what if isinstance(self.what, str) else self.what.name
 
 
-def taken(look: Look) -> list[tuple[s.Line, Taken]]:
+def taken_arguments(look: Look) -> list[tuple[s.Line, TakenArguments]]:
     """Everything in a file that takes arguments."""
-    return list(_taken(look))
+    return list(_arguments_taken(look))
 
 
-def _taken(look: Look) -> Iterator[tuple[s.Line, Taken]]:
+def _arguments_taken(look: Look) -> Iterator[tuple[s.Line, TakenArguments]]:
     for line, command in look.all(s.Command):
         word = command.keyword
         row = vocabulary.statement(word)
-        types: Sequence[str] = TYPES.get(word) or "M" * len(COMMANDS.get(word, ()))
+        types: Sequence[str] = ARGUMENT_TYPES.get(word) or "M" * len(COMMANDS.get(word, ()))
         if row is not None and row.role == "command":
-            yield line, Taken(word, command.arguments, row.least, row.most, types, "", TOO_FEW)
+            yield (
+                line,
+                TakenArguments(
+                    word, command.arguments, row.least, row.most, types, "", TOO_FEW_ERROR
+                ),
+            )
     for line, motion in look.all(s.Motion):
         row = vocabulary.statement(motion.keyword)
-        types = POINTS.get(motion.keyword, "PPP")
+        types = MOVE_POINT_TYPES.get(motion.keyword, "PPP")
         if row is not None and motion.keyword not in SPLINES:
             word, given = motion.keyword, motion.arguments
-            yield line, Taken(word, given, row.least, row.most, types, "M", TOO_FEW)
+            yield line, TakenArguments(word, given, row.least, row.most, types, "M", TOO_FEW_ERROR)
     for line, call in look.all(s.CallP):
-        yield line, Taken("CallP", call.arguments, most=MOST_PARAMETERS)
-        yield line, Taken("CallP", (call.program,), types="C")
+        yield line, TakenArguments("CallP", call.arguments, most=MOST_PARAMETERS)
+        yield line, TakenArguments("CallP", (call.program,), types="C")
     for line, opened in look.all(s.Open):
-        yield line, Taken("Open", (opened.name,), types="C")
+        yield line, TakenArguments("Open", (opened.name,), types="C")
     for line, head in look.all(s.FPrm):
-        yield line, Taken("FPrm", head.variables, 1, MOST_PARAMETERS)
+        yield line, TakenArguments("FPrm", head.variables, 1, MOST_PARAMETERS)
     for line, variable in look.all(s.Variable):
         if variable.arguments is None:
             continue
-        function, own = _function(look, variable), look.functions.get(variable.key)
+        function, own = _called_function(look, variable), look.functions.get(variable.key)
         if function is not None:
             types = [argument.types for argument in function.arguments]
             least, most = function.least, function.most
             more = types[-1] if types else ""
-            yield line, Taken(variable, variable.arguments, least, most, types, more)
+            yield line, TakenArguments(variable, variable.arguments, least, most, types, more)
         if own is not None:
             wanted = len(own.parameters or ())
-            yield line, Taken(variable, variable.arguments, wanted, wanted)
+            yield line, TakenArguments(variable, variable.arguments, wanted, wanted)
 
 
-def _function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
+def _called_function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
     """The function of the language that a variable with arguments calls."""
-    own = variable.key in look.once(kinds.declared) or variable.key in look.functions
+    own = variable.key in look.once(kinds.declared_types) or variable.key in look.functions
     return None if variable.component or own else vocabulary.function(variable.key)
 
 
-def counts(look: Look) -> Found:
+def argument_counts(look: Look) -> Found:
     """Statements and functions with more or fewer arguments than they take."""
-    for line, one in look.once(taken):
+    for line, one in look.once(taken_arguments):
         given = len(one.given)
         if given < one.least or (one.most is not None and given > one.most):
             yield look.at(
@@ -199,11 +206,11 @@ def counts(look: Look) -> Found:
                 word=one.word,
                 wanted=alternatives(one.least, one.most, "argument"),
                 given=given,
-                number=one.too_few if given < one.least else TOO_MANY,
+                number=one.too_few if given < one.least else TOO_MANY_ERROR,
             )
 
 
-STRANGE: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
+STRANGE_ARGUMENTS: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
     s.Channel: ("lines", "the number of a line"),
     s.Opening: ("lines", "a line that is opened"),
     s.Target: ("labels", "a label"),
@@ -211,39 +218,39 @@ STRANGE: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
 """Arguments that only some statements take: the mark of those in the vocabulary, and its words."""
 
 
-def strange(look: Look) -> Found:
+def strange_arguments(look: Look) -> Found:
     """Lines and labels among the arguments of statements that take neither."""
     for line, command in look.all(s.Command):
         row = vocabulary.statement(command.keyword)
         for at, argument in enumerate(command.arguments):
-            effect, given = STRANGE.get(type(argument), ("reads", ""))
+            effect, given = STRANGE_ARGUMENTS.get(type(argument), ("reads", ""))
             if given and (row is None or effect not in row.effects):
                 yield look.at(
                     rules.ARGUMENT_TYPE,
                     line,
                     command.keyword,
                     word=command.keyword,
-                    which=ORDER[min(at, 3)],
+                    which=ORDINALS[min(at, 3)],
                     given=given,
                     wanted="a value",
                 )
 
 
-def types(look: Look) -> Found:
+def argument_types(look: Look) -> Found:
     """Arguments of another type than a statement or function takes."""
-    for line, one in look.once(taken):
+    for line, one in look.once(taken_arguments):
         for at, argument in enumerate(one.given):
-            given = kinds.of(look, argument)
+            given = kinds.kind_of(look, argument)
             wanted = one.types[at] if at < len(one.types) else one.more
-            if wanted in kinds.SPOKEN and not kinds.fits(given, wanted):
+            if wanted in kinds.KIND_WORDS and not kinds.kind_fits(given, wanted):
                 yield look.at(
                     rules.ARGUMENT_TYPE,
                     line,
                     argument if isinstance(argument, s.Variable) else one.what,
                     word=one.word,
-                    which=ORDER[min(at, 3)],
-                    given=kinds.SPOKEN[given],
-                    wanted=kinds.SPOKEN[wanted],
+                    which=ORDINALS[min(at, 3)],
+                    given=kinds.KIND_WORDS[given],
+                    wanted=kinds.KIND_WORDS[wanted],
                 )
 
 
@@ -257,7 +264,7 @@ TURN: Final = 6.3
 CIRCULAR: Final = frozenset({"SIN", "COS", "TAN"})
 
 
-def waits(look: Look) -> Found:
+def short_waits(look: Look) -> Found:
     """Times that are shorter than a controller waits."""
     least = look.dialect.shortest_wait
     stated = [(x, c.arguments[:1]) for x, c in look.all(s.Command) if c.keyword == "Dly"]
@@ -271,14 +278,14 @@ def waits(look: Look) -> Found:
             )
 
 
-def units(look: Look) -> Found:
+def argument_units(look: Look) -> Found:
     """Seconds for a timer, degrees for an angle."""
     for line, node in look.all(s.Binary):
         if node.operator not in kinds.COMPARISONS or node.operator == "=":
             continue
         for side, other in ((node.left, node.right), (node.right, node.left)):
             value = literal(other)
-            if _is(side, "M_TIMER") and value is not None and 0 < value < SECONDS:
+            if _is_variable(side, "M_TIMER") and value is not None and 0 < value < SECONDS:
                 words = {"value": f"{value:g}", "better": f"{value * 1000:g}"}
                 yield look.at(rules.TIMER, line, "M_Timer", **words)
     for line, variable, what, angle in _angles(look):
@@ -298,19 +305,19 @@ def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression 
             yield line, variable, f"the angle of `{variable.name}`", variable.arguments[0]
 
 
-def _is(value: s.Expression, key: str) -> bool:
+def _is_variable(value: s.Expression, key: str) -> bool:
     return isinstance(value, s.Variable) and value.key == key
 
 
 # --------------------------------------------------------------------------------------- status
 
 
-def status(look: Look) -> Found:
+def status_access(look: Look) -> Found:
     """Status variables that are assigned but only read, and the other way round."""
     for line, use in look.uses:
         variable = use.variable
         row = vocabulary.status(variable.key)
-        if row is None or variable.key in look.once(kinds.declared):
+        if row is None or variable.key in look.once(kinds.declared_types):
             continue
         if use.role == "written" and not row.writable:
             other = variable.key.replace("M_IN", "M_OUT", 1)

@@ -28,16 +28,16 @@ class Known:
     read: set[str] = field(default_factory=set)
 
 
-def known(look: Look) -> Known:
+def known_variables(look: Look) -> Known:
     """Worked out once for a file."""
     found = Known()
     for tree in look.included:
         beside = look if tree is look.tree else Look(tree, look.dialect, look.calls, look.damage)
-        _take(beside, found)
+        _take_file(beside, found)
     return found
 
 
-def _take(look: Look, found: Known) -> None:
+def _take_file(look: Look, found: Known) -> None:
     given = found.given.words
     for _, use in look.uses:
         key = use.variable.key
@@ -74,7 +74,7 @@ def _take_data(items: Iterable[s.Data | PositionRows], given: NameSet) -> None:
     for item in items:
         if isinstance(item, PositionRows):
             given.columns.append(names_of(item))
-        elif not _is_empty(item):
+        elif not _is_untaught(item):
             given.words.add(item.variable.key)
 
 
@@ -90,7 +90,7 @@ def given_anywhere(calls: Calls) -> NameSet:
     """Variables that any of some files gives a value, by name in upper case."""
     found = Known()
     for tree in calls.trees:
-        _take(Look(tree, DIALECTS[tree.dialect], calls), found)
+        _take_file(Look(tree, DIALECTS[tree.dialect], calls), found)
     return found.given
 
 
@@ -103,7 +103,7 @@ def is_position(item: s.Data) -> bool:
     return isinstance(item.value, s.Constant)
 
 
-def _is_empty(item: s.Data) -> bool:
+def _is_untaught(item: s.Data) -> bool:
     """Whether a line says that a position has no value: `(,,,,,)(,)`, as the tools write it."""
     value = item.value
     return isinstance(value, s.Constant) and not any(v is not None for v in value.values)

@@ -14,15 +14,15 @@ from assistant.base.diagnostics import Span
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
 from assistant.languages.melfa_basic.checks.undefined import is_call
-from assistant.languages.melfa_basic.checks.variables_of import known
+from assistant.languages.melfa_basic.checks.variables_of import known_variables
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import (
-    KEPT,
+    LAST_SET_PARAMETERS,
     PARAMETERS,
-    STATUS,
-    TAUGHT,
-    kept_as,
+    SETTING_STATUS,
+    TAUGHT_STATUS,
+    parameter_position,
 )
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -74,7 +74,7 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
 
 def _variables(look: Look) -> Iterator[Wanted]:
     """Plain variables of a file that are used and have no value, or only components of one."""
-    names, positions = look.once(known), Positions(look.tree)
+    names, positions = look.once(known_variables), Positions(look.tree)
     types = {
         v.key: _OF_TYPE.get(node.type, "M")
         for _, node in look.all(s.DefNames)
@@ -95,8 +95,8 @@ def _variables(look: Look) -> Iterator[Wanted]:
         external = key[1:2] == "_"
         if (
             (key in whole and not external)
-            or (vocabulary.status(key) is not None and key not in TAUGHT)
-            or outside.is_state(key)
+            or (vocabulary.status(key) is not None and key not in TAUGHT_STATUS)
+            or outside.is_force_state(key)
         ):
             continue
         if (
@@ -151,7 +151,7 @@ def _parameters(look: Look) -> Iterator[Wanted]:
         if known_as is not None and number:
             kind: WantedKind = "tool" if command.keyword == "Tool" else "frame"
             name = known_as.format(number=round(number))
-            if positions.constant(kept_as(name)) is None:
+            if positions.constant(parameter_position(name)) is None:
                 yield Wanted(name, kind, uses=(_place(look, line.span),))
 
 
@@ -159,16 +159,16 @@ def _tools(look: Look) -> Iterator[Wanted]:
     """Tools that `M_Tool` is given by their numbers."""
     positions = Positions(look.tree)
     for line, node in look.all(s.Assign):
-        number = literal(node.value) if node.target.key == STATUS["Tool"] else None
+        number = literal(node.value) if node.target.key == SETTING_STATUS["Tool"] else None
         if number:
             name = PARAMETERS["Tool"].format(number=round(number))
-            if positions.constant(kept_as(name)) is None:
+            if positions.constant(parameter_position(name)) is None:
                 yield Wanted(name, "tool", uses=(_place(look, line.span),))
 
 
 def kept(trees: Sequence[s.File]) -> Iterator[Wanted]:
     """The tool and the base that parameters keep, where none of the programs sets another one."""
-    for word, name in KEPT.items():
+    for word, name in LAST_SET_PARAMETERS.items():
         kind: WantedKind = "tool" if word == "Tool" else "frame"
         if trees and not any(_sets(tree, word) for tree in trees):
             yield Wanted(name, kind)
@@ -180,7 +180,7 @@ def _sets(tree: s.File, word: str) -> bool:
             match node:
                 case s.Command(keyword=keyword) if keyword == word:
                     return True
-                case s.Assign(target=target) if target.key == STATUS[word]:
+                case s.Assign(target=target) if target.key == SETTING_STATUS[word]:
                     return True
     return False
 
@@ -188,7 +188,7 @@ def _sets(tree: s.File, word: str) -> bool:
 def _outside(look: Look) -> Iterator[Wanted]:
     """Routines that stand for commands of the maker's own, and the states that they give."""
     for line, command in look.all(s.Command):
-        routine = outside.routine_of(command)
+        routine = outside.supplied_routine(command)
         if routine is not None:
             name, given = routine
             yield Wanted(
@@ -200,7 +200,7 @@ def _outside(look: Look) -> Iterator[Wanted]:
     written = {use.variable.key for _, use in look.uses if use.role != "read"}
     for line, use in look.uses:
         name, key = use.variable.name, use.variable.key
-        if outside.is_state(key) and key not in written:
+        if outside.is_force_state(key) and key not in written:
             kind, type, nothing = _KINDS[key[0]]
             type = type or STATE_TYPE
             yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))
@@ -210,7 +210,7 @@ def _functions(look: Look) -> Iterator[Wanted]:
     """Functions that are called and stand in no file: those with `()`, and called as statements."""
     if not look.tree.dialect.endswith("6"):
         return
-    names = look.once(known)
+    names = look.once(known_variables)
     made = {node.name.upper() for _, node in look.all(s.DefFunction)}
     called = [(line, call.function, "") for line, call in look.all(s.Call)]
     for line, use in look.uses:

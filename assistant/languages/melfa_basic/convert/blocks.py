@@ -17,30 +17,34 @@ from assistant.languages.line_blocks import Blocks
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
-from assistant.languages.melfa_basic.tree.jumping import goes_to, jumping_ifs, waited
+from assistant.languages.melfa_basic.tree.jumping import jumping_ifs, jumps_to, read_waiting_loop
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of, lone_labels
 
-_FIRST: Final = re.compile(r"(S[0-9]+)C1")
-_LEFT: Final = re.compile(r"B[0-9]+Z")
+_FIRST_CASE_LABEL: Final = re.compile(r"(S[0-9]+)C1")
+_BREAK_LABEL: Final = re.compile(r"B[0-9]+Z")
 
 
-def to_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
+def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     """The lines with such jumps as the blocks of a dialect that has them."""
     lines = list(items)
     if dialect.wide_wait:
-        lines = _waits(lines)
+        lines = _with_waits(lines)
     chains: dict[int, str] = {}
     if dialect.nested_select:
-        lines = chained(lines, chains)
+        lines = with_selects(lines, chains)
     refused: set[str] = set()
     while dialect.blocks:
-        made, ends = _ifs(lines, refused)
+        made, ends = _with_ifs(lines, refused)
         blocks = blocks_of(made)
         if blocks.sound:
             if dialect.breaks:
                 made = _with_breaks(made, blocks, ends | chains)
             missing = (set(labels_named(made)) - labels_of(made).keys()) & labels_of(lines).keys()
-            left = {name for name in ends.values() if name in missing or _partly(name, missing)}
+            left = {
+                name
+                for name in ends.values()
+                if name in missing or _is_partly_missing(name, missing)
+            }
         else:
             known = {*ends.values(), *refused}
             left = {name for name in ends.values() if _crosses(lines, known - {name})}
@@ -54,23 +58,23 @@ def to_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
 
 def _crosses(lines: Sequence[s.Item], refused: set[str]) -> bool:
     """Whether an `If` crosses other blocks, the only one that is not refused."""
-    made, _ = _ifs(lines, refused)
+    made, _ = _with_ifs(lines, refused)
     return not blocks_of(made).sound
 
 
-def _partly(end: str, missing: set[str]) -> bool:
+def _is_partly_missing(end: str, missing: set[str]) -> bool:
     return any(re.fullmatch(end[:-1] + r"[TN][0-9]+", name) for name in missing)
 
 
 # ---------------------------------------------------------------------------------- Wait
 
 
-def _waits(items: list[s.Item]) -> list[s.Item]:
+def _with_waits(items: list[s.Item]) -> list[s.Item]:
     counts = Counter(labels_named(items))
     made: list[s.Item] = []
     at = 0
     while at < len(items):
-        found = waited(items[at : at + 3])
+        found = read_waiting_loop(items[at : at + 3])
         if found is None or counts[found[0]] != 1 or counts[found[0] + "Z"] != 1:
             made.append(items[at])
             at += 1
@@ -85,17 +89,19 @@ def _waits(items: list[s.Item]) -> list[s.Item]:
 # ------------------------------------------------------------------------------------ If
 
 
-def _ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item], dict[int, str]]:
+def _with_ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item], dict[int, str]]:
     """The lines with `If` blocks, and by the identity of an `EndIf` the label that was there."""
     lines: list[s.Item | None] = list(items)
     ends: dict[int, str] = {}
     for name, places in jumping_ifs(items).values():
         if name + "Z" not in refused:
-            ends[id(_replaced(lines, items, places))] = name + "Z"
+            ends[id(_put_block_words(lines, items, places))] = name + "Z"
     return [line for line in lines if line is not None], ends
 
 
-def _replaced(lines: list[s.Item | None], items: Sequence[s.Item], places: Sequence[int]) -> s.Line:
+def _put_block_words(
+    lines: list[s.Item | None], items: Sequence[s.Item], places: Sequence[int]
+) -> s.Line:
     """Puts the words of a block where the jumps stand; gives the line that ends it."""
     *branches, end = places
     for first in range(0, len(branches), 3):
@@ -121,28 +127,28 @@ def _replaced(lines: list[s.Item | None], items: Sequence[s.Item], places: Seque
 # -------------------------------------------------------------------------------- Select
 
 
-def chained(items: Sequence[s.Item], ends: dict[int, str]) -> list[s.Item]:
+def with_selects(items: Sequence[s.Item], ends: dict[int, str]) -> list[s.Item]:
     """The lines with such rows as blocks. ends: gets the last label of each, by its line."""
     lines = list(items)
     at = 0
     while at < len(lines):
-        made = _at(lines, at, ends)
+        made = _select_at(lines, at, ends)
         if made is not None:
             lines = made
         at += 1
     return lines
 
 
-def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | None:
+def _select_at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | None:
     """All lines with the row that begins here as a block, None if none begins here."""
-    aimed = _aimed(lines[at])
-    found = _FIRST.fullmatch(aimed[1]) if aimed is not None else None
+    aimed = _aim_of(lines[at])
+    found = _FIRST_CASE_LABEL.fullmatch(aimed[1]) if aimed is not None else None
     if found is None:
         return None
     name = found[1]
     labels = lone_labels(lines)
     last = labels.get(name + "Z", -1)
-    row = _row(lines, at, name)
+    row = _case_row(lines, at, name)
     if row is None:
         return None
     cases, subject, after, default = row
@@ -156,7 +162,7 @@ def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | No
         return None
     bodies: list[list[s.Item]] = []
     for low, high in pairwise(edges):
-        if not goes_to(lines[high - 1], name + "Z") or high - 1 <= low:
+        if not jumps_to(lines[high - 1], name + "Z") or high - 1 <= low:
             return None
         bodies.append(lines[low + 1 : high - 1])
     first = lines[at]
@@ -181,7 +187,7 @@ def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | No
     return [*before, *block, closing, *behind]
 
 
-def _aimed(item: s.Item) -> tuple[s.Expression | None, str] | None:
+def _aim_of(item: s.Item) -> tuple[s.Expression | None, str] | None:
     """Where a line goes, in upper case, and on what condition; None if it does anything else."""
     match item:
         case s.Line(label=None, statement=s.If(condition, s.Target(place=str() as place), None)):
@@ -191,15 +197,15 @@ def _aimed(item: s.Item) -> tuple[s.Expression | None, str] | None:
     return None
 
 
-Row = tuple[list[tuple[s.Case, str | None]], s.Expression, int, s.Line | None]
+CaseRow = tuple[list[tuple[s.Case, str | None]], s.Expression, int, s.Line | None]
 
 
-def _row(lines: Sequence[s.Item], at: int, name: str) -> Row | None:
+def _case_row(lines: Sequence[s.Item], at: int, name: str) -> CaseRow | None:
     """The cases, what is selected by, the place behind the row, the jump to the default."""
     cases: list[tuple[s.Case, str | None]] = []
     subject: s.Expression | None = None
     for behind, line in enumerate(lines[at:], at + 1):
-        aimed = _aimed(line)
+        aimed = _aim_of(line)
         if aimed is None or not isinstance(line, s.Line):
             return None
         condition, label = aimed
@@ -208,7 +214,7 @@ def _row(lines: Sequence[s.Item], at: int, name: str) -> Row | None:
             if subject is None or label not in (following, name + "Z"):
                 return None
             return cases, subject, behind, line if label == following else None
-        tested = _test(condition)
+        tested = _case_of(condition)
         if tested is None or (subject is not None and tested[0] != subject):
             return None
         subject, item = tested
@@ -222,7 +228,7 @@ def _row(lines: Sequence[s.Item], at: int, name: str) -> Row | None:
     return None
 
 
-def _test(condition: s.Expression) -> tuple[s.Expression, s.CaseRange | s.CaseIs] | None:
+def _case_of(condition: s.Expression) -> tuple[s.Expression, s.CaseRange | s.CaseIs] | None:
     match condition:
         case s.Binary("AND", s.Binary(">=", left, low), s.Binary("<=", right, high)) if (
             left == right
@@ -245,7 +251,7 @@ def _with_breaks(items: Sequence[s.Item], blocks: Blocks, ends: Mapping[int, str
     """
     leaving: dict[int, str] = {}
     below: dict[int, str] = {}
-    labels = {at: name for name, at in lone_labels(items).items() if _LEFT.fullmatch(name)}
+    labels = {at: name for name, at in lone_labels(items).items() if _BREAK_LABEL.fullmatch(name)}
     for block in blocks.all:
         if block.last is None or blocks.closing[block.last][-1] is not block:
             continue  # the `Next` of an outer loop as well
@@ -258,15 +264,15 @@ def _with_breaks(items: Sequence[s.Item], blocks: Blocks, ends: Mapping[int, str
     for at, item in enumerate(items):
         inner = blocks.around[at]
         label = leaving.get(inner.first) if inner is not None and at not in inner.parts else None
-        made.append(item if label is None else _broken(item, label))
+        made.append(item if label is None else _break_line(item, label))
     wanted = set(labels_named(made))
     return [item for at, item in enumerate(made) if below.get(at, "") in {"", *wanted}]
 
 
-def _broken(node: s.Item, label: str) -> s.Item:
+def _break_line(node: s.Item, label: str) -> s.Item:
     if not isinstance(node, s.Line):
         return node
-    if goes_to(node, label):
+    if jumps_to(node, label):
         return replace(node, statement=s.Command("Break"))
     if isinstance(node.statement, s.If) and node.statement.then is not None:
         branches = [

@@ -11,9 +11,9 @@ from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText, finding_in, without_ends
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert import lines, names, original_names, words
-from assistant.languages.melfa_basic.convert.blocks import to_blocks
+from assistant.languages.melfa_basic.convert.blocks import with_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
-from assistant.languages.melfa_basic.convert.original_names import Memory
+from assistant.languages.melfa_basic.convert.original_names import OriginalNames
 from assistant.languages.melfa_basic.reading.files import recognises
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
@@ -23,13 +23,13 @@ from assistant.languages.melfa_basic.text.rendering import render
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
 from assistant.languages.melfa_basic.tree.targets import (
-    labelled,
     labels_of,
     labels_written,
     targets_in,
+    with_labelled_jumps,
 )
 
-DEEPEST: Final = 51
+DEEPEST_BLOCK: Final = 51
 """Blocks inside one another that are converted; controllers stop at 16."""
 
 
@@ -50,11 +50,11 @@ def convert(trees: Sequence[s.File], to: str) -> Converted:
     What that dialect cannot say is a finding of severity error.
     """
     dialect = DIALECTS[to]
-    files = [_File(tree, dialect) for tree in trees]
+    files = [_ConvertedFile(tree, dialect) for tree in trees]
     for file in files:
         file.restructure()
     if dialect.level == 4:
-        short = names.shortened([file.items for file in files], dialect)
+        short = names.short_names([file.items for file in files], dialect)
         for file in files:
             file.shorten(short)
     written = tuple(file.written() for file in files)
@@ -62,13 +62,13 @@ def convert(trees: Sequence[s.File], to: str) -> Converted:
     return Converted(() if has_errors(findings) else written, findings)
 
 
-class _File:
+class _ConvertedFile:
     """One file on its way."""
 
     def __init__(self, tree: s.File, dialect: Dialect) -> None:
         self.tree, self.dialect, self.before = tree, dialect, DIALECTS[tree.dialect]
         self.items: list[s.Item] = list(tree.items)
-        self.memory = Memory()
+        self.memory = OriginalNames()
         self.as_steps: set[str] = set()
         self.findings: list[Diagnostic] = []
 
@@ -103,18 +103,18 @@ class _File:
             self.items = words.Words(self.dialect, self.memory, self.complain).lines(self.items)
 
     def down(self) -> None:
-        items, self.memory = original_names.taken_out(self.items)
-        items, made = labelled(items)
+        items, self.memory = original_names.take_original_names(self.items)
+        items, made = with_labelled_jumps(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
-        items = lines.apart(lines.bare(items))
+        items = lines.with_lone_labels(lines.without_steps(items))
         for line in words.unreachable_constants(items):
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
-        items = lines.fitted(items, self.dialect)
+        items = lines.with_fitting_comments(items, self.dialect)
         blocks = blocks_of(items)
-        if not blocks.sound or any(block.depth > DEEPEST for block in blocks.all):
+        if not blocks.sound or any(block.depth > DEEPEST_BLOCK for block in blocks.all):
             self.complain(
                 self.items[0],
                 "blocks that cross each other or stand too deep",
@@ -126,10 +126,10 @@ class _File:
         self.items = words.Words(self.dialect, self.memory, self.complain).lines(items)
 
     def up(self) -> None:
-        items, self.memory = original_names.taken_out(self.items)
-        items, made = labelled(items)
+        items, self.memory = original_names.take_original_names(self.items)
+        items, made = with_labelled_jumps(items)
         self.memory.steps |= dict.fromkeys(made)
-        items = to_blocks(lines.bare(items), self.dialect)
+        items = with_blocks(lines.without_steps(items), self.dialect)
         items = words.Words(self.dialect, self.memory, self.complain).lines(items)
         items = words.restored(items, self.memory)
         given = {
@@ -143,8 +143,8 @@ class _File:
             free = {k: v for k, v in known.items() if v.upper() not in there}
             setattr(back, kind, free)
             setattr(self.memory, kind, {k: v for k, v in known.items() if k not in free})
-        items = names.renamed(items, back, upper=False)
-        self.items = original_names.renamed(items, back.named)
+        items = names.with_names(items, back, upper=False)
+        self.items = original_names.with_heading_names(items, back.named)
 
     def shorten(self, short: names.Names) -> None:
         """Names that the dialect takes; what they were goes into the heading."""
@@ -160,8 +160,8 @@ class _File:
             known = {name.upper(): name for name in written}
             made = getattr(short, kind).items()
             getattr(self.memory, kind).update((new, known[n]) for n, new in made if n in known)
-        self.items = names.renamed(self.items, short, upper=self.dialect.upper)
-        self.items = original_names.renamed(self.items, short.named)
+        self.items = names.with_names(self.items, short, upper=self.dialect.upper)
+        self.items = original_names.with_heading_names(self.items, short.named)
 
     # -------------------------------------------------------------------------- writing
 
@@ -169,19 +169,23 @@ class _File:
         """The tree of the text that is written."""
         source = self.tree.source
         if self.keeps_numbers:
-            items = tuple(original_names.put_in(self.items, self.memory, self.dialect.name))
+            items = tuple(
+                original_names.put_original_names(self.items, self.memory, self.dialect.name)
+            )
             changed = replace(self.tree, dialect=self.dialect.name, items=items)
-            return _read(render(changed), self.dialect, self.tree)
+            return _read_back(render(changed), self.dialect, self.tree)
         text = self.numbered_text(marked=False)
         encoded = text.encode(source.encoding if source else "utf-8", "replace")
         others = (d for d in DIALECTS.values() if d.name != self.dialect.name)
         if any(recognises(encoded, other.level) for other in others):
             text = self.numbered_text(marked=True)
-        return _read(text, self.dialect, self.tree)
+        return _read_back(text, self.dialect, self.tree)
 
     def numbered_text(self, *, marked: bool) -> str:
-        items = original_names.put_in(self.items, self.memory, self.dialect.name, marked=marked)
-        numbered = lines.numbered(items, self.dialect.step, self.as_steps)
+        items = original_names.put_original_names(
+            self.items, self.memory, self.dialect.name, marked=marked
+        )
+        numbered = lines.with_steps(items, self.dialect.step, self.as_steps)
         if numbered is None:
             self.complain(self.items[0], "a program of so many lines", "split it into programs")
             return ""
@@ -204,7 +208,7 @@ class _File:
                 )
 
 
-def _read(text: str, dialect: Dialect, tree: s.File) -> s.File:
+def _read_back(text: str, dialect: Dialect, tree: s.File) -> s.File:
     """The tree of a text as the file that it will be. tree: that it was made from."""
     source = tree.source
     plain = without_ends(text)

@@ -22,32 +22,32 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from assistant.languages.line_blocks import Block, Blocks
-from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
+from assistant.languages.melfa_basic.lift.settings.held import SETTING_COMMANDS
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.jumping import is_plain_wait, waiting
+from assistant.languages.melfa_basic.tree.jumping import is_plain_wait, waiting_loop
 from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""
 
-_NUMBERED: Final = re.compile(r"[A-Z]\d+")
+_NUMBERED_LABEL: Final = re.compile(r"[A-Z]\d+")
 
-Part = tuple[s.Line, range]
+BlockPart = tuple[s.Line, range]
 """The line that begins a part of a block, and the places of those in it."""
 
-Written = tuple[s.Line, list[s.Item]]
+WrittenPart = tuple[s.Line, list[s.Item]]
 """The same with the lines that its lines have become."""
 
-PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
+THEN_STATEMENTS: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
 
 
 @dataclass(slots=True)
-class Leave:
+class BreakTarget:
     """Where `Break` goes: behind the innermost block.
 
     kind: of that block. selecting: it is a `Select`, or inside one. letter: that the label
@@ -68,7 +68,7 @@ class Jumps:
     ) -> None:
         self.items, self.dialect, self.complain = items, dialect, complain
         self.blocks, self.opened = blocks, {block.first: block for block in blocks.all}
-        self.begun = {m[0] for label in labels_of(items) if (m := _NUMBERED.match(label))}
+        self.begun = {m[0] for label in labels_of(items) if (m := _NUMBERED_LABEL.match(label))}
         """How labels begin that have a letter and a number."""
         self.counts: dict[str, int] = {}
         self.variables: list[str] = []
@@ -81,7 +81,7 @@ class Jumps:
             if made not in self.begun:
                 return made
 
-    def lines(self, places: range, leave: Leave | None = None) -> list[s.Item]:
+    def lines(self, places: range, leave: BreakTarget | None = None) -> list[s.Item]:
         """The lines at some places, blocks whole among them."""
         made: list[s.Item] = []
         at = places.start
@@ -100,21 +100,21 @@ class Jumps:
             at = block.words[-1] + 1
         return made
 
-    def parts(self, block: Block) -> list[Part]:
+    def parts(self, block: Block) -> list[BlockPart]:
         """The lines that begin the parts of a block, and the places that each holds."""
         return [
-            (_line(self.items[at]), range(at + 1, end))
+            (_as_line(self.items[at]), range(at + 1, end))
             for at, end in itertools.pairwise(block.words)
         ]
 
     def end(self, block: Block) -> s.Line | None:
         """The line that ends a block; None for a loop whose `Next` ends an outer one as well."""
         last = block.words[-1]
-        return _line(self.items[last]) if self.blocks.closing[last][-1] is block else None
+        return _as_line(self.items[last]) if self.blocks.closing[last][-1] is block else None
 
-    def kept(self, block: Block, leave: Leave | None) -> list[s.Item]:
+    def kept(self, block: Block, leave: BreakTarget | None) -> list[s.Item]:
         """A block that stays one; behind it the place that `Break` goes to."""
-        out = Leave(block.kind, _selecting(leave) or block.kind == "Select", "B")
+        out = BreakTarget(block.kind, _selecting(leave) or block.kind == "Select", "B")
         made: list[s.Item] = []
         for head, inside in self.parts(block):
             made += [head, *self.lines(inside, out)]
@@ -137,17 +137,17 @@ class Jumps:
         """An `If` block on one line if it fits there, else with jumps."""
         parts = self.parts(block)
         if all(len(inside) == 1 for _, inside in parts):
-            counts, out = dict(self.counts), Leave("If", selecting, "I")
+            counts, out = dict(self.counts), BreakTarget("If", selecting, "I")
             short = self.on_one_line(block, [(head, self.lines(x, out)) for head, x in parts])
             if short is not None and out.label is None:
                 return [short]
             self.counts = counts
         last = self.name("I") + "Z"
-        out = Leave("If", selecting, "I", last)
+        out = BreakTarget("If", selecting, "I", last)
         written = [(head, self.lines(inside, out)) for head, inside in parts]
-        return [*self.jumping(last, written), *_said_at(self.end(block))]
+        return [*self.jumping(last, written), *_end_comment(self.end(block))]
 
-    def jumping(self, last: str, parts: Sequence[Written]) -> list[s.Item]:
+    def jumping(self, last: str, parts: Sequence[WrittenPart]) -> list[s.Item]:
         """The lines of an `If` with jumps. last: the label at its end, `I1Z`."""
         name = last[:-1]
         made: list[s.Item] = []
@@ -164,9 +164,9 @@ class Jumps:
                 made[-2:] = [replace(_goto(last), comment=head.comment), made[-1], *body]
         return [*made, s.Line(label=last)]
 
-    def on_one_line(self, block: Block, parts: Sequence[Written]) -> s.Line | None:
+    def on_one_line(self, block: Block, parts: Sequence[WrittenPart]) -> s.Line | None:
         (head, _), *others = parts
-        words = [*(line for line, _ in others), _line(self.items[block.words[-1]])]
+        words = [*(line for line, _ in others), _as_line(self.items[block.words[-1]])]
         plain = [line.statement for line, _ in others] in ([], [s.Command("Else")])
         if not plain or not isinstance(head.statement, s.If) or any(w.comment for w in words):
             return None
@@ -185,9 +185,9 @@ class Jumps:
         line = body[0]
         if line.label is not None or line.comment is not None:
             return None
-        if not isinstance(line.statement, PLAIN):
+        if not isinstance(line.statement, THEN_STATEMENTS):
             return None
-        if isinstance(line.statement, s.Command) and line.statement.keyword in SETTINGS:
+        if isinstance(line.statement, s.Command) and line.statement.keyword in SETTING_COMMANDS:
             return None  # it holds for the moves below, and keeps a line of its own
         return line.statement
 
@@ -198,14 +198,14 @@ class Jumps:
         (head, above), *cases = self.parts(block)
         name = self.name("S")
         last = name + "Z"
-        out = Leave("chain", True, "S", last)
+        out = BreakTarget("chain", True, "S", last)
         made: list[s.Item] = []
         selected = head.statement
         if not isinstance(selected, s.Select):
             return made
         subject = selected.subject
         status = isinstance(subject, s.Variable) and vocabulary.status(subject.name) is not None
-        if _calls(subject) and not all(_single(case) for case, _ in cases):
+        if _calls_function(subject) and not all(_has_single_values(case) for case, _ in cases):
             self.complain(
                 head,
                 "a `Select` on the value of a function inside another one",
@@ -227,7 +227,7 @@ class Jumps:
                 self.complain(case, "a `Case` behind `Default`", "move `Default` to the end")
             if isinstance(node, s.Case):
                 for item in node.items:
-                    jump = s.If(_test(subject, item), s.Target(label))
+                    jump = s.If(_case_test(subject, item), s.Target(label))
                     made.append(s.Line(statement=jump, comment=comment))
                     comment = None
             else:
@@ -241,11 +241,11 @@ class Jumps:
         if not default:
             made.append(_goto(last))
         made += [*self.lines(above, out), *bodies, s.Line(label=last)]
-        return [*made, *_said_at(self.end(block))]
+        return [*made, *_end_comment(self.end(block))]
 
     # ----------------------------------------------------------------------- one line
 
-    def line(self, item: s.Item, leave: Leave | None) -> list[s.Item]:
+    def line(self, item: s.Item, leave: BreakTarget | None) -> list[s.Item]:
         if not isinstance(item, s.Line):
             return [item]
         match item.statement:
@@ -256,12 +256,12 @@ class Jumps:
                 and not self.dialect.wide_wait
                 and not is_plain_wait(condition)
             ):
-                return [*waiting(self.name("W"), condition, item)]
+                return [*waiting_loop(self.name("W"), condition, item)]
             case s.If(then=then) if then is not None and not self.dialect.blocks:
                 return self.one_line_if(item, item.statement, leave)
         return [item]
 
-    def left(self, item: s.Line, leave: Leave | None) -> s.Statement:
+    def left(self, item: s.Line, leave: BreakTarget | None) -> s.Statement:
         if leave is None:
             self.complain(item, "a `Break` outside of every block", "take it out")
             return s.Command("Break")
@@ -271,7 +271,7 @@ class Jumps:
             leave.label = self.name(leave.letter) + "Z"
         return s.Jump("GoTo", s.Target(leave.label))
 
-    def one_line_if(self, item: s.Line, node: s.If, leave: Leave | None) -> list[s.Item]:
+    def one_line_if(self, item: s.Line, node: s.If, leave: BreakTarget | None) -> list[s.Item]:
         """An `If` of one line; as a block where a branch needs several."""
         given = [b for b in (node.then, node.otherwise) if b is not None]
         bodies: list[list[s.Item]] = []
@@ -291,11 +291,11 @@ class Jumps:
         return [item if changed == node else replace(item, statement=changed)]
 
 
-def _selecting(leave: Leave | None) -> bool:
+def _selecting(leave: BreakTarget | None) -> bool:
     return leave is not None and leave.selecting
 
 
-def _said_at(end: s.Line | None) -> list[s.Item]:
+def _end_comment(end: s.Line | None) -> list[s.Item]:
     """The comment of a line that ends a block."""
     return [] if end is None or end.comment is None else [s.Line(comment=end.comment)]
 
@@ -304,7 +304,7 @@ def _goto(label: str) -> s.Line:
     return s.Line(statement=s.Jump("GoTo", s.Target(label)))
 
 
-def _calls(value: s.Expression) -> bool:
+def _calls_function(value: s.Expression) -> bool:
     """Whether a function is called to work it out."""
     return any(
         isinstance(node, s.Variable)
@@ -314,12 +314,12 @@ def _calls(value: s.Expression) -> bool:
     )
 
 
-def _line(item: s.Item) -> s.Line:
+def _as_line(item: s.Item) -> s.Line:
     assert isinstance(item, s.Line)
     return item
 
 
-def _single(case: s.Line) -> bool:
+def _has_single_values(case: s.Line) -> bool:
     """Whether a case asks for single values only."""
     node = case.statement
     return not isinstance(node, s.Case) or all(
@@ -327,7 +327,7 @@ def _single(case: s.Line) -> bool:
     )
 
 
-def _test(subject: s.Expression, item: s.CaseRange | s.CaseIs) -> s.Expression:
+def _case_test(subject: s.Expression, item: s.CaseRange | s.CaseIs) -> s.Expression:
     if isinstance(item, s.CaseIs):
         return s.Binary(item.operator, subject, item.value)
     if item.last is None:

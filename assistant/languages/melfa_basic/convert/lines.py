@@ -14,12 +14,12 @@ from assistant.languages.melfa_basic.tree.targets import retargeted
 from assistant.languages.texts.words import wrapped_text
 
 
-def bare(items: Sequence[s.Item]) -> list[s.Item]:
+def without_steps(items: Sequence[s.Item]) -> list[s.Item]:
     """The lines without step numbers."""
     return [replace(i, number=None) if isinstance(i, s.Line) else i for i in items]
 
 
-def numbered(
+def with_steps(
     items: Sequence[s.Item], step: int, as_steps: Collection[str] = ()
 ) -> list[s.Item] | None:
     """The lines with ascending step numbers; None if there are more than a program may have.
@@ -27,7 +27,7 @@ def numbered(
     step: between numbers, made smaller if they would not fit. as_steps: labels (upper case)
     that go again, with jumps to the number of the line below them.
     """
-    kept, dropped = _without(items, as_steps)
+    kept, dropped = _without_labels(items, as_steps)
     if step_numbers.steps_in(kept) > LAST_STEP:
         return None
     lines = list(step_numbers.with_ascending_steps(kept, step, LAST_STEP))
@@ -35,7 +35,7 @@ def numbered(
     return [retargeted(item, lambda to: places.get(str(to).upper()) or to) for item in lines]
 
 
-def _without(
+def _without_labels(
     items: Sequence[s.Item], as_steps: Collection[str]
 ) -> tuple[list[s.Item], dict[str, int]]:
     """The items without such labels, and the place of the item that each of them stood above."""
@@ -57,7 +57,7 @@ def _without(
     return kept, dropped
 
 
-def apart(items: Sequence[s.Item]) -> list[s.Item]:
+def with_lone_labels(items: Sequence[s.Item]) -> list[s.Item]:
     """The lines with each label on a line of its own."""
     made: list[s.Item] = []
     for item in items:
@@ -71,7 +71,7 @@ def apart(items: Sequence[s.Item]) -> list[s.Item]:
 # Comments that are too long
 
 
-def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
+def with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     """The lines with long comments above them, and over as many lines as they need."""
     made: list[s.Item] = []
     for item in items:
@@ -79,9 +79,9 @@ def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
         if not isinstance(item, s.Line) or comment is None:
             made.append(item)
             continue
-        room = dialect.line - STEP
+        room = dialect.line - STEP_LENGTH
         if item.statement is not None or item.label is not None:
-            jumps = JUMPS if isinstance(item.statement, s.If | s.ElseIf) else 0
+            jumps = JUMP_ROOM if isinstance(item.statement, s.If | s.ElseIf) else 0
             if len(printer.line(replace(item, number=None), True).encode()) <= room - jumps:
                 made.append(item)
                 continue
@@ -95,8 +95,8 @@ def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     return made
 
 
-STEP: Final = 6
+STEP_LENGTH: Final = 6
 """Characters of a step number and its blank."""
 
-JUMPS: Final = 24
+JUMP_ROOM: Final = 24
 """Characters that `IF` gets for jumps in the place of a block."""

@@ -8,14 +8,14 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
-from assistant.languages.melfa_basic.tables.words import RESERVED, free
+from assistant.languages.melfa_basic.tables.words import RESERVED_WORDS, free_name
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_written
 from assistant.program.program import TakenNames
 from assistant.program.rewriting import records, rewrite
 
-KINDS: Final = ("named", "stems", "labelled")
+NAME_TABLES: Final = ("named", "stems", "labelled")
 
 
 @dataclass(slots=True)
@@ -31,7 +31,7 @@ class Names:
     labelled: dict[str, str] = field(default_factory=dict)
 
 
-def is_own(name: str) -> bool:
+def is_program_name(name: str) -> bool:
     """Whether a name is the program's: no status variable, function or word of the language."""
     return all(
         known(name) is None
@@ -46,7 +46,7 @@ def variables_of(items: Sequence[s.Item]) -> Iterator[str]:
             case s.Line():
                 for record in records(item.statement):
                     if isinstance(record, s.Variable | s.FunctionParameter | s.DefFunction):
-                        if is_own(record.name):
+                        if is_program_name(record.name):
                             yield record.name
                     elif isinstance(record, s.Function):
                         yield record.name
@@ -63,25 +63,25 @@ def stems_of(items: Sequence[s.Item]) -> set[str]:
     return {i.stem.upper() for i in items if isinstance(i, PositionRows | MoveRows)}
 
 
-def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
+def short_names(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
     """Short names for what is too long for the dialect: the same in all files of a program."""
     names = Names()
     written = {n.upper() for items in files for n in variables_of(items)}
-    taken = TakenNames((*(n for n in written if len(n) <= dialect.names), *RESERVED))
+    taken = TakenNames((*(n for n in written if len(n) <= dialect.names), *RESERVED_WORDS))
     for stem in sorted({stem for items in files for stem in stems_of(items)}):
-        digits = max(len(n) - len(stem) for n in written if _numbered(n, stem))
+        digits = max(len(n) - len(stem) for n in written if _numbered_name(n, stem))
         if len(stem) + digits > dialect.names:
             stems = {n.rstrip("0123456789") for n in written} | set(names.stems.values())
-            names.stems[stem] = free(stem, dialect.names - digits, stems)
+            names.stems[stem] = free_name(stem, dialect.names - digits, stems)
     for name in sorted(written):
         if len(name) > dialect.names and name.rstrip("0123456789") not in names.stems:
-            names.named[name] = free(name, dialect.names, taken)
+            names.named[name] = free_name(name, dialect.names, taken)
     labels = {n.upper() for items in files for n in labels_written(items)}
     labels.update(*(labels_named(items) for items in files))
-    short = TakenNames((*(n for n in labels if _plain_label(n, dialect)), *RESERVED))
+    short = TakenNames((*(n for n in labels if _plain_label(n, dialect)), *RESERVED_WORDS))
     for name in sorted(labels - short):
         plain = name.replace("_", "") if dialect.upper else name
-        names.labelled[name] = free(plain, dialect.labels, short)
+        names.labelled[name] = free_name(plain, dialect.labels, short)
     return names
 
 
@@ -90,11 +90,11 @@ def _plain_label(name: str, dialect: Dialect) -> bool:
     return len(name) <= dialect.labels and plain
 
 
-def _numbered(name: str, stem: str) -> bool:
+def _numbered_name(name: str, stem: str) -> bool:
     return name.startswith(stem) and name[len(stem) :].isdigit()
 
 
-def renamed(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.Item]:
+def with_names(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.Item]:
     """The lines with their names exchanged; upper: and all of them in upper case."""
 
     def exchanged(name: str, table: Mapping[str, str]) -> str:
@@ -102,7 +102,7 @@ def renamed(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.Ite
 
     def spelled(name: str) -> str:
         """The controller's own names are spelled as its tool does."""
-        if is_own(name):
+        if is_program_name(name):
             stem = name.rstrip("0123456789")
             short = names.stems.get(stem.upper())
             return exchanged(name, names.named) if short is None else short + name[len(stem) :]

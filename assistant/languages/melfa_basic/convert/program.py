@@ -12,11 +12,11 @@ from assistant.base.diagnostics import has_errors
 from assistant.languages.language_types import Conversion
 from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.convert.original_names import Memory
-from assistant.languages.melfa_basic.lift.files.program import lift, stem
+from assistant.languages.melfa_basic.convert.original_names import OriginalNames
+from assistant.languages.melfa_basic.lift.files.program import file_stem, lift
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.targets import labelled, labels_of
+from assistant.languages.melfa_basic.tree.targets import labels_of, with_labelled_jumps
 from assistant.languages.melfa_basic.tree.walk import lines_with
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -64,13 +64,13 @@ def conversion(
         if name is None:
             return None
         files[name] = tree
-    return Conversion(files, lambda back: compared(trees, back, read), converted.findings)
+    return Conversion(files, lambda back: compared_programs(trees, back, read), converted.findings)
 
 
 # Whether it says the same: both sides lifted, in one spelling
 
 
-def compared(
+def compared_programs(
     before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
 ) -> tuple[Program, Program]:
     """The pseudo-programs of both, which must be the same.
@@ -78,72 +78,78 @@ def compared(
     A form that a lift reads in one dialect only is compared in the first one: the program is
     converted back.
     """
-    expected, actual = lifted(before, after, robot)
-    if compare(expected, actual, ROUNDING).same or not before:
+    expected, actual = lifted_pair(before, after, robot)
+    if compare(expected, actual, COMPARISON_TOLERANCE).same or not before:
         return expected, actual
     back = convert(after, before[0].dialect)
     if not back.trees:
         return expected, actual
-    found = lifted(before, back.trees, robot)
-    return found if compare(*found, ROUNDING).same else (expected, actual)
+    found = lifted_pair(before, back.trees, robot)
+    return found if compare(*found, COMPARISON_TOLERANCE).same else (expected, actual)
 
 
-ROUNDING: Final = Tolerance(1e-9, 1e-9, 0.0)
+COMPARISON_TOLERANCE: Final = Tolerance(1e-9, 1e-9, 0.0)
 """Of the comparison itself: numbers are not computed anew."""
 
 
-def lifted(
+def lifted_pair(
     before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
 ) -> tuple[Program, Program]:
     """The pseudo-programs of both, in the words that they share; one if these are the same."""
     lowest = min(DIALECTS[tree.dialect].level for tree in (*before, *after))
-    one, two = ([_plain(tree, lowest) for tree in trees] for trees in (before, after))
-    said = _lifted(one, robot)
-    return said, said if _text(one) == _text(two) else _lifted(two, robot)
+    one, two = ([_comparable_tree(tree, lowest) for tree in trees] for trees in (before, after))
+    said = _lifted_without_dialect(one, robot)
+    return said, said if _lifted_text(one) == _lifted_text(two) else _lifted_without_dialect(
+        two, robot
+    )
 
 
-def _text(trees: Sequence[s.File]) -> list[tuple[str | None, tuple[s.Item, ...]]]:
+def _lifted_text(trees: Sequence[s.File]) -> list[tuple[str | None, tuple[s.Item, ...]]]:
     """What is lifted of trees, whatever dialect they are in."""
-    return [(stem(tree), tree.items) for tree in trees]
+    return [(file_stem(tree), tree.items) for tree in trees]
 
 
-def _lifted(trees: Sequence[s.File], robot: Robot | None) -> Program:
+def _lifted_without_dialect(trees: Sequence[s.File], robot: Robot | None) -> Program:
     program: Program = rewrite(lift(trees, robot, divide=False), _without_dialect)
     return program
 
 
-def _plain(tree: s.File, lowest: int) -> s.File:
-    items, memory = original_names.taken_out(tree.items)
-    items, made = labelled(lines.apart(items))
+def _comparable_tree(tree: s.File, lowest: int) -> s.File:
+    items, memory = original_names.take_original_names(tree.items)
+    items, made = with_labelled_jumps(lines.with_lone_labels(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
     order = (label for label in labels_of(items) if label in jumped)
     numbers = {label: f"ATSTEP{n}" for n, label in enumerate(order)}
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
         lower = DIALECTS["melfa-basic-4"]
-        items = words.Words(lower, Memory(), _silent).lines(lines.fitted(items, lower))
+        items = words.Words(lower, OriginalNames(), _ignore_complaint).lines(
+            lines.with_fitting_comments(items, lower)
+        )
     elif lowest > 4:
         items = [rewrite(item, words.in_new_words) for item in items]
     table = names.Names(
-        *({k: v.upper() for k, v in getattr(memory, kind).items()} for kind in names.KINDS)
+        *({k: v.upper() for k, v in getattr(memory, kind).items()} for kind in names.NAME_TABLES)
     )
     table.labelled |= numbers
-    items = original_names.renamed(names.renamed(items, table, upper=True), table.named)
+    items = original_names.with_heading_names(
+        names.with_names(items, table, upper=True), table.named
+    )
     return replace(tree, items=tuple(items), parsed=())
 
 
-def _silent(item: s.Item, what: str, cure: str) -> None:
+def _ignore_complaint(item: s.Item, what: str, cure: str) -> None:
     """What cannot be said was found before."""
 
 
 def _without_dialect(part: Any) -> Any:
     if isinstance(part, p.Opaque | e.Verbatim):
-        return replace(part, language="", text=_upper(part.text))
+        return replace(part, language="", text=_upper_outside_strings(part.text))
     return part
 
 
-_STRING: Final = re.compile(r'("[^"]*")')
+_STRING_LITERAL: Final = re.compile(r'("[^"]*")')
 
 
-def _upper(text: str) -> str:
+def _upper_outside_strings(text: str) -> str:
     """In upper case outside of strings."""
-    return "".join(t if t.startswith('"') else t.upper() for t in _STRING.split(text))
+    return "".join(t if t.startswith('"') else t.upper() for t in _STRING_LITERAL.split(text))

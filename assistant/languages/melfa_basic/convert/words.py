@@ -9,17 +9,17 @@ from typing import Any, Final
 from assistant.languages.melfa_basic.convert.names import (
     Names,
     declared_types,
-    is_own,
-    renamed,
+    is_program_name,
     variables_of,
+    with_names,
 )
-from assistant.languages.melfa_basic.convert.original_names import Memory
+from assistant.languages.melfa_basic.convert.original_names import OriginalNames
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.tables.variables import MARKS
+from assistant.languages.melfa_basic.tables.variables import TYPE_MARKS
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.blocks import is_block_word
 from assistant.languages.melfa_basic.tree.targets import targets_in
 from assistant.languages.melfa_basic.tree.walk import word_of
 from assistant.program.rewriting import records, rewrite
@@ -55,7 +55,7 @@ def in_new_words(record: Any) -> Any:
 class Words:
     """Says the lines of one program in the words of a dialect; complains of what it lacks."""
 
-    def __init__(self, dialect: Dialect, memory: Memory, complain: Complain) -> None:
+    def __init__(self, dialect: Dialect, memory: OriginalNames, complain: Complain) -> None:
         self.dialect, self.memory, self.complain = dialect, memory, complain
         self.types: dict[str, str] = {}
         self.declared: dict[str, str] = {}
@@ -142,7 +142,7 @@ class Words:
             is_function = isinstance(row, vocabulary.Function)
             self.has(row.name, row, "compute it another way" if is_function else STAY)
             return node
-        return self.plain(node) if self.dialect.level == 4 and is_own(node.name) else node
+        return self.plain(node) if self.dialect.level == 4 and is_program_name(node.name) else node
 
     def plain(self, node: s.Variable) -> s.Variable:
         """Without a type mark, which is a declaration instead."""
@@ -154,7 +154,7 @@ class Words:
                 return node if self.types.get(node.key) != "Char" else replace(node, suffix="")
             kind = "Char"
         else:
-            kind = MARKS[mark].word
+            kind = TYPE_MARKS[mark].word
         other = self.suffixes.setdefault(node.key, mark)
         if (other == "$") != (mark == "$"):
             self.lacks(f"both `{node.name}{other}` and `{node.name}{mark}`", "rename one")
@@ -205,8 +205,8 @@ def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
     if any(variables_of([line])) or any(targets_in([line])) or _needs_others(line.statement):
         return None
     complaints: list[str] = []
-    said = Words(dialect, Memory(), lambda _, what, cure: complaints.append(what + cure))
-    made = renamed(said.lines([line]), Names(), upper=dialect.upper)
+    said = Words(dialect, OriginalNames(), lambda _, what, cure: complaints.append(what + cure))
+    made = with_names(said.lines([line]), Names(), upper=dialect.upper)
     alone = made[0] if len(made) == 1 else None
     return alone if isinstance(alone, s.Line) and not complaints else None
 
@@ -220,10 +220,10 @@ def _needs_others(statement: s.Statement | None) -> bool:
         "FEnd",
     ):
         return True
-    return is_word(statement) or isinstance(statement, s.Function)
+    return is_block_word(statement) or isinstance(statement, s.Function)
 
 
-def restored(items: Sequence[s.Item], memory: Memory) -> list[s.Item]:
+def restored(items: Sequence[s.Item], memory: OriginalNames) -> list[s.Item]:
     """The lines with whole numbers of 32 bits and constants declared as they were."""
     made: list[s.Item] = []
     for item in items:

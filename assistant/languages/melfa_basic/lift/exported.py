@@ -31,7 +31,7 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
 _NO_NEED: Final = "none is needed, but see that the other controller watches the arm as you want"
-_OWN_ARM: Final = (
+_ARM_OF_PROGRAM: Final = (
     "the arm is the program's own: on the other controller a motion task has it",
     "see that no other task moves it",
 )
@@ -58,8 +58,8 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "SPDOPT": ("the speed is not raised where the axes could go faster", "none is needed"),
     "COLCHK": ("collisions are watched for as the other controller is set", _NO_NEED),
     "COLLVL": ("collisions are watched for as the other controller is set", _NO_NEED),
-    "GETM": _OWN_ARM,
-    "RELM": _OWN_ARM,
+    "GETM": _ARM_OF_PROGRAM,
+    "RELM": _ARM_OF_PROGRAM,
     "PRIORITY": (
         "the program gets no other share of the controller's time",
         "none is needed, but see that nothing beside it comes too late",
@@ -70,9 +70,9 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
 """What is lost with a command, by its word and the argument that it hangs on, and what to do
 (COSIROP help and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk)."""
 
-_STOPS: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
+_STOPPING_ERROR: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
 """An error of the program's own that stops it; from 9200 on they are cautions (COSIROP: ERROR)."""
-_CAUTIONS: Final = re.compile(r"Error\s+(92\d\d)", re.IGNORECASE)
+_CAUTION_ERROR: Final = re.compile(r"Error\s+(92\d\d)", re.IGNORECASE)
 _CAUTIONED: Final = (
     "the caution is a message on the pendant, and no caution on the controller",
     "tell people or the cell's controller by an output above it",
@@ -81,18 +81,18 @@ _STOPPED: Final = (
     "the program ends there for good, and no error is on the controller",
     "tell people or the cell's controller by an output above it",
 )
-_STATES: Final = re.compile(
+_LINE_STATEMENT: Final = re.compile(
     r'C_Com\((\d+)\)\s*=\s*"ETH:\s*(\d+(?:\.\d+){3})\s*,\s*(\d+)\s*"', re.IGNORECASE
 )
 """The line that a program states itself, the address of the other computer and its port (manual of
 the Ethernet function)."""
-SIGNED: Final = (16, 32)
+SIGNED_BITS: Final = (16, 32)
 """Signals that are read as one number with a sign, or without one: no manual says which."""
-_STIFF: Final = (
+_STIFF_ALREADY: Final = (
     "the arm is taken to be stiff already, as nothing in the program makes it soft",
     "see that no other program does",
 )
-STIFF: Final[Mapping[str, re.Pattern[str]]] = {
+STIFFNESS_WORDS: Final[Mapping[str, re.Pattern[str]]] = {
     "CMP": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
     "CMPG": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
     "FSC": re.compile(r"\bFsc\s+On\b", re.IGNORECASE),
@@ -104,23 +104,25 @@ def exported(program: Program) -> Adapted:
     """The program for another language; idempotent."""
     findings = Findings()
     findings += _uncalled(program)
-    findings += _unsigned(program)
+    findings += _of_unknown_sign(program)
     findings += _left_open(program)
     program = with_endings(_with_stated_lines(program))
-    program = _as_each_begins(with_told(_as_settings_begin(with_flags(program)), findings))
+    program = _with_settings_of_cycle_end(
+        with_told(_with_first_settings(with_flags(program)), findings)
+    )
     program = with_angles_beside(program, findings)
-    texts = [record.text for record in records(program) if _is_text(record)]
+    texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))
-    stiff = {key for key, soft in STIFF.items() if not any(map(soft.search, texts))}
-    losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF)}
+    stiff = {key for key, soft in STIFFNESS_WORDS.items() if not any(map(soft.search, texts))}
+    losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF_ALREADY)}
 
     def told(node: p.Opaque) -> Iterator[p.Statement]:
-        if node.reason == DEPENDED_ON and _is_text(node):
+        if node.reason == DEPENDED_ON and _is_vendor_text(node):
             return  # the moves that are translated state their settings themselves
-        stops = _STOPS.fullmatch(node.text.strip()) is not None and _is_text(node)
-        caution = _CAUTIONS.fullmatch(node.text.strip()) if _is_text(node) else None
-        loss = _STOPPED if stops else _CAUTIONED if caution else losses.get(_key(node))
+        stops = _STOPPING_ERROR.fullmatch(node.text.strip()) is not None and _is_vendor_text(node)
+        caution = _CAUTION_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
+        loss = _STOPPED if stops else _CAUTIONED if caution else losses.get(_loss_key(node))
         if loss is None:
             yield node
             return
@@ -137,7 +139,9 @@ def exported(program: Program) -> Adapted:
 
 def _with_stated_lines(program: Program) -> Program:
     """The program with clients for the lines that it states one address of."""
-    texts = [match for one in records_in_procedures(program, p.Opaque) if (match := _stated(one))]
+    texts = [
+        match for one in records_in_procedures(program, p.Opaque) if (match := _stated_line(one))
+    ]
     if not texts:
         return program
     ends: dict[int, set[tuple[str, int]]] = {}
@@ -153,18 +157,18 @@ def _with_stated_lines(program: Program) -> Program:
         return part
 
     def left(node: p.Opaque) -> Iterator[p.Statement]:
-        match = _stated(node)
+        match = _stated_line(node)
         if match is None or int(match[1]) not in known:
             yield node
 
     return with_vendor_statements_replaced(rewrite(program, opened), left)
 
 
-def _stated(node: p.Opaque) -> re.Match[str] | None:
-    return _STATES.fullmatch(node.text.strip())
+def _stated_line(node: p.Opaque) -> re.Match[str] | None:
+    return _LINE_STATEMENT.fullmatch(node.text.strip())
 
 
-def _as_each_begins(program: Program) -> Program:
+def _with_settings_of_cycle_end(program: Program) -> Program:
     """With the settings at the top that a cycle ends with, as other controllers keep them then.
 
     The end of a program in MELFA-BASIC sets speeds and accelerations back (COSIROP: END).
@@ -178,7 +182,7 @@ def _as_each_begins(program: Program) -> Program:
     return replace(program, procedures=procedures)
 
 
-def _as_settings_begin(program: Program) -> Program:
+def _with_first_settings(program: Program) -> Program:
     """With the variables that hold settings at what a cycle begins with: its end sets them back."""
     held = {
         told.target.name
@@ -232,10 +236,12 @@ def _left_open(program: Program) -> Iterator[Diagnostic]:
                 yield rules.LEFT_OPEN(name=call.procedure, span=call.span)
 
 
-def _unsigned(program: Program) -> Iterator[Diagnostic]:
+def _of_unknown_sign(program: Program) -> Iterator[Diagnostic]:
     """Statements that read as many signals as the manuals leave the sign of open for."""
-    wide = {n.lower(): s.bits for n, s in program.signals.items() if s.bits in SIGNED}
-    if not any(one.direction == "input" for one in program.signals.values() if one.bits in SIGNED):
+    wide = {n.lower(): s.bits for n, s in program.signals.items() if s.bits in SIGNED_BITS}
+    if not any(
+        one.direction == "input" for one in program.signals.values() if one.bits in SIGNED_BITS
+    ):
         return
     for statement in program.statements():
         read = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
@@ -244,14 +250,14 @@ def _unsigned(program: Program) -> Iterator[Diagnostic]:
                 yield rules.UNSIGNED(name=name, bits=wide[name], span=statement.span)
 
 
-def _is_text(record: Any) -> bool:
+def _is_vendor_text(record: Any) -> bool:
     kept = isinstance(record, p.Opaque | e.Verbatim | Declaration)
     return kept and record.language.startswith("melfa-basic")
 
 
-def _key(node: p.Opaque) -> str:
+def _loss_key(node: p.Opaque) -> str:
     """The word of the one command that a text says, with `On` or `Off` where it is about motors."""
-    line = read_statement(node.text) if _is_text(node) and "\n" not in node.text else None
+    line = read_statement(node.text) if _is_vendor_text(node) and "\n" not in node.text else None
     if line is None or line.label is not None or not isinstance(line.statement, s.Command):
         return ""
     word, arguments = line.statement.keyword.upper(), line.statement.arguments

@@ -11,17 +11,21 @@ import numpy as np
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import value_rules
-from assistant.languages.melfa_basic.checks.left_out import summed, undefined
+from assistant.languages.melfa_basic.checks.left_out import incomplete_poses, incomplete_summands
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
-from assistant.languages.melfa_basic.lift.values.pallets import ARC, FIXED, array_name
-from assistant.languages.melfa_basic.lower.depended import depended_on
+from assistant.languages.melfa_basic.lift.values.pallets import (
+    ARC_DIRECTION,
+    FIXED_POSTURE,
+    pallet_array_name,
+)
+from assistant.languages.melfa_basic.lower.depended import settings_for_vendor_text
 from assistant.languages.melfa_basic.lower.full_speed import unset_speeds
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.functions import BITS
-from assistant.languages.melfa_basic.tables.variables import KEPT as PARAMETERS
+from assistant.languages.melfa_basic.tables.functions import BIT_FUNCTIONS
+from assistant.languages.melfa_basic.tables.variables import LAST_SET_PARAMETERS as PARAMETERS
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.outside import COMMANDS
+from assistant.languages.melfa_basic.tree.outside import FORCE_COMMANDS
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_key, program_name
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -35,40 +39,40 @@ from assistant.program.analysis.uses import unordered
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program
 
-KEPT: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
+RETAINED_SETTINGS: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
     ("Tool", TOOL, "tool", FLANGE, "P_NTool", "M_TOOL"),
     ("Base", FRAME, "frame", BASE, "P_NBase", "M_BSNO"),
 )
 """Settings that stay when the power is off: statement, its number, what it sets, what counts
 without it, that said in words, and the status variable that sets it as well."""
 
-STRAIGHT: Final = 1e-6
+STRAIGHT_TOLERANCE: Final = 1e-6
 """mm that places may be beside a line that they lie on."""
-COMPOSED: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
+COMPOSED_ANGLES: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
 """Status variables and functions whose angles are calculated from an orientation."""
-FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
+INITIAL_VALUES: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """What a variable of a type begins with in other languages."""
 
 
 def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     """Findings on a lifted program, with its spans, that is written anew in the language `to`."""
     trees = () if program.origin is None else program.origin.trees
-    commands = list(_commands(trees))
+    commands = list(_statements_with_spans(trees))
     text = "\n".join(tree.source.text if tree.source else "" for tree in trees)
-    left = depended_on(program) if to in DIALECTS else frozenset()
-    for word, number, of, default, plain, status in KEPT:
-        set_at = [span for span, node in commands if _sets(node, word, status)]
+    left = settings_for_vendor_text(program) if to in DIALECTS else frozenset()
+    for word, number, of, default, plain, status in RETAINED_SETTINGS:
+        set_at = [span for span, node in commands if _sets_mount(node, word, status)]
         if None in set_at:
             yield rules.KEPT_BY_A_PARAMETER(word=word, what=word.lower(), name=PARAMETERS[word])
         span = first_move(program, default, of)
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"
             yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
-    yield from _undefined(trees)
+    yield from _incomplete_positions(trees)
     there = {program_key(program_name(tree)) for tree in trees}
     for span, node in commands:
         if isinstance(node, s.CallP) and isinstance(node.program, s.String):
-            name, what = node.program.value, _command_at(text, span)
+            name, what = node.program.value, _command_text(text, span)
             if what and to not in DIALECTS:
                 yield rules.OUTSIDE(what=what, name=name, span=span)
             elif not what and program_key(name) not in there:
@@ -76,30 +80,30 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     if to not in DIALECTS:
         for span in unset_speeds(trees):
             yield rules.FULL_SPEED(span=span)
-        yield from _renamed(program)
-        yield from _loops(program)
+        yield from _renamed_positions(program)
+        yield from _changing_loops(program)
         yield from _signed_bits(program)
-        yield from _without_value(program)
+        yield from _unset_variables(program)
         yield from unordered(program, rules.CANNOT_SAY)
-        worked_out = _worked_out(node for _, node in commands)
-        for span in _reading(trees, "P_FBC"):
+        worked_out = _composed_variables(node for _, node in commands)
+        for span in _reading_lines(trees, "P_FBC"):
             yield rules.MEASURED(span=span)
         for span, node in commands:
             if isinstance(node, s.Assign) and node.target.key.startswith(("PFS", "MFS")):
-                state = _found_at(text, span, r"\b([PM]_Fs\w+)\s*=")
+                state = _matched_text(text, span, r"\b([PM]_Fs\w+)\s*=")
                 if state:
                     yield rules.STATE(name=state, span=span)
             if isinstance(node, s.DefOther) and _is_straight_arc(node, program):
                 yield rules.STRAIGHT_ARC(number=literal(node.arguments[0]), span=span)
-            if isinstance(node, s.DefOther) and (name := _worked_out_corner(node, worked_out)):
+            if isinstance(node, s.DefOther) and (name := _composed_corner(node, worked_out)):
                 yield rules.PALLET_TURNED(number=literal(node.arguments[0]), name=name, span=span)
-            if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
+            if isinstance(node, s.Command) and node.keyword == "Cnt" and _rounds_nothing(node):
                 yield rules.NO_CORNER(span=span)
             if isinstance(node, s.Command) and node.keyword == "JOvrd":
                 yield rules.JOINT_OVERRIDE(span=span)
 
 
-def _renamed(program: Program) -> Iterator[Diagnostic]:
+def _renamed_positions(program: Program) -> Iterator[Diagnostic]:
     """Positions of one stem that are too many to be separate targets."""
     for statement in program.statements():
         if isinstance(statement, p.Follow) and statement.path.original is not None:
@@ -113,24 +117,24 @@ def _renamed(program: Program) -> Iterator[Diagnostic]:
             )
 
 
-def _undefined(trees: tuple[Any, ...]) -> Iterator[Diagnostic]:
+def _incomplete_positions(trees: tuple[Any, ...]) -> Iterator[Diagnostic]:
     """Positions with elements that have no value, taken as poses or added."""
     start = 0
     for tree in trees:
-        for one in undefined(tree):
+        for one in incomplete_poses(tree):
             span = None if one.item.span is None else one.item.span.moved(start)
             yield value_rules.UNDEFINED(span=span, name=one.name, what=one.what)
         for item in tree.items:
             if isinstance(item, s.Line) and item.span is not None:
                 for node in nodes(item.statement):
-                    for constant in summed(node) if isinstance(node, s.Binary) else ():
+                    for constant in incomplete_summands(node) if isinstance(node, s.Binary) else ():
                         name = printer.expression(constant)
                         span = item.span.moved(start)
                         yield rules.ADDED(name=name, span=span)
         start += len(tree.source.text if tree.source else "") + 1
 
 
-def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
+def _statements_with_spans(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
     """Statements with their spans, which count on from one text to the next."""
     for span, statement in _lines(trees):
         for node in nodes(statement):
@@ -138,7 +142,7 @@ def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement
                 yield span, node
 
 
-def _reading(trees: tuple[Any, ...], key: str) -> Iterator[Span | None]:
+def _reading_lines(trees: tuple[Any, ...], key: str) -> Iterator[Span | None]:
     """The lines that read a status variable."""
     for span, statement in _lines(trees):
         if any(isinstance(node, s.Variable) and node.key == key for node in nodes(statement)):
@@ -154,7 +158,7 @@ def _lines(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:
         start += len(tree.source.text if tree.source else "") + 1
 
 
-def _sets(node: s.Statement, word: str, status: str) -> bool:
+def _sets_mount(node: s.Statement, word: str, status: str) -> bool:
     match node:
         case s.Command(keyword=keyword):
             return keyword == word
@@ -163,12 +167,12 @@ def _sets(node: s.Statement, word: str, status: str) -> bool:
     return False
 
 
-def _command_at(text: str, span: Span | None) -> str:
+def _command_text(text: str, span: Span | None) -> str:
     """The command that stands where another one is called instead; empty for a plain call."""
-    return _found_at(text, span, rf"\b((?:{'|'.join(COMMANDS)})\b[^'\r\n]*)")
+    return _matched_text(text, span, rf"\b((?:{'|'.join(FORCE_COMMANDS)})\b[^'\r\n]*)")
 
 
-def _found_at(text: str, span: Span | None, pattern: str) -> str:
+def _matched_text(text: str, span: Span | None, pattern: str) -> str:
     """What the group of a pattern matches in a line of a text; empty for nothing."""
     line = text[span.start : span.end] if span is not None else ""
     found = re.search(pattern, line, re.IGNORECASE)
@@ -177,18 +181,21 @@ def _found_at(text: str, span: Span | None, pattern: str) -> str:
 
 def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
     """Whether it is a pallet on an arc whose points, as they were read, lie on a line."""
-    if node.kind != "Plt" or literal(node.arguments[-1]) not in (ARC, ARC + FIXED):
+    if node.kind != "Plt" or literal(node.arguments[-1]) not in (
+        ARC_DIRECTION,
+        ARC_DIRECTION + FIXED_POSTURE,
+    ):
         return False
-    found = program.variables.get(array_name(literal(node.arguments[0]) or 0))
+    found = program.variables.get(pallet_array_name(literal(node.arguments[0]) or 0))
     if found is None or not isinstance(found.initial, e.Aggregate):
         return False
     places = [
         item.target.pose.position for item in found.initial.items if isinstance(item, e.TargetValue)
     ]
-    return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=STRAIGHT)) <= 1
+    return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=STRAIGHT_TOLERANCE)) <= 1
 
 
-def _worked_out(statements: Iterable[s.Statement]) -> frozenset[str]:
+def _composed_variables(statements: Iterable[s.Statement]) -> frozenset[str]:
     """Position variables whose angles the controller calculates from an orientation."""
     given: dict[str, list[s.Expression]] = {}
     for node in statements:
@@ -198,57 +205,59 @@ def _worked_out(statements: Iterable[s.Statement]) -> frozenset[str]:
     while new := {
         name
         for name, values in given.items()
-        if name not in found and any(_is_worked_out(value, found) for value in values)
+        if name not in found and any(_has_composed_angles(value, found) for value in values)
     }:
         found |= new
     return frozenset(found)
 
 
-def _is_worked_out(value: s.Expression, names: Container[str]) -> bool:
+def _has_composed_angles(value: s.Expression, names: Container[str]) -> bool:
     match value:
         case s.Variable(component=""):
-            return value.key in names or value.key in COMPOSED
+            return value.key in names or value.key in COMPOSED_ANGLES
         case s.Binary("*" | "/", _, by):
             return literal(by) is None
     return False
 
 
-def _worked_out_corner(node: s.DefOther, names: Container[str]) -> str:
+def _composed_corner(node: s.DefOther, names: Container[str]) -> str:
     """The first corner with calculated angles that a pallet interpolates; empty without one."""
     if node.kind != "Plt" or len(node.arguments) != 8:
         return ""
     direction = literal(node.arguments[7])
-    if direction is not None and direction > FIXED:
+    if direction is not None and direction > FIXED_POSTURE:
         return ""
     corners = [corner for corner in node.arguments[1:5] if corner is not None]
-    return next((printer.expression(one) for one in corners if _is_worked_out(one, names)), "")
+    return next(
+        (printer.expression(one) for one in corners if _has_composed_angles(one, names)), ""
+    )
 
 
-def _cuts_nothing(node: s.Command) -> bool:
+def _rounds_nothing(node: s.Command) -> bool:
     match node.arguments:
         case (s.Number(value=1), *distances):
             return any(isinstance(d, s.Number) and d.value == 0 for d in distances)
     return False
 
 
-def _without_value(program: Program) -> Iterator[Diagnostic]:
+def _unset_variables(program: Program) -> Iterator[Diagnostic]:
     """Variables that other languages begin with a value. A position that has none is no place
     there either; of arrays it is not known which elements are read.
     """
     for name, variable, span in variables_read_unset(program):
         if variable.type == "joints":
             yield rules.JOINTS_UNTOLD(name=name, span=span)
-        elif variable.type in FIRST:
-            yield rules.BEGINS(name=name, value=FIRST[variable.type], span=span)
+        elif variable.type in INITIAL_VALUES:
+            yield rules.BEGINS(name=name, value=INITIAL_VALUES[variable.type], span=span)
 
 
 def _signed_bits(program: Program) -> Iterator[Diagnostic]:
     """Bits of numbers that may be below 0: MELFA-BASIC takes those of their complement."""
-    for function, span in functions_of_signed_bits(program, BITS):
-        yield rules.SIGNED_BITS(word=BITS[function], span=span)
+    for function, span in functions_of_signed_bits(program, BIT_FUNCTIONS):
+        yield rules.SIGNED_BITS(word=BIT_FUNCTIONS[function], span=span)
 
 
-def _loops(program: Program) -> Iterator[Diagnostic]:
+def _changing_loops(program: Program) -> Iterator[Diagnostic]:
     """Loops whose end or step changes inside: not every language works them out again."""
     for loop, changed in loops_with_changing_limits(program):
         names = ", ".join(f"`{name.upper()}`" for name in changed)

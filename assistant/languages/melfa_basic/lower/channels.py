@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from assistant.languages.melfa_basic.lower.channel_numbers import number
+from assistant.languages.melfa_basic.lower.channel_numbers import channel_number
 from assistant.languages.melfa_basic.lower.unsayable import Unsayable
-from assistant.languages.melfa_basic.tables.channels import WORDS, line_name
+from assistant.languages.melfa_basic.tables.channels import FILE_MODE_WORDS, line_name
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
 
-def attach(w: Writer, node: p.Attach) -> None:
+def write_open(w: Writer, node: p.Attach) -> None:
     match node.kind, node.place:
         case "line", (e.Number(line),):
-            w.add(s.Open(s.String(line_name(int(line))), "", _number(w, node.channel)))
-        case "file", (place,) if node.mode in WORDS:
+            w.add(s.Open(s.String(line_name(int(line))), "", _file_number(w, node.channel)))
+        case "file", (place,) if node.mode in FILE_MODE_WORDS:
             name = w.expressions.of(place)
-            w.add(s.Open(name, WORDS[node.mode], _number(w, node.channel)))
+            w.add(s.Open(name, FILE_MODE_WORDS[node.mode], _file_number(w, node.channel)))
         case _:
             raise Unsayable(f"such a channel as `{node.channel}`", "open a line or a file")
 
 
-def detach(w: Writer, node: p.Detach) -> None:
-    w.add(s.Close((_number(w, node.channel),)))
+def write_close(w: Writer, node: p.Detach) -> None:
+    w.add(s.Close((_file_number(w, node.channel),)))
 
 
-def send(w: Writer, node: p.Send) -> None:
+def write_print(w: Writer, node: p.Send) -> None:
     """The first part stands behind a comma, the others behind semicolons, which add nothing."""
     marks = (",", *(";" for _ in node.parts))
     values: list[s.Expression | None] = [w.expressions.of(part) for part in node.parts]
@@ -38,14 +38,14 @@ def send(w: Writer, node: p.Send) -> None:
         if not values:
             return
         values.append(None)
-    w.add(s.Print(_number(w, node.channel), tuple(zip(marks, values, strict=False))))
+    w.add(s.Print(_file_number(w, node.channel), tuple(zip(marks, values, strict=False))))
 
 
-def receive(w: Writer, target: e.Expression, channel: str) -> None:
+def write_input(w: Writer, target: e.Expression, channel: str) -> None:
     """An item into a variable."""
-    w.add(s.Input(_number(w, channel), (w.expressions.place(target),)))
+    w.add(s.Input(_file_number(w, channel), (w.expressions.place(target),)))
     w.previous = None
 
 
-def _number(w: Writer, channel: str) -> s.Number:
-    return s.Number(number(w.names, channel))
+def _file_number(w: Writer, channel: str) -> s.Number:
+    return s.Number(channel_number(w.names, channel))

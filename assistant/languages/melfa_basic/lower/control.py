@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower import channels
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.lower.signals import plain
+from assistant.languages.melfa_basic.lower.signals import write_row
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
 from assistant.languages.melfa_basic.text import printer
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
 
-def call(w: Writer, node: p.Call) -> None:
+def write_call(w: Writer, node: p.Call) -> None:
     callee = w.program.procedure(node.procedure)
     if callee is None:
         w.report(rules.MISSING(name=node.procedure))
@@ -50,10 +50,10 @@ def call(w: Writer, node: p.Call) -> None:
     w.forget()
 
 
-def assign(w: Writer, node: p.Assign) -> None:
+def write_assignment(w: Writer, node: p.Assign) -> None:
     match node.value:
         case e.Apply(function, (e.Text(channel),)) if function in e.TAKING:
-            channels.receive(w, node.target, channel)
+            channels.write_input(w, node.target, channel)
             return
     if (base := w.changed_frame(node.target)) is not None:
         w.add(s.Assign(base, w.expressions.of(e.inverse(node.value))))
@@ -71,7 +71,7 @@ def assign(w: Writer, node: p.Assign) -> None:
     w.previous = None
 
 
-def return_(w: Writer, node: p.Return) -> None:
+def write_return(w: Writer, node: p.Return) -> None:
     first = w.owner is not None and w.is_first(w.owner)
     if node.value is not None:
         if not w.functions or w.owner is None:
@@ -91,28 +91,37 @@ def result_of(w: Writer, procedure: Procedure) -> s.Variable:
     return s.Variable(w.names.procedures[procedure.name.lower()], suffix)
 
 
-def stop(w: Writer, node: p.Stop) -> None:
+def write_stop(w: Writer, node: p.Stop) -> None:
     if node.end:
         raise Unsayable("an end for good", "write `Hlt` in a loop")
-    plain(w, node)
+    write_row(w, node)
     w.previous = None
 
 
 # ----------------------------------------------------------------------------- branches
 
 
-SHORT: Final = (p.Assign, p.SetSignal, p.Goto, p.Call, p.Stop, p.Return, p.Wait, p.Gripper)
+SHORT_STATEMENTS: Final = (
+    p.Assign,
+    p.SetSignal,
+    p.Goto,
+    p.Call,
+    p.Stop,
+    p.Return,
+    p.Wait,
+    p.Gripper,
+)
 """Statements that one line of an `If` may hold."""
 
 
-def if_(w: Writer, node: p.If) -> None:
+def write_if(w: Writer, node: p.If) -> None:
     if w.dialect.blocks:
-        _block(w, node)
-    elif not _one_line(w, node):
-        _jumping(w, node)
+        _write_if_block(w, node)
+    elif not _write_short_if(w, node):
+        _write_if_of_jumps(w, node)
 
 
-def _block(w: Writer, node: p.If) -> None:
+def _write_if_block(w: Writer, node: p.If) -> None:
     for i, branch in enumerate(node.branches):
         condition = w.expressions.of(branch.condition)
         w.part(s.If(condition, None) if i == 0 else s.ElseIf(condition), branch.body)
@@ -121,12 +130,12 @@ def _block(w: Writer, node: p.If) -> None:
     w.part(s.Command("EndIf"))
 
 
-def _one_line(w: Writer, node: p.If) -> bool:
+def _write_short_if(w: Writer, node: p.If) -> bool:
     """Writes an `If` of one short statement, or one for each case; False if it is another."""
     if len(node.branches) != 1:
         return False
     (branch,) = node.branches
-    then, otherwise = _short(w, branch.body), _short(w, node.otherwise)
+    then, otherwise = _short_statement(w, branch.body), _short_statement(w, node.otherwise)
     if then is None or (otherwise is None and node.otherwise):
         return False
     line = s.Line(statement=s.If(w.expressions.of(branch.condition), then, otherwise))
@@ -137,9 +146,9 @@ def _one_line(w: Writer, node: p.If) -> bool:
     return True
 
 
-def _short(w: Writer, body: Body) -> s.Statement | s.Target | None:
+def _short_statement(w: Writer, body: Body) -> s.Statement | s.Target | None:
     """The one statement that a body is, None if it is another."""
-    if len(body) != 1 or not isinstance(body[0], SHORT):
+    if len(body) != 1 or not isinstance(body[0], SHORT_STATEMENTS):
         return None
     before = len(w.items)
     try:
@@ -156,7 +165,7 @@ def _short(w: Writer, body: Body) -> s.Statement | s.Target | None:
     return None
 
 
-def _jumping(w: Writer, node: p.If) -> None:
+def _write_if_of_jumps(w: Writer, node: p.If) -> None:
     label = w.made_label("I")
     for i, branch in enumerate(node.branches, start=1):
         condition = w.expressions.of(branch.condition)
@@ -170,30 +179,30 @@ def _jumping(w: Writer, node: p.If) -> None:
     w.label(label + "Z")
 
 
-def switch(w: Writer, node: p.Switch) -> None:
+def write_switch(w: Writer, node: p.Switch) -> None:
     w.add(s.Select(w.expressions.of(node.subject)))
     for case in node.cases:
         w.part(s.Case(tuple(s.CaseRange(w.expressions.of(v)) for v in case.values)), case.body)
-        _leave(w)
+        _write_break(w)
     if node.otherwise:
         w.part(s.Command("Default"), node.otherwise)
-        _leave(w)
+        _write_break(w)
     w.part(s.Command("End Select"))
 
 
-def _leave(w: Writer) -> None:
+def _write_break(w: Writer) -> None:
     """The word that people end a case with, where there is one."""
     if w.dialect.breaks:
         w.add(s.Command("Break"))
 
 
-def while_(w: Writer, node: p.While) -> None:
+def write_while(w: Writer, node: p.While) -> None:
     w.part(s.Command("While", (w.expressions.of(node.condition),)), node.body)
     w.stand(node.condition)
     w.part(s.Command("WEnd"))
 
 
-def for_(w: Writer, node: p.For) -> None:
+def write_for(w: Writer, node: p.For) -> None:
     short = w.expressions.variable(node.variable)
     if short is None:
         raise Unsayable(f"the loop variable `{node.variable}`", "give it another name")
@@ -207,15 +216,15 @@ def for_(w: Writer, node: p.For) -> None:
 # --------------------------------------------------------------------------------- jumps
 
 
-def label(w: Writer, node: p.Label) -> None:
-    w.label(_place(w, node.name))
+def write_label(w: Writer, node: p.Label) -> None:
+    w.label(_label_target(w, node.name))
 
 
-def goto(w: Writer, node: p.Goto) -> None:
-    w.add(s.Jump("GoTo", s.Target(_place(w, node.label))))
+def write_goto(w: Writer, node: p.Goto) -> None:
+    w.add(s.Jump("GoTo", s.Target(_label_target(w, node.label))))
 
 
-def _place(w: Writer, name: str) -> str:
+def _label_target(w: Writer, name: str) -> str:
     owner = w.owner.name.lower() if w.owner else ""
     short = w.names.labels.get((owner, name.lower()))
     if short is None:

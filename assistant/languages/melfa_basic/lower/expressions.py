@@ -16,11 +16,15 @@ from assistant.languages.melfa_basic.lower.unsayable import Undeclared as Undecl
 from assistant.languages.melfa_basic.lower.unsayable import Unsayable as Unsayable
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.tables import functions, operators, poses, vocabulary
-from assistant.languages.melfa_basic.tables.channels import CONNECTED
+from assistant.languages.melfa_basic.tables.channels import CONNECTION_STATUS
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS, MOST_TIMERS, WORD
+from assistant.languages.melfa_basic.tables.vocabulary.timers import (
+    MILLISECONDS,
+    MOST_TIMERS,
+    TIMER_WORD,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.timers import timer
+from assistant.languages.melfa_basic.tree.timers import timer_variable
 from assistant.program import expressions as e
 from assistant.program.analysis.declared_types import COMPONENTS, known_types
 from assistant.program.geometry import JointTarget, Target
@@ -30,14 +34,14 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-FARTHEST: Final = 1e6
+FARTHEST_NUMBER: Final = 1e6
 """mm or degrees: a larger number says elsewhere that an axis is not there."""
-MOST_TEXT: Final = 127
+LONGEST_TEXT: Final = 127
 """Characters of a text."""
 
 
 @dataclass(slots=True)
-class Inline:
+class InlineConstants:
     """Positions and joints that stand for a value of an expression."""
 
     positions: list[tuple[int, Target]] = field(default_factory=list)
@@ -59,7 +63,7 @@ class Expressions:
     robot: Robot | None
     next_number: Callable[[], int]
     procedure: Procedure | None = None
-    inline: Inline = field(default_factory=Inline)
+    inline: InlineConstants = field(default_factory=InlineConstants)
     signals: dict[str, Signal] = field(init=False)
     """By lower-case name."""
 
@@ -70,7 +74,7 @@ class Expressions:
         return text.upper() if self.dialect.upper else text
 
     def call(self, function: str, *arguments: s.Expression) -> s.Variable:
-        suffix = "$" if function in functions.TEXTS else ""
+        suffix = "$" if function in functions.TEXT_FUNCTIONS else ""
         return s.Variable(self.word(function), suffix, arguments)
 
     def argument(self, value: e.Expression) -> s.Expression:
@@ -92,7 +96,7 @@ class Expressions:
         """Any expression but a target."""
         match value:
             case e.Number(value=number):
-                return numeric(number)
+                return signed_number(number)
             case e.Truth(value=truth):
                 return s.Number(int(truth))
             case e.Text(value=text):
@@ -134,7 +138,7 @@ class Expressions:
                 sides = self.of(left), self.of(right)
                 if operator in e.RELATIONS and any(map(_is_position, sides)):
                     raise Unsayable("a comparison of positions", "compare their components")
-                return s.Binary(operators.WRITTEN[operator], *sides)
+                return s.Binary(operators.OPERATOR_WORDS[operator], *sides)
             case e.Apply("inverse", (e.Name(name),)) if (base := self.base(name)) is not None:
                 return base
             case e.Apply(function=function, arguments=arguments):
@@ -150,11 +154,11 @@ class Expressions:
         number = self.names.timers.get(name.lower())
         if number is None:
             raise Unsayable(f"more than {MOST_TIMERS} timers", "use fewer of them")
-        return timer(self.word(WORD), number)
+        return timer_variable(self.word(TIMER_WORD), number)
 
     def text(self, text: str) -> s.String:
-        if '"' in text or not text.isprintable() or len(text) > MOST_TEXT:
-            raise Unsayable(f"a text of over {MOST_TEXT} characters", "shorten it")
+        if '"' in text or not text.isprintable() or len(text) > LONGEST_TEXT:
+            raise Unsayable(f"a text of over {LONGEST_TEXT} characters", "shorten it")
         return s.String(text)
 
     def verbatim(self, value: e.Verbatim) -> s.Expression:
@@ -170,25 +174,27 @@ class Expressions:
     def apply(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         if function in ("offset", "relative"):
             return self.moved(function, arguments)
-        if function in functions.OF_CONTROLLER and not arguments:
-            return s.Variable(self.word(functions.OF_CONTROLLER[function]))
-        if (number := channel_numbers.asked(self.names, function, arguments)) is not None:
-            return s.Variable(self.word(CONNECTED), "", (s.Number(number),))
+        if function in functions.STATUS_FUNCTIONS and not arguments:
+            return s.Variable(self.word(functions.STATUS_FUNCTIONS[function]))
+        if (number := channel_numbers.asked_channel(self.names, function, arguments)) is not None:
+            return s.Variable(self.word(CONNECTION_STATUS), "", (s.Number(number),))
         callee = self.program.procedure(function)
         if callee is not None and function not in e.FUNCTIONS:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
-        if function in functions.BITS and len(values) == 2:
+        if function in functions.BIT_FUNCTIONS and len(values) == 2:
             if all(is_truth(argument, self.signals) for argument in arguments):
                 raise Unsayable(f"`{function}` of truths alone", "join them with and, or, xor")
-            return s.Binary(functions.BITS[function], *values)
-        if function in functions.PLAIN:
-            return self.call(functions.PLAIN[function], *values)
-        if function in functions.OF_ARM and len(values) == 1:  # without a tool, see Writer
-            return self.call(functions.OF_ARM[function], *values)
-        if function in functions.OF_ANGLE and len(values) == 1:
-            return self.call(functions.OF_ANGLE[function], self.call("Rad", *values))
-        if (word := vocabulary.function(functions.TO_ANGLE.get(function, ""))) is not None:
+            return s.Binary(functions.BIT_FUNCTIONS[function], *values)
+        if function in functions.SAME_UNIT_FUNCTIONS:
+            return self.call(functions.SAME_UNIT_FUNCTIONS[function], *values)
+        if function in functions.ARM_FUNCTIONS and len(values) == 1:  # without a tool, see Writer
+            return self.call(functions.ARM_FUNCTIONS[function], *values)
+        if function in functions.FUNCTIONS_OF_ANGLES and len(values) == 1:
+            return self.call(functions.FUNCTIONS_OF_ANGLES[function], self.call("Rad", *values))
+        if (
+            word := vocabulary.function(functions.FUNCTIONS_TO_ANGLES.get(function, ""))
+        ) is not None:
             if self.dialect.level in word.dialects:
                 return self.call("Deg", self.call(word.name, *values))
         raise Unsayable(f"the function `{function}` here", "compute the value another way")
@@ -263,12 +269,12 @@ class Expressions:
         if signal.kind == "digital":
             word = "M_Out" if out else "M_In"
         elif signal.kind == "analog":
-            if signal.number < functions.FIRST_REGISTER:
+            if signal.number < functions.FIRST_ANALOG_REGISTER:
                 raise Unsayable(
                     f"the analog signal `{name}` with the number {signal.number}",
-                    f"give the number of its register, {functions.FIRST_REGISTER} or more",
+                    f"give the number of its register, {functions.FIRST_ANALOG_REGISTER} or more",
                 )
-            word = functions.ANALOG[out]
+            word = functions.ANALOG_REGISTERS[out]
         else:
             width = next((w for w in self.dialect.groups if w >= signal.bits), None)
             if width is None:
@@ -317,7 +323,7 @@ class Expressions:
         match value:
             case e.Member(inner, name) if name.lower() in poses.ADDITIONAL:
                 return self.component(inner, name)
-            case e.Number(number) if abs(number) >= FARTHEST:
+            case e.Number(number) if abs(number) >= FARTHEST_NUMBER:
                 raise Unsayable("that an axis is not there", "state a place of it")
         return s.Binary("*", self.of(value), self.unit(component))
 
@@ -380,7 +386,7 @@ def _is_position(value: s.Expression) -> bool:
     return isinstance(value, s.Constant)
 
 
-def numeric(value: float) -> s.Expression:
+def signed_number(value: float) -> s.Expression:
     """A number with its sign in front; raises Unsayable for what is not finite."""
     _need_finite(value)
     number = s.Number(int(value) if float(value).is_integer() and abs(value) < 1e15 else value)

@@ -8,14 +8,14 @@ from typing import Final
 from assistant.languages.melfa_basic.lower.names import counted
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tables.variables import PARAMETERS, parameter_position
 from assistant.languages.melfa_basic.text import header as headers
-from assistant.languages.melfa_basic.text.elsewhere import said
+from assistant.languages.melfa_basic.text.elsewhere import parameter_value
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Parameter, ValueType, Variable
 from assistant.program.undeclared_names import interrupt_names, timers
 
-NO_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
+TYPES_WITHOUT_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
 """Types whose letter is that of another one."""
 
 
@@ -36,24 +36,24 @@ def heading(w: Writer) -> list[s.Item]:
     for procedure in others:
         short = names.procedures[procedure.name.lower()]
         head.names["procedure"][short] = procedure.name
-        if procedure.result in NO_LETTER and w.functions:
+        if procedure.result in TYPES_WITHOUT_LETTER and w.functions:
             head.names["result"][short] = procedure.result
     head.names["timer"] = {
         str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
     }
     if w.unit is None:
         head.names["interrupt"] = interrupt_names(program, names.interrupts)
-    _name_labels(w, head)
-    for kind, table, given in named(w):
+    _note_labels(w, head)
+    for kind, table, given in named_members(w):
         head.names[kind] = {table[n.lower()]: n for n in given}
     for word, _, number, name in counted(program, w.dialect, names.products):
-        short = kept_as(PARAMETERS[word].format(number=number))
+        short = parameter_position(PARAMETERS[word].format(number=number))
         tool = word == "Tool"
         pose = program.tools[name].tip if tool else program.frames[name].pose
-        head.there.append(said(short, poses.plain_values(pose)))
+        head.there.append(parameter_value(short, poses.plain_values(pose)))
     for owner, name, variable in w.variables():
         short = names.variables[owner, name.lower()]
-        head.variables[short] = _declared(w, owner, name, variable)
+        head.variables[short] = _declared_variable(w, owner, name, variable)
     head.signals = dict(program.signals)
     head.products = names.products
     inline = w.expressions.inline
@@ -61,11 +61,11 @@ def heading(w: Writer) -> list[s.Item]:
     numbers = [f"P{k}" for k, _ in inline.positions] + [f"J{k}" for k, _ in inline.joints]
     head.inline = dict.fromkeys(numbers)
     above = program.comments if w.unit is None else ()
-    texts = [*above, *headers.lines(head, w.dialect.name)]
+    texts = [*above, *headers.header_lines(head, w.dialect.name)]
     return [s.Line(comment="' " + text if text else "'") for text in texts]
 
 
-def named(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
+def named_members(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
     """Kind, names and members of the declared things that this unit holds."""
     p, n, used = w.program, w.names, w.used
     for kind, table, given in (
@@ -77,7 +77,9 @@ def named(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
         yield kind, table, [m for m in given if w.unit is None or table[m.lower()] in used]
 
 
-def _declared(w: Writer, owner: str, name: str, variable: Variable | Parameter) -> headers.Declared:
+def _declared_variable(
+    w: Writer, owner: str, name: str, variable: Variable | Parameter
+) -> headers.Declared:
     procedure = w.program.procedure(owner)
     whose = "" if procedure is None else procedure.name
     if isinstance(variable, Parameter):
@@ -89,7 +91,7 @@ def _declared(w: Writer, owner: str, name: str, variable: Variable | Parameter) 
     )  # fmt: skip
 
 
-def _name_labels(w: Writer, head: headers.Header) -> None:
+def _note_labels(w: Writer, head: headers.Header) -> None:
     mine = {p.name.lower() for p in w.program.procedures if p.unit == w.unit}
     for (owner, _), short in w.names.labels.items():
         original = w.names.original_labels[short]

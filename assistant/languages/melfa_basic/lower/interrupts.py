@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.lower import control
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.tables.vocabulary.interrupts import ALL, NUMBERS
+from assistant.languages.melfa_basic.tables.vocabulary.interrupts import (
+    ALL_INTERRUPTS,
+    INTERRUPT_NUMBERS,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -24,22 +27,22 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
 
-def label(number: int) -> str:
+def interrupt_label(number: int) -> str:
     """What an interrupt leads to."""
     return f"AC{number}"
 
 
-def answers(w: Writer) -> None:
+def write_interrupt_answers(w: Writer) -> None:
     """The lines that interrupts lead to."""
     shut = len(w.answers) > 1
     for node in w.answers:
-        w.label(label(w.names.interrupts[node.name.lower()]))
+        w.label(interrupt_label(w.names.interrupts[node.name.lower()]))
         if shut:
-            w.add(_act(ALL, on=False))
+            w.add(_act_command(ALL_INTERRUPTS, on=False))
         with w.findings.at(node.span), w.saying():
-            control.call(w, node.call)
+            control.write_call(w, node.call)
         if shut:
-            w.add(_act(ALL, on=True))
+            w.add(_act_command(ALL_INTERRUPTS, on=True))
         if node.ends is not None:
             with w.findings.at(node.span), w.saying():
                 w.add(s.If(w.expressions.of(node.ends), s.Command("End")))
@@ -47,20 +50,20 @@ def answers(w: Writer) -> None:
     w.answers.clear()
 
 
-def _interrupt(w: Writer, node: p.Interrupt) -> None:
+def _write_interrupt(w: Writer, node: p.Interrupt) -> None:
     if any(isinstance(one, e.Here) for one in records(node.condition)):
         raise Unsayable(
             f"the interrupt `{node.name}`, which asks for the position of the robot",
             "ask for it in the program",
         )
-    _check(w, node)
-    number = _number(w, node.name)
+    _check_interrupt(w, node)
+    number = _interrupt_number(w, node.name)
     condition = w.expressions.of(node.condition)
-    w.add(s.DefAct(s.Number(number), condition, "GoSub", s.Target(label(number))))
+    w.add(s.DefAct(s.Number(number), condition, "GoSub", s.Target(interrupt_label(number))))
     w.answers.append(node)
 
 
-def _check(w: Writer, node: p.Interrupt) -> None:
+def _check_interrupt(w: Writer, node: p.Interrupt) -> None:
     """Raises Unsayable for what would change how the moves of the program are made."""
     pending, seen = [node.call.procedure.lower()], set[str]()
     while pending:
@@ -82,29 +85,29 @@ def _check(w: Writer, node: p.Interrupt) -> None:
                 )
 
 
-def _switch(w: Writer, node: p.SwitchInterrupt) -> None:
-    w.add(_act(_number(w, node.name), on=node.state == "on"))
+def _write_switch(w: Writer, node: p.SwitchInterrupt) -> None:
+    w.add(_act_command(_interrupt_number(w, node.name), on=node.state == "on"))
 
 
-def _switch_all(w: Writer, node: p.SwitchInterrupts) -> None:
-    w.add(_act(ALL, on=node.state == "on"))
+def _write_switch_all(w: Writer, node: p.SwitchInterrupts) -> None:
+    w.add(_act_command(ALL_INTERRUPTS, on=node.state == "on"))
 
 
-def _number(w: Writer, name: str) -> int:
+def _interrupt_number(w: Writer, name: str) -> int:
     number = w.names.interrupts.get(name.lower())
     if number is None:
         if name.lower() not in w.names.defined:
             raise Unsayable(f"the interrupt `{name}`, which nothing defines", "define it")
-        raise Unsayable(f"more than {len(NUMBERS)} interrupts", "use fewer of them")
+        raise Unsayable(f"more than {len(INTERRUPT_NUMBERS)} interrupts", "use fewer of them")
     return number
 
 
-def _act(number: int, *, on: bool) -> s.Command:
+def _act_command(number: int, *, on: bool) -> s.Command:
     return s.Command("Act", (s.Binary("=", s.Number(number), s.Number(int(on))),))
 
 
-STATEMENTS: Final[Mapping[type, Callable[[Writer, Any], None]]] = {
-    p.Interrupt: _interrupt,
-    p.SwitchInterrupt: _switch,
-    p.SwitchInterrupts: _switch_all,
+INTERRUPT_WRITERS: Final[Mapping[type, Callable[[Writer, Any], None]]] = {
+    p.Interrupt: _write_interrupt,
+    p.SwitchInterrupt: _write_switch,
+    p.SwitchInterrupts: _write_switch_all,
 }

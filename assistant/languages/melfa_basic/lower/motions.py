@@ -12,7 +12,7 @@ import numpy as np
 from assistant.base.diagnostics import Declared
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.lower.triggers import appended
+from assistant.languages.melfa_basic.lower.triggers import appended_statement
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
@@ -27,40 +27,40 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
 
-def move(w: Writer, node: p.Move) -> None:
-    target = _destination(w, node.target, node.motion.frame)
-    _setting(w, node.motion)
-    append = appended(w, node)
+def write_move(w: Writer, node: p.Move) -> None:
+    target = _move_arguments(w, node.target, node.motion.frame)
+    _write_motion_settings(w, node.motion)
+    append = appended_statement(w, node)
     w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target, append=append))
-    _remember(w, target, node)
+    _remember_place(w, target, node)
 
 
-def move_joints(w: Writer, node: p.MoveJoints) -> None:
+def write_joint_move(w: Writer, node: p.MoveJoints) -> None:
     target = w.expressions.target(node.target)
-    _setting(w, node.motion)
-    w.add(s.Motion("Mov", (target,), append=appended(w, node)))
+    _write_motion_settings(w, node.motion)
+    w.add(s.Motion("Mov", (target,), append=appended_statement(w, node)))
     w.previous = None
 
 
-def move_circular(w: Writer, node: p.MoveCircular) -> None:
+def write_circular_move(w: Writer, node: p.MoveCircular) -> None:
     frame = node.motion.frame
     via, target = w.expressions.target(node.via), w.expressions.target(node.target)
-    _setting(w, node.motion)
+    _write_motion_settings(w, node.motion)
     start = _arc_start(w, node.motion.tool, frame)
-    points = start, _placed(w, via, frame), _placed(w, target, frame)
-    w.add(s.Motion("Mvr", points, append=appended(w, node)))
-    _remember(w, (target,), node)
+    points = start, _target_in_frame(w, via, frame), _target_in_frame(w, target, frame)
+    w.add(s.Motion("Mvr", points, append=appended_statement(w, node)))
+    _remember_place(w, (target,), node)
 
 
-def follow(w: Writer, node: p.Follow) -> None:
+def write_path(w: Writer, node: p.Follow) -> None:
     path = node.path
     if not len(path):
         raise Unsayable(f"the empty path `{path.name}`", "leave it out")
     first = w.number
     w.number += len(path)
     w.paths.append((first, path))
-    for start, stop in segments(path):
-        _segment(w, path, start, stop, first)
+    for start, stop in path_segments(path):
+        _write_segment(w, path, start, stop, first)
     w.previous = None
     if path.kinds[-1] != Kind.VIA:
         last = len(path) - 1
@@ -68,11 +68,11 @@ def follow(w: Writer, node: p.Follow) -> None:
         w.previous = f"P{first + last}", tool, frame
 
 
-def _setting(w: Writer, motion: p.Motion) -> None:
-    _settings(w, motion.speed, motion.blend, motion.tool, motion.frame)
+def _write_motion_settings(w: Writer, motion: p.Motion) -> None:
+    _write_settings(w, motion.speed, motion.blend, motion.tool, motion.frame)
 
 
-def _settings(
+def _write_settings(
     w: Writer,
     speed: Speed | p.ComputedSpeed | e.Name,
     blend: Blend | p.ComputedBlend | e.Name,
@@ -86,7 +86,7 @@ def _settings(
     w.move_by(speed, blend)
 
 
-def _placed(w: Writer, target: s.Expression, frame: str) -> s.Expression:
+def _target_in_frame(w: Writer, target: s.Expression, frame: str) -> s.Expression:
     """A target in its frame: as it stands where `Base` is the frame, else multiplied by it."""
     if not w.names.products or frame.lower() == BASE:
         return target
@@ -96,23 +96,27 @@ def _placed(w: Writer, target: s.Expression, frame: str) -> s.Expression:
     return s.Binary("*", s.Variable(name), target)
 
 
-def _destination(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expression, ...]:
+def _move_arguments(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expression, ...]:
     """The arguments of a move; a distance along the tool has a form of its own."""
     match value:
         case e.Apply(function="relative", arguments=(base, x, y, z)) if (
             e.plain_number(x) == 0 and e.plain_number(y) == 0
         ):
-            return _placed(w, w.expressions.target(base), frame), w.expressions.of(z)
-    return (_placed(w, w.expressions.target(value), frame),)
+            return _target_in_frame(w, w.expressions.target(base), frame), w.expressions.of(z)
+    return (_target_in_frame(w, w.expressions.target(value), frame),)
 
 
-def _remember(w: Writer, target: tuple[s.Expression, ...], node: p.Move | p.MoveCircular) -> None:
+def _remember_place(
+    w: Writer, target: tuple[s.Expression, ...], node: p.Move | p.MoveCircular
+) -> None:
     """Where the robot stands, if the next arc may name it."""
     w.previous, motion = None, node.motion
     if node.until is not None:
         return
     match target:
-        case (s.Binary("*", s.Variable(), inner),) if _placed(w, inner, motion.frame) == target[0]:
+        case (s.Binary("*", s.Variable(), inner),) if (
+            _target_in_frame(w, inner, motion.frame) == target[0]
+        ):
             target = (inner,)
     match target:
         case (s.Variable(name=name, arguments=None, component=""),) if "_" not in name:
@@ -122,7 +126,7 @@ def _remember(w: Writer, target: tuple[s.Expression, ...], node: p.Move | p.Move
 def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     """The position that an arc starts at; read from the robot if it is not known."""
     if w.previous is not None and w.previous[1:] == (tool, frame):
-        return _placed(w, s.Variable(w.previous[0]), frame)
+        return _target_in_frame(w, s.Variable(w.previous[0]), frame)
     name = w.owner.name if w.owner else "main"
     w.report(rules.ARC_AT_START(name=name, about=Declared(name, "procedures", in_full=True)))
     start = s.Variable(ARC_START)
@@ -130,38 +134,40 @@ def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     return start
 
 
-def _segment(w: Writer, path: Path, start: int, stop: int, first: int) -> None:
+def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> None:
     """Rows under the same settings."""
     speed, blend = path.speeds[path.speed[start]], path.blends[path.blend[start]]
     tool, frame = path.tools[path.tool[start]], path.frames[path.frame[start]]
-    _settings(w, speed, blend, tool, frame)
+    _write_settings(w, speed, blend, tool, frame)
     kinds = path.kinds[start:stop]
     if kinds[0] == Kind.VIA:
         known = f"P{first + start - 1}"
         if start == 0 or w.previous != (known, tool, frame):
             begin = _arc_start(w, tool, frame)
             numbers = (first + start, first + start + 1)
-            ends = (_placed(w, s.Variable(f"P{n}"), frame) for n in numbers)
+            ends = (_target_in_frame(w, s.Variable(f"P{n}"), frame) for n in numbers)
             w.add(s.Motion("Mvr", (begin, *ends)))
             start += 2
             kinds = kinds[2:]
     if start < stop:
         rows = _move_rows(kinds, first + start)
         w.items += (
-            [rows] if frame.lower() == BASE or not w.names.products else _lines(w, rows, frame)
+            [rows] if frame.lower() == BASE or not w.names.products else _write_rows(w, rows, frame)
         )
     w.previous = f"P{first + stop - 1}", tool, frame
 
 
-def _lines(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:
+def _write_rows(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:
     """Moves in columns as lines, each target in its frame."""
     for line in rows_as_lines(rows):
         if isinstance(line, s.Line) and isinstance(line.statement, s.Motion):
-            targets = (_placed(w, a, frame) for a in line.statement.arguments if a is not None)
+            targets = (
+                _target_in_frame(w, a, frame) for a in line.statement.arguments if a is not None
+            )
             yield s.Line(statement=replace(line.statement, arguments=tuple(targets)))
 
 
-def segments(path: Path) -> Iterator[tuple[int, int]]:
+def path_segments(path: Path) -> Iterator[tuple[int, int]]:
     """Ranges of rows under the same settings; an arc's two rows are never apart."""
     codes = setting_codes(path)
     differs = (codes[1:] != codes[:-1]) & (path.kinds[1:] != Kind.END)
@@ -169,13 +175,13 @@ def segments(path: Path) -> Iterator[tuple[int, int]]:
     yield from itertools.pairwise(edges)
 
 
-_KINDS: Final = np.array([MOV, MVS, -1, MVR], dtype=np.int64)
+_ROW_KINDS: Final = np.array([MOV, MVS, -1, MVR], dtype=np.int64)
 
 
 def _move_rows(kinds: Any, first: int) -> MoveRows:
     """The moves through P<first> … of rows of these kinds; an arc's two rows are one move."""
     ends = np.flatnonzero(kinds != Kind.VIA)
-    code = _KINDS[kinds[ends]]
+    code = _ROW_KINDS[kinds[ends]]
     number = first + ends.astype(np.int64)
     arc = code == MVR
     return MoveRows(

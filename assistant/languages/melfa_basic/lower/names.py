@@ -13,17 +13,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.melfa_basic.tables.channels import NUMBERS
+from assistant.languages.melfa_basic.tables.channels import FILE_NUMBERS
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables.variables import (
     LETTERS,
     PARAMETERS,
     is_external,
-    kept_as,
+    parameter_position,
 )
-from assistant.languages.melfa_basic.tables.vocabulary.interrupts import NUMBERS as INTERRUPTS
+from assistant.languages.melfa_basic.tables.vocabulary.interrupts import (
+    INTERRUPT_NUMBERS as INTERRUPTS,
+)
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
-from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED_WORDS, free_name
 from assistant.program.analysis.io_use import channels_open_together
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk
@@ -95,9 +97,9 @@ class Names:
 
 def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     """The names of a whole program; the same program always gets the same."""
-    names, taken = Names(products=products), TakenNames((ARC_START, *RESERVED))
+    names, taken = Names(products=products), TakenNames((ARC_START, *RESERVED_WORDS))
     for word, table, number, name in counted(program, dialect, products):
-        short = kept_as(PARAMETERS[word].format(number=number))
+        short = parameter_position(PARAMETERS[word].format(number=number))
         (names.tools if table is program.tools else names.frames)[name.lower()] = short
         names.numbers[short] = number
         taken.add(short)
@@ -125,7 +127,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             short = _variable(name, "M", dialect, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
-    labels = taken if dialect.functions else TakenNames(RESERVED)
+    labels = taken if dialect.functions else TakenNames(RESERVED_WORDS)
     labels.add(MAIN)
     for entry in program.procedures:
         names.procedures[entry.name.lower()] = _label(entry.name, dialect, labels)
@@ -139,7 +141,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                     names.original_labels[short] = statement.name
     names.units = unit_names(program)
     names.timers, names.wait_timer = numbered_timers(program, range(1, MOST_TIMERS + 1), _TIMER)
-    names.channels = numbered_channels(program, NUMBERS, channels_open_together)
+    names.channels = numbered_channels(program, FILE_NUMBERS, channels_open_together)
     names.interrupts = numbered_interrupts(program, INTERRUPTS)
     names.defined = frozenset(one.name.lower() for one in interrupts(program))
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
@@ -221,14 +223,14 @@ def mark(short: str) -> str:
 def _variable(given: str, letter: str, dialect: Dialect, taken: set[str]) -> str:
     plain = _plain(given, dialect.mixed)
     own = plain[:1].upper() == letter and len(plain) > 1
-    return free(_unshared(plain if own else letter + plain), dialect.names, taken)
+    return free_name(_unshared(plain if own else letter + plain), dialect.names, taken)
 
 
 def _label(given: str, dialect: Dialect, taken: set[str]) -> str:
     plain = _plain(given, dialect.mixed)
     if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain.upper()):
         plain = "L" + plain
-    return free(_unshared(plain), dialect.labels, taken)
+    return free_name(_unshared(plain), dialect.labels, taken)
 
 
 def _unshared(name: str) -> str:
@@ -239,7 +241,7 @@ def _unshared(name: str) -> str:
 def program_name(given: str, taken: set[str]) -> str:
     """A program name: upper-case letters and digits, at most twelve."""
     plain = _plain(given)
-    return free(plain or "MAIN", PROGRAM_NAME, taken)
+    return free_name(plain or "MAIN", PROGRAM_NAME, taken)
 
 
 def _plain(given: str, mixed: bool = False) -> str:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from assistant.base.diagnostics import Declared, Refused
-from assistant.languages.melfa_basic.lift.files.program import settings_that_hold
+from assistant.languages.melfa_basic.lift.files.program import settings_already_set
 from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
-from assistant.languages.melfa_basic.lower.depended import depended_on
-from assistant.languages.melfa_basic.lower.heading import heading, named
-from assistant.languages.melfa_basic.lower.interrupts import answers
+from assistant.languages.melfa_basic.lower.depended import settings_for_vendor_text
+from assistant.languages.melfa_basic.lower.heading import heading, named_members
+from assistant.languages.melfa_basic.lower.interrupts import write_interrupt_answers
 from assistant.languages.melfa_basic.lower.names import mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
@@ -32,7 +32,7 @@ from assistant.program.program import Parameter, Procedure, Program, ValueType, 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-DEFINED: Final[dict[ValueType, str]] = {
+DEFINITION_WORDS: Final[dict[ValueType, str]] = {
     "number": "Float", "truth": "Float", "integer": "Inte", "text": "Char",
     "position": "Pos", "pose": "Pos", "joints": "Jnt",
 }  # fmt: skip
@@ -82,7 +82,7 @@ class UnitLines(Writer):
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""
         data = list(gathered(list(self.data())))
-        depended = depended_on(self.program)
+        depended = settings_for_vendor_text(self.program)
         if depended:
             code = self._without_settings_that_hold(code, data, depended)
         steps = gathered(with_ascending_steps(code, self.dialect.step, LAST_STEP))
@@ -96,7 +96,7 @@ class UnitLines(Writer):
         Such a text would depend on what is written for a move, and no longer on what it did.
         """
         tree = s.File(self.dialect.name, (*code, *data))
-        again = self.settings.intersection(map(id, settings_that_hold(tree, depended)))
+        again = self.settings.intersection(map(id, settings_already_set(tree, depended)))
         return [item for item in code if id(item) not in again]
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:
@@ -109,7 +109,7 @@ class UnitLines(Writer):
             self.enter(first)
             self.body(first.body)
         self.add(s.Command("End"))
-        answers(self)
+        write_interrupt_answers(self)
         for procedure in others:
             self.label(self.names.procedures[procedure.name.lower()])
             self.enter(procedure)
@@ -131,7 +131,7 @@ class UnitLines(Writer):
             self.body(body)
             if self.answers:
                 self.add(s.Command("End"))
-                answers(self)
+                write_interrupt_answers(self)
             self.add(s.Command("FEnd"))
 
     def head(self, procedure: Procedure, main: bool) -> s.Function:
@@ -148,7 +148,7 @@ class UnitLines(Writer):
 
     def variable(self, procedure: Procedure, parameter: Parameter) -> s.Variable:
         short = self.names.variables[procedure.name.lower(), parameter.name.lower()]
-        return _whole(short)
+        return _variable_named(short)
 
     def has_heading(self) -> bool:
         """Whether a file without code says anything."""
@@ -166,7 +166,7 @@ class UnitLines(Writer):
         for owner, name, variable in self.variables():
             if not isinstance(variable, Variable):
                 continue
-            whole = _whole(self.names.variables[owner, name.lower()])
+            whole = _variable_named(self.names.variables[owner, name.lower()])
             if is_of_controller(whole.name):
                 continue
             shared = not owner or variable.initial is not None  # which it gets in the first one
@@ -174,7 +174,7 @@ class UnitLines(Writer):
                 extents = tuple(s.Number(n) for n in variable.size)
                 arrays.append(s.Dim((replace(whole, arguments=extents),)))
             elif variable.type == "integer" or (self.functions and shared):
-                lines.setdefault(DEFINED[variable.type], []).append(whole)
+                lines.setdefault(DEFINITION_WORDS[variable.type], []).append(whole)
         for word, variables in lines.items():
             for at in range(0, len(variables), MOST_DEFINED):
                 self.add(s.DefNames(word, tuple(variables[at : at + MOST_DEFINED])))
@@ -185,7 +185,7 @@ class UnitLines(Writer):
         """First values of the variables, in the order of the heading."""
         for owner, name, variable in self.variables():
             if isinstance(variable, Variable) and variable.initial is not None:
-                whole = _whole(self.names.variables[owner, name.lower()])
+                whole = _variable_named(self.names.variables[owner, name.lower()])
                 of = next((q for q in self.program.procedures if q.name.lower() == owner), None)
                 about = Declared(name, "variables", of.name if of else "", in_full=True)
                 with self.findings.at(variable.span), self.saying(about):
@@ -195,7 +195,7 @@ class UnitLines(Writer):
 
     def data(self) -> Iterator[s.Item]:
         """The variable lines: named positions first, then those of the paths."""
-        for kind, table, members in named(self):
+        for kind, table, members in named_members(self):
             for name in members:
                 if table[name.lower()] in self.names.numbers:
                     continue
@@ -225,15 +225,15 @@ class UnitLines(Writer):
         if not self.names.products:
             return s.Constant(poses.plain_values(pose.inverse()), (0, 0))
         flags = branches_by_frame(program, partial(poses.flags_of, robot=self.robot))
-        first, second = next(iter(flags.get(name.lower(), ())), USUAL)
+        first, second = next(iter(flags.get(name.lower(), ())), USUAL_FLAGS)
         return s.Constant(poses.plain_values(pose), (first, second))
 
 
-USUAL: Final = (7, 0)
+USUAL_FLAGS: Final = (7, 0)
 """Flags of most positions: right, above, not flipped."""
 MOST_DEFINED: Final = 8
 """Names of one `Def` line."""
 
 
-def _whole(short: str) -> s.Variable:
+def _variable_named(short: str) -> s.Variable:
     return s.Variable(short, mark(short))

@@ -6,32 +6,26 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.convert.words import reworded
-from assistant.languages.melfa_basic.lower import (
-    channels,
-    control,
-    interrupts,
-    motions,
-    signals,
-)
+from assistant.languages.melfa_basic.lower import channels, control, interrupts, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer, marked
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.tables.statements import ROWS
+from assistant.languages.melfa_basic.tables.statements import STATEMENT_ROWS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import statements as p
 
 
-def comment(w: Writer, node: p.Comment) -> None:
+def write_comment(w: Writer, node: p.Comment) -> None:
     w.items.append(s.Line(comment=marked(node)))
 
 
-def message(_: Writer, node: p.Message) -> None:
+def write_message(_: Writer, node: p.Message) -> None:
     raise Unsayable(f"the message of {len(node.parts)} parts on the teach pendant", "leave it out")
 
 
-def opaque(w: Writer, node: p.Opaque) -> None:
-    line = opaque_line(node, w.dialect)
+def write_vendor_statement(w: Writer, node: p.Opaque) -> None:
+    line = vendor_line(node, w.dialect)
     if line is None or line.statement is None:
         what, cure = f"the {node.language} statement `{node.text}`", "say it in plain statements"
         if node.reason is not None:
@@ -41,7 +35,7 @@ def opaque(w: Writer, node: p.Opaque) -> None:
     w.forget()
 
 
-def opaque_line(node: p.Opaque, dialect: Dialect) -> s.Line | None:
+def vendor_line(node: p.Opaque, dialect: Dialect) -> s.Line | None:
     """The line of a vendor statement that this dialect accepts, or has other words for."""
     origin = DIALECTS.get(node.language)
     line = None if origin is None else read_statement(node.text)
@@ -51,30 +45,30 @@ def opaque_line(node: p.Opaque, dialect: Dialect) -> s.Line | None:
 
 
 STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
-    **dict.fromkeys(ROWS.records, signals.plain),
-    p.Move: motions.move,
-    p.MoveCircular: motions.move_circular,
-    p.MoveJoints: motions.move_joints,
-    p.Follow: motions.follow,
-    p.WaitSignal: signals.wait_signal,
-    p.WaitUntil: signals.wait_until,
-    p.StartTimer: signals.start_timer,
-    p.SetSignal: signals.set_signal,
-    p.Call: control.call,
-    p.Assign: control.assign,
-    p.If: control.if_,
-    p.While: control.while_,
-    p.For: control.for_,
-    p.Switch: control.switch,
-    p.Stop: control.stop,
-    p.Return: control.return_,
-    p.Comment: comment,
-    p.Label: control.label,
-    p.Goto: control.goto,
-    p.Message: message,
-    p.Attach: channels.attach,
-    p.Detach: channels.detach,
-    p.Send: channels.send,
-    **interrupts.STATEMENTS,
-    p.Opaque: opaque,
+    **dict.fromkeys(STATEMENT_ROWS.records, signals.write_row),
+    p.Move: motions.write_move,
+    p.MoveCircular: motions.write_circular_move,
+    p.MoveJoints: motions.write_joint_move,
+    p.Follow: motions.write_path,
+    p.WaitSignal: signals.write_signal_wait,
+    p.WaitUntil: signals.write_wait,
+    p.StartTimer: signals.write_timer_start,
+    p.SetSignal: signals.write_signal,
+    p.Call: control.write_call,
+    p.Assign: control.write_assignment,
+    p.If: control.write_if,
+    p.While: control.write_while,
+    p.For: control.write_for,
+    p.Switch: control.write_switch,
+    p.Stop: control.write_stop,
+    p.Return: control.write_return,
+    p.Comment: write_comment,
+    p.Label: control.write_label,
+    p.Goto: control.write_goto,
+    p.Message: write_message,
+    p.Attach: channels.write_open,
+    p.Detach: channels.write_close,
+    p.Send: channels.write_print,
+    **interrupts.INTERRUPT_WRITERS,
+    p.Opaque: write_vendor_statement,
 }

@@ -9,10 +9,14 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base.source_text import SourceText, ended_lines
-from assistant.languages.melfa_basic.lower.supplied_functions import with_functions
+from assistant.languages.melfa_basic.lower.supplied_functions import with_supplied_functions
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import KEPT, PLAIN, kept_as
+from assistant.languages.melfa_basic.tables.variables import (
+    LAST_SET_PARAMETERS,
+    NEUTRAL_SETTINGS,
+    parameter_position,
+)
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -25,7 +29,7 @@ from assistant.program.rewriting import rewrite
 from assistant.program.undeclared_names import Supplied, SuppliedValue, Wanted
 
 NO_FLAGS: Final = (0, 0)
-NOTHING: Final = (Tool(), Frame())
+NO_MOUNTS: Final = (Tool(), Frame())
 
 
 def with_supplied(
@@ -37,7 +41,7 @@ def with_supplied(
     """
     made = []
     asked = [(one, value) for one, value in given if one.kind == "routine"]
-    commands = commands_of(trees)
+    commands = supplied_routines(trees)
     routines = {one.name: (one, value) for one, value in asked if one.name in commands}
     others = [(one, value) for one, value in asked if one.name not in commands]
     for at, tree in enumerate(trees):
@@ -47,25 +51,29 @@ def with_supplied(
             shared = wanted.kind in ("tool", "frame")
             external = wanted.name[1:2] == "_"
             own = external or wanted.name.lower().startswith(before)
-            own = own and _is_of(wanted, tree)
+            own = own and _is_wanted_by(wanted, tree)
             if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
-            if wanted.name in KEPT.values() and value in NOTHING:
+            if wanted.name in LAST_SET_PARAMETERS.values() and value in NO_MOUNTS:
                 continue
             name = wanted.name if external else wanted.name[len(before) :]
-            name = kept_as(wanted.name) if shared else name
-            name = outside.data_of(name) if outside.is_state(name.upper()) else name
-            lines[name.upper()] = _line(name, value)
-        there = _with_lines(tree, lines, dialect) if lines else _as_read(tree)
-        there = _beginning(there, tree, given) if at == 0 else there
-        there = _with_calls(there, routines) if routines else there
-        functions = [pair for pair in others if _is_of(pair[0], tree)]
-        made.append(with_functions(there, functions, trees, dialect) if functions else there)
-    made += [_routine(one, value, dialect, folder) for one, value in routines.values()]
+            name = parameter_position(wanted.name) if shared else name
+            name = (
+                outside.supplied_data_name(name) if outside.is_force_state(name.upper()) else name
+            )
+            lines[name.upper()] = _position_line(name, value)
+        there = _with_lines(tree, lines, dialect) if lines else _read_again(tree)
+        there = _with_first_settings(there, tree, given) if at == 0 else there
+        there = _with_routine_calls(there, routines) if routines else there
+        functions = [pair for pair in others if _is_wanted_by(pair[0], tree)]
+        made.append(
+            with_supplied_functions(there, functions, trees, dialect) if functions else there
+        )
+    made += [_routine_tree(one, value, dialect, folder) for one, value in routines.values()]
     return made
 
 
-def _beginning(tree: s.File, before: s.File, given: Supplied) -> s.File:
+def _with_first_settings(tree: s.File, before: s.File, given: Supplied) -> s.File:
     """The tree whose first statement sets the tool and the base that parameters keep.
 
     before: the same without the lines that it has got.
@@ -76,11 +84,13 @@ def _beginning(tree: s.File, before: s.File, given: Supplied) -> s.File:
     ]
     lines += [
         s.Line(statement=s.Command(word, (s.Variable(at),)))
-        for word, name in KEPT.items()
+        for word, name in LAST_SET_PARAMETERS.items()
         if name in values
-        for at in (PLAIN[word] if values[name] in NOTHING else kept_as(name),)
+        for at in (
+            NEUTRAL_SETTINGS[word] if values[name] in NO_MOUNTS else parameter_position(name),
+        )
     ]
-    first = next((n for n, item in enumerate(tree.items) if _acts(item)), None)
+    first = next((n for n, item in enumerate(tree.items) if _is_acting(item)), None)
     if not lines or first is None:
         return tree
     return replace(tree, items=(*tree.items[:first], *lines, *tree.items[first:]))
@@ -89,7 +99,7 @@ def _beginning(tree: s.File, before: s.File, given: Supplied) -> s.File:
 def without_kept(program: Program, lift: Callable[[Sequence[s.File], Any], Program]) -> Program:
     """A program without the tool and the base that parameters keep: a sister dialect keeps them."""
     origin = program.origin
-    if origin is None or not any(_as_read(tree) is not tree for tree in origin.trees):
+    if origin is None or not any(_read_again(tree) is not tree for tree in origin.trees):
         return program
     trees = [_without_lines(tree) for tree in origin.trees]
     lifted = lift(trees, origin.robot)
@@ -102,44 +112,44 @@ def without_kept(program: Program, lift: Callable[[Sequence[s.File], Any], Progr
 
 def _without_lines(tree: s.File) -> s.File:
     """A tree as its file has it, without the values of what parameters keep."""
-    if _as_read(tree) is tree or tree.source is None:
+    if _read_again(tree) is tree or tree.source is None:
         return tree
-    names = tuple(f"{kept_as(name)}=" for name in KEPT.values())
+    names = tuple(f"{parameter_position(name)}=" for name in LAST_SET_PARAMETERS.values())
     lines = ended_lines(tree.source.text)
     text = "".join(line for line in lines if not line.startswith(names))
     return parse(replace(tree.source, text=text), tree.dialect)
 
 
-def _as_read(tree: s.File) -> s.File:
+def _read_again(tree: s.File) -> s.File:
     items = tuple(x for x in tree.items if not isinstance(x, s.Line) or x.span is not None)
     return tree if len(items) == len(tree.items) else replace(tree, items=items)
 
 
-def _acts(item: s.Item) -> bool:
+def _is_acting(item: s.Item) -> bool:
     """Whether a line is the first one that may do something."""
     if not isinstance(item, s.Line):
         return not isinstance(item, s.Data | PositionRows | s.Blank)
-    return item.label is not None or not isinstance(item.statement, _DECLARING)
+    return item.label is not None or not isinstance(item.statement, _DECLARING_STATEMENTS)
 
 
-_DECLARING: Final = (
+_DECLARING_STATEMENTS: Final = (
     type(None), s.Function, s.FPrm, s.Dim, s.DefNames, s.DefIo, s.DefFunction, s.DefOther,
     s.DefAct, s.Include, s.Const, s.Static,
 )  # fmt: skip
 
 
-def commands_of(trees: Sequence[s.File]) -> set[str]:
+def supplied_routines(trees: Sequence[s.File]) -> set[str]:
     """Names of the routines that stand for commands of the maker's own."""
     found = set[str]()
     for tree in trees:
         for item in tree.items:
             for node in nodes(item.statement if isinstance(item, s.Line) else None):
-                if isinstance(node, s.Command) and (made := outside.routine_of(node)):
+                if isinstance(node, s.Command) and (made := outside.supplied_routine(node)):
                     found.add(made[0])
     return found
 
 
-def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
+def _with_routine_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
     """The tree that calls the cell's routines where it has commands of the maker's own.
 
     Its text stays, so that findings and reports show what stands there.
@@ -154,17 +164,17 @@ def _with_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
     def said(node: Any) -> Any:
         match node:
             case s.Command():
-                routine = outside.routine_of(node)
+                routine = outside.supplied_routine(node)
                 if routine is not None and routine[0] in routines:
                     return s.CallP(s.String(routine[0].upper()), routine[1])
-            case s.Variable() if outside.is_state(node.key) and node.key not in turned:
-                return replace(node, name=outside.data_of(node.name))
+            case s.Variable() if outside.is_force_state(node.key) and node.key not in turned:
+                return replace(node, name=outside.supplied_data_name(node.name))
         return node
 
     return replace(tree, items=tuple(rewrite(item, said) for item in tree.items))
 
 
-STEEPEST: Final = 90.0
+STEEPEST_ANGLE: Final = 90.0
 """Degrees below which three angles are read back from an orientation as they were."""
 
 
@@ -172,11 +182,11 @@ def _is_no_turn(value: s.Expression) -> bool:
     """Whether the last three numbers of a constant are no angles of one orientation alone."""
     match value:
         case s.Constant(values=values):
-            return any(abs(v or 0) >= STEEPEST for v in values[3:6])
+            return any(abs(v or 0) >= STEEPEST_ANGLE for v in values[3:6])
     return False
 
 
-def _routine(wanted: Wanted, value: SuppliedValue | None, dialect: str, folder: str) -> s.File:
+def _routine_tree(wanted: Wanted, value: SuppliedValue | None, dialect: str, folder: str) -> s.File:
     """A program that stops where others come to it, or that does nothing."""
     names = ",".join(f"M{number}" for number, _ in enumerate(wanted.arguments, 1))
     lines = [f"FPrm {names}"] if names else []
@@ -185,35 +195,35 @@ def _routine(wanted: Wanted, value: SuppliedValue | None, dialect: str, folder: 
     return parse(SourceText(text, f"{folder}/{wanted.name.upper()}.prg", newline="\n"), dialect)
 
 
-def _is_of(wanted: Wanted, tree: s.File) -> bool:
+def _is_wanted_by(wanted: Wanted, tree: s.File) -> bool:
     program = program_name(tree) or "program"
     return any(use.rpartition(":")[0] == program for use in wanted.uses)
 
 
-def _line(name: str, value: SuppliedValue) -> str:
+def _position_line(name: str, value: SuppliedValue) -> str:
     match value:
         case Tool():
-            return f"{name}={_placed(value.tip, NO_FLAGS)}"
+            return f"{name}={_pose_text(value.tip, NO_FLAGS)}"
         case Frame():
-            return f"{name}={_placed(value.pose, NO_FLAGS)}"
+            return f"{name}={_pose_text(value.pose, NO_FLAGS)}"
         case Target():
             configuration = np.array([configuration_row(value.configuration)])
             first, second = poses.flags_of(configuration, None)[0].tolist()
-            return f"{name}={_placed(value.pose, (first, second))}"
+            return f"{name}={_pose_text(value.pose, (first, second))}"
         case JointTarget():
-            return f"{name}=({','.join(map(_number, value.joints))})"
+            return f"{name}=({','.join(map(_number_text, value.joints))})"
         case str():
             return f'{name}="{value}"'
         case float() | int():
-            return f"{name}={_number(float(value))}"
+            return f"{name}={_number_text(float(value))}"
     raise AssertionError(value)
 
 
-def _placed(pose: Pose, flags: tuple[int, int]) -> str:
-    return f"({','.join(map(_number, poses.plain_values(pose)[:6]))})({flags[0]},{flags[1]})"
+def _pose_text(pose: Pose, flags: tuple[int, int]) -> str:
+    return f"({','.join(map(_number_text, poses.plain_values(pose)[:6]))})({flags[0]},{flags[1]})"
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     return printer.number(s.Number(round(value, 9)))
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.lower.signals import assigned
-from assistant.languages.melfa_basic.tables.triggers import PLACES
+from assistant.languages.melfa_basic.lower.signals import output_assignment
+from assistant.languages.melfa_basic.tables.triggers import TRIGGER_MEASURES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -17,11 +17,11 @@ from assistant.program.passes.trigger_positions import ZERO, is_at_start, is_ste
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
-WORDS: Final = {measure: name for name, (measure, _) in PLACES.items()}
+MEASURE_WORDS: Final = {measure: name for name, (measure, _) in TRIGGER_MEASURES.items()}
 """The status variable of each measure that has one."""
 
 
-def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
+def appended_statement(w: Writer, move: p.MoveStatement) -> s.Append | None:
     """`Wth` or `WthIf` for what a move sets on its way or ends at, None if that is nothing."""
     triggers, blend = move.triggers, move.motion.blend
     if move.until is not None:
@@ -43,18 +43,18 @@ def appended(w: Writer, move: p.MoveStatement) -> s.Append | None:
     stops, at = isinstance(blend, Blend) and blend.fine, one.amount
     given = all(isinstance(x, e.Number) for x in (one.value, one.pulse or ZERO))
     steady = isinstance(at, e.Number) or (stops and is_steady(at, w.expressions.signals))
-    for what, cure in _unsayable(one, given and steady):
+    for what, cure in _unsayable_trigger(one, given and steady):
         raise Unsayable(what, cure)
     pulse = None if one.pulse is None else w.expressions.of(one.pulse)
-    assignment = assigned(w, one, pulse)
+    assignment = output_assignment(w, one, pulse)
     if is_at_start(one):
         return s.Append(assignment)
-    name = WORDS[one.measure]
-    place, operator = s.Variable(w.expressions.word(name)), PLACES[name][1]
+    name = MEASURE_WORDS[one.measure]
+    place, operator = s.Variable(w.expressions.word(name)), TRIGGER_MEASURES[name][1]
     return s.Append(assignment, s.Binary(operator, place, w.expressions.of(one.amount)))
 
 
-def _unsayable(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
+def _unsayable_trigger(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
     """What `Wth` and `WthIf` have no form for, and what to do instead.
 
     steady: what it sets is a number, and so is its place, or the move stops and the place stays as
@@ -73,7 +73,7 @@ def _unsayable(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
             f"that {name} is set mm behind the start of a way of unknown length",
             "give mm before the end, or let a move to a known target stand before it",
         )
-    if x.measure in WORDS and x.pulse is not None:
+    if x.measure in MEASURE_WORDS and x.pulse is not None:
         yield f"a pulse of {name} at a place of the way", "set it there, and back elsewhere"
     if x.measure == "end" and x.amount == ZERO:
         yield (

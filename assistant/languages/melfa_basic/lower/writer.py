@@ -15,11 +15,11 @@ from assistant.languages.melfa_basic.lower.expressions import (
     NoNumber,
     Undeclared,
     Unsayable,
-    numeric,
+    signed_number,
 )
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
-from assistant.languages.melfa_basic.tables.functions import OF_ARM
+from assistant.languages.melfa_basic.tables.functions import ARM_FUNCTIONS
 from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
@@ -279,7 +279,7 @@ class Writer:
             match record:
                 case e.Here(tool, frame):
                     self.mount(tool, frame)
-                case e.Apply(function) if function.lower() in OF_ARM:
+                case e.Apply(function) if function.lower() in ARM_FUNCTIONS:
                     self.mount(FLANGE, BASE)
 
     def mount(self, tool: str, frame: str) -> None:
@@ -323,10 +323,12 @@ class Writer:
         if isinstance(speed, p.ComputedSpeed):
             self._set_computed_speed(speed)
         elif speed.joint is not None:
-            self._set("JOvrd", speed.joint, numeric(speed.joint))
+            self._set("JOvrd", speed.joint, signed_number(speed.joint))
         else:  # `Mov` does not depend on it
             fastest = s.Variable(self.expressions.word("M_NSpd"))
-            self._set("Spd", speed.tcp, fastest if math.isinf(speed.tcp) else numeric(speed.tcp))
+            self._set(
+                "Spd", speed.tcp, fastest if math.isinf(speed.tcp) else signed_number(speed.tcp)
+            )
         if isinstance(blend, p.ComputedBlend):
             radius = self.expressions.of(blend.radius)
             self._set_computed("Cnt", s.Number(1), radius, radius)
@@ -334,7 +336,7 @@ class Writer:
         corner: list[s.Expression] = [s.Number(0 if blend.radius is None else 1)]
         if blend.radius is not None and not math.isinf(blend.radius):
             leave = blend.radius if blend.exit is None else blend.exit
-            corner += [numeric(blend.radius), numeric(leave)]
+            corner += [signed_number(blend.radius), signed_number(leave)]
         self._set("Cnt", blend, *corner)
 
     def _set_computed_speed(self, speed: p.ComputedSpeed) -> None:

@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
-from assistant.languages.melfa_basic.tables.words import RESERVED
+from assistant.languages.melfa_basic.tables.words import RESERVED_WORDS
 from assistant.languages.texts.words import abouts
 from assistant.program.editor_support import (
     Declaration,
@@ -96,7 +96,7 @@ class EditableMelfaBasic(Editable):
         if len(name.lstrip("*")) > self._dialect.longest:
             return f"is longer than {self._dialect.longest} characters"
         plain = name.lstrip("*").rstrip("$%&!#").upper()
-        if plain in RESERVED:
+        if plain in RESERVED_WORDS:
             return "is a word of the language"
         known = vocabulary.status(plain) is not None
         return "is a variable of every controller" if known else ""

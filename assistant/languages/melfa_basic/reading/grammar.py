@@ -13,23 +13,23 @@ from assistant.languages.melfa_basic.tables.vocabulary import words
 if TYPE_CHECKING:
     from lark import Lark
 
-FILE: Final = "melfa_basic.lark"
-STARTS: Final = ("line", "data", "start")
+GRAMMAR_FILE: Final = "melfa_basic.lark"
+GRAMMAR_STARTS: Final = ("line", "data", "start")
 
 
 @cache
 def grammar() -> Grammar:
     """The rules of a code line (start `line`), a variable line (`data`) and a file (`start`)."""
-    return load(FILE, STARTS)
+    return load(GRAMMAR_FILE, GRAMMAR_STARTS)
 
 
 def by_lark() -> Lark:
     """Return lark's own parser for the same grammar."""
-    return acceptor(FILE, STARTS)
+    return acceptor(GRAMMAR_FILE, GRAMMAR_STARTS)
 
 
 @cache
-def firm() -> frozenset[str]:
+def never_names() -> frozenset[str]:
     """Words in upper case that are never names, even where the rules have no room for them."""
     listed = re.search(r"\(\?!\(\?:([a-z|]+)\)", grammar().terminals["NAME"].pattern)
     return frozenset(listed[1].upper().split("|")) if listed else frozenset()

@@ -6,9 +6,9 @@ import re
 from typing import Final
 
 from assistant.languages.line_grammar import ContextualLexer
-from assistant.languages.melfa_basic.reading.grammar import firm, grammar, keywords
+from assistant.languages.melfa_basic.reading.grammar import grammar, keywords, never_names
 
-_SPECIAL: Final = {
+_SPECIAL_WORDS: Final = {
     "FN": ("FN_NAME", re.compile(r"FN.+")),
     "MX": ("COMMAND", re.compile(r"MXT(?=[0-9]+\Z)")),
 }
@@ -20,7 +20,7 @@ def lexer() -> ContextualLexer:
         grammar(),
         {**keywords(), "END IF": keywords()["ENDIF"]},
         plain=("NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES"),
-        firm=firm(),
+        firm=never_names(),
         longer={
             "(": ("POSITION", "EMPTY"),
             "*": ("LABEL",),
@@ -30,5 +30,5 @@ def lexer() -> ContextualLexer:
         },
         joined=dict.fromkeys("$%!&#", "SUFFIX"),
         instead={"NUMBER": "STEP"},
-        special=_SPECIAL,
+        special=_SPECIAL_WORDS,
     )

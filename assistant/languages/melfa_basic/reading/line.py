@@ -56,7 +56,7 @@ def read_line(
     span = Span(start, behind)
     if not text[start:end].strip(BLANKS):
         return s.Blank(span)
-    number, at, rule = parts(text, start, end)
+    number, at, rule = split_step(text, start, end)
     try:
         node = line_grammar().read(text, at, end, rule, _nodes(), None)
     except ValueError:
@@ -71,7 +71,7 @@ def placed(node: s.Line | s.Data, number: int | None, span: Span | None) -> s.Li
     return replace(node, span=span)
 
 
-def parts(text: str, start: int, end: int) -> tuple[int | None, int, str]:
+def split_step(text: str, start: int, end: int) -> tuple[int | None, int, str]:
     """Step number of a line, offset of the code behind it, and the rule of the grammar for that."""
     step = _STEP.match(text, start, end)
     at = step.end() if step else start

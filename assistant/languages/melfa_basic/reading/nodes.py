@@ -8,7 +8,7 @@ from typing import Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages import nodes
-from assistant.languages.melfa_basic.tables.words import spelled
+from assistant.languages.melfa_basic.tables.words import keyword_spelling
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import FLAGS
 from assistant.languages.nodes import Children, Place, row, without_place
@@ -74,11 +74,11 @@ def _unquoted(text: str) -> str:
     return text[1:-1]
 
 
-LISTS: Final = dict.fromkeys(
+LIST_ROWS: Final = dict.fromkeys(
     ("arguments", "given", "type", "parameters", "printed"), without_place(tuple)
 )
-ROWS: Final = {
-    **LISTS,
+NODE_ROWS: Final = {
+    **LIST_ROWS,
     "later_arguments": without_place(lambda children: (None, *children)),
     # expressions
     "number": without_place(lambda children: number_of(*filter(None, children))),
@@ -94,17 +94,17 @@ ROWS: Final = {
     "channel": row(s.Channel),
     "opening": row(s.Opening),
     # statements
-    "command": row(s.Command, "keyword arguments?", keyword=spelled),
-    "word_alone": row(s.Command, "keyword", keyword=spelled),
+    "command": row(s.Command, "keyword arguments?", keyword=keyword_spelling),
+    "word_alone": row(s.Command, "keyword", keyword=keyword_spelling),
     "end_select": row(s.Command, "_", keyword="End Select"),
     "exit_function": row(s.Command, "", keyword="Exit Function"),
-    "motion": row(s.Motion, "keyword arguments? type append", keyword=spelled),
+    "motion": row(s.Motion, "keyword arguments? type append", keyword=keyword_spelling),
     "append": row(s.Append),
     "append_if": row(s.Append, "condition statement"),
     "assign": row(s.Assign, "target value _ delay"),
     "label": row(s.Target, place=label_of),
     "step": row(s.Target, place=int),
-    "data": row(s.Data, "type? variable value", type=spelled),
+    "data": row(s.Data, "type? variable value", type=keyword_spelling),
     "if": row(s.If, "condition then _ otherwise"),
     "if_jump": row(s.If, "condition _ then _ otherwise"),
     "elseif": row(s.ElseIf),
@@ -114,26 +114,29 @@ ROWS: Final = {
     "case_range": row(s.CaseRange),
     "case_is": row(s.CaseIs),
     "case": row(s.Case, "*items"),
-    "jump": row(s.Jump, keyword=spelled),
-    "on_jump": row(s.OnJump, "_ subject keyword *targets", keyword=spelled),
+    "jump": row(s.Jump, keyword=keyword_spelling),
+    "on_jump": row(s.OnJump, "_ subject keyword *targets", keyword=keyword_spelling),
     "on_com": row(s.OnCom, "_ line _ target"),
     "com": row(s.Com, state=str.capitalize),
     "callp": row(s.CallP, "program *arguments"),
     "fprm": row(s.FPrm, "*variables"),
-    "def_names": row(s.DefNames, "type *variables", type=spelled),
+    "def_names": row(s.DefNames, "type *variables", type=keyword_spelling),
     "def_io": row(s.DefIo, type=str.capitalize),
     "def_fn": row(s.DefFunction, "name suffix? *parameters value"),
-    "def_other": row(s.DefOther, kind=spelled),
+    "def_other": row(s.DefOther, kind=keyword_spelling),
     "def_act": row(
-        s.DefAct, "_ number condition keyword target stop?", keyword=spelled, stop=str.upper
+        s.DefAct,
+        "_ number condition keyword target stop?",
+        keyword=keyword_spelling,
+        stop=str.upper,
     ),
     "dim": row(s.Dim, "*variables"),
-    "const": row(s.Const, "type? variable value", type=spelled),
+    "const": row(s.Const, "type? variable value", type=keyword_spelling),
     "static": row(s.Static),
     "include": row(s.Include, program=_unquoted),
     "result": without_place(lambda children: "".join(filter(None, children))),
     "function": row(s.Function, "result? name suffix? parameters"),
-    "parameter": row(s.FunctionParameter, "mode? name suffix? array?", mode=spelled),
+    "parameter": row(s.FunctionParameter, "mode? name suffix? array?", mode=keyword_spelling),
     "open": row(s.Open, "name mode? number", mode=str.capitalize),
     "close": row(s.Close, "*numbers"),
     "print": row(s.Print, "number *items"),
@@ -144,7 +147,7 @@ ROWS: Final = {
 """Rules whose children are the fields of a node."""
 
 
-class Nodes(nodes.Nodes, rows=ROWS):
+class Nodes(nodes.Nodes, rows=NODE_ROWS):
     """And the others."""
 
     def signed(self, _: Place, children: Children) -> s.Number | s.Unary:

@@ -24,7 +24,7 @@ from assistant.languages.language_types import (
 )
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import KEPT
+from assistant.languages.melfa_basic.tables.variables import LAST_SET_PARAMETERS
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
@@ -114,10 +114,10 @@ def _places(
     """Tools and bases, those that hold until a program sets others among them."""
     for name, values in rows.items():
         numbered = _NUMBERED.fullmatch(name)
-        pose = _pose(values) if numbered or name in KEPT.values() else None
+        pose = _pose(values) if numbered or name in LAST_SET_PARAMETERS.values() else None
         if pose is None:
             continue
-        if name == KEPT["Tool"] or (numbered and numbered[1]):
+        if name == LAST_SET_PARAMETERS["Tool"] or (numbered and numbered[1]):
             yield ("tool", name.lower()), Tool(pose)
         else:
             yield ("frame", name.lower()), Frame(pose)

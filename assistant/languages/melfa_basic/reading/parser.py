@@ -13,8 +13,8 @@ from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
-from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_line, statement
-from assistant.languages.melfa_basic.tables.variables import TAUGHT
+from assistant.languages.melfa_basic.reading.line import TooLarge, read_line, split_step, statement
+from assistant.languages.melfa_basic.tables.variables import TAUGHT_STATUS
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
@@ -51,15 +51,15 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
-            from assistant.languages.melfa_basic.reading.recovery.reader import reader
+            from assistant.languages.melfa_basic.reading.recovery.reader import recovery_reader
 
-            item, found = reader().read(source, start, stop, node, len(findings))
+            item, found = recovery_reader().read(source, start, stop, node, len(findings))
             span = Span(start, end)
             unread = s.Unread(source.text[start:stop], span)
             items.append(unread if item is None else replace(item, span=span))
             findings += found
         elif isinstance(node, TooLarge):
-            at = Span(parts(text, start, stop)[1], stop)
+            at = Span(split_step(text, start, stop)[1], stop)
             findings.append(source.finding(rules.SYNTAX, at, what=TOO_LARGE, cure=SMALLER))
             items.append(s.Unread(text[start:stop], Span(start, end)))
         else:
@@ -135,7 +135,7 @@ def _datum(item: s.Item) -> s.Data | None:
     """An unnumbered assignment of a constant, or declaration of one, as a variable line."""
     match item:
         case s.Line(None, None, s.Assign(s.Variable(component="") as target, value, None), None):
-            if status(target.name) is not None and target.name.upper() not in TAUGHT:
+            if status(target.name) is not None and target.name.upper() not in TAUGHT_STATUS:
                 return None
             match value:
                 case (s.Constant() | s.Number() | s.String()) | s.Unary(

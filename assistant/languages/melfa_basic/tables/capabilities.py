@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.tables.triggers import PLACES
+from assistant.languages.melfa_basic.tables.triggers import TRIGGER_MEASURES
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.tables.words import MOST_PULSES
 from assistant.program.passes.legalisation import (
@@ -54,7 +54,7 @@ VARIABLES: Final = Variables(
 )
 COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
 OUTPUTS: Final = Outputs(
-    measures=frozenset(measure for measure, _ in PLACES.values()),
+    measures=frozenset(measure for measure, _ in TRIGGER_MEASURES.values()),
     known=False,
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,

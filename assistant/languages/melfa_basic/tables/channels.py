@@ -12,16 +12,20 @@ from typing import Final
 
 from assistant.program.statements import ChannelMode
 
-NUMBERS: Final = range(1, 9)
+FILE_NUMBERS: Final = range(1, 9)
 """Files that may be open at once."""
-MODES: Final[Mapping[str, ChannelMode]] = {"Input": "read", "Output": "write", "Append": "append"}
-WORDS: Final[Mapping[str, str]] = {mode: word for word, mode in MODES.items()}
-LINE: Final = re.compile(r"\s*COM([1-8]):\s*", re.IGNORECASE)
-ETHERNET: Final = (3, 4, 5, 6, 7, 8, 2)
+FILE_MODES: Final[Mapping[str, ChannelMode]] = {
+    "Input": "read",
+    "Output": "write",
+    "Append": "append",
+}
+FILE_MODE_WORDS: Final[Mapping[str, str]] = {mode: word for word, mode in FILE_MODES.items()}
+LINE_NAME: Final = re.compile(r"\s*COM([1-8]):\s*", re.IGNORECASE)
+ETHERNET_LINES: Final = (3, 4, 5, 6, 7, 8, 2)
 """Lines that channels of TCP/IP get, in this order: the first ones are often serial."""
-LONGEST_FILE: Final = 16
+LONGEST_FILE_NAME: Final = 16
 """Characters of the name of a file (COSIROP: OPEN)."""
-CONNECTED: Final = "M_Open"
+CONNECTION_STATUS: Final = "M_Open"
 
 
 def line_name(number: int) -> str:

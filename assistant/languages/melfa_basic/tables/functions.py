@@ -4,31 +4,31 @@ from __future__ import annotations
 
 from typing import Final
 
-PLAIN: Final = {
+SAME_UNIT_FUNCTIONS: Final = {
     "abs": "Abs", "sqrt": "Sqr", "exp": "Exp", "ln": "Ln", "round": "CInt", "trunc": "Fix",
     "floor": "Int", "min": "Min", "max": "Max", "length": "Len", "distance": "Dist",
     "inverse": "Inv", "text": "Str", "part": "Mid", "code": "Asc", "character": "Chr",
 }  # fmt: skip
 """Functions that take and give the same units."""
-OF_CONTROLLER: Final = {
+STATUS_FUNCTIONS: Final = {
     "joints_here": "J_Curr", "broken_off": "M_SkipCq",
     "date_today": "C_Date", "time_of_day": "C_Time",
 }  # fmt: skip
 """Functions without arguments, which are status variables."""
-OF_ARM: Final = {"flange_at": "JtoP", "joints_at": "PtoJ"}
+ARM_FUNCTIONS: Final = {"flange_at": "JtoP", "joints_at": "PtoJ"}
 """Functions that count without a tool and a base: with these, manuals leave open what they give."""
-TEXTS: Final = frozenset({"Str", "Mid", "Chr"})
+TEXT_FUNCTIONS: Final = frozenset({"Str", "Mid", "Chr"})
 """Those that give a text: their names end in `$`."""
-BITS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}
+BIT_FUNCTIONS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}
 """Functions of bits, which are operators."""
-OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
-TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
+FUNCTIONS_OF_ANGLES: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
+FUNCTIONS_TO_ANGLES: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
 
-ANALOG: Final = ("M_DIn", "M_DOut")
+ANALOG_REGISTERS: Final = ("M_DIn", "M_DOut")
 """Registers of the network that an analog signal stands in: input, output."""
-FIRST_REGISTER: Final = 6000
+FIRST_ANALOG_REGISTER: Final = 6000
 """Number of the first of them (CC-Link)."""
-FIRST_CHECK: Final = 900
+FIRST_HAND_CHECK: Final = 900
 """Number of the input that M_HndCq(1) reads (COSIROP: HOPEN)."""
-CHECKS: Final = 8
+HAND_CHECKS: Final = 8
 """Inputs that it reads, one after the other."""

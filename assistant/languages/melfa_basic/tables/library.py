@@ -16,7 +16,7 @@ from assistant.program import expressions as e
 from assistant.program.program import Procedure
 from assistant.program.rewriting import records, rewrite
 
-NAMES: Final[Mapping[str, Mapping[int, str]]] = {
+LIBRARY_FUNCTIONS: Final[Mapping[str, Mapping[int, str]]] = {
     "SGN": {1: "sign_of"},
     "LEFT": {2: "left_part"},
     "RIGHT": {2: "right_part"},
@@ -47,7 +47,7 @@ def library() -> Mapping[str, Procedure]:
     return {one.name: one for one in procedures}
 
 
-def called_by(procedure: Procedure) -> set[str]:
+def library_calls(procedure: Procedure) -> set[str]:
     """The names of the others that one calls."""
     made = (one.function for one in records(procedure.body) if isinstance(one, e.Apply))
     return {name for name in made if name in library()}

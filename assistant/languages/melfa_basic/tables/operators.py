@@ -7,7 +7,7 @@ from typing import Final
 XOR, OR, AND, NOT, RELATION, SHIFT, SUM, REMAINDER, QUOTIENT, TERM, SIGN, POWER = range(1, 13)
 """Higher binds tighter (CR1D detailed specifications, order of operations)."""
 
-BINARY: Final[dict[str, tuple[int, str]]] = {
+BINARY_OPERATORS: Final[dict[str, tuple[int, str]]] = {
     "xor": (XOR, "XOR"),
     "or": (OR, "OR"),
     "and": (AND, "AND"),
@@ -34,8 +34,14 @@ Shifts are no operators of the pseudo-program; they stay as their text.
 
 PRODUCT: Final = "*"
 """Composes positions, as `@` does."""
-WRITTEN: Final = {name: words.split()[0] for name, (_, words) in BINARY.items()} | {"@": PRODUCT}
+OPERATOR_WORDS: Final = {
+    name: words.split()[0] for name, (_, words) in BINARY_OPERATORS.items()
+} | {"@": PRODUCT}
 """Operator of the pseudo-program → its word."""
-READ: Final = {word: name for name, (_, words) in BINARY.items() for word in words.split()}
-PRECEDENCE: Final = {word: BINARY[name][0] for word, name in READ.items()}
+OPERATOR_NAMES: Final = {
+    word: name for name, (_, words) in BINARY_OPERATORS.items() for word in words.split()
+}
+OPERATOR_PRECEDENCE: Final = {
+    word: BINARY_OPERATORS[name][0] for word, name in OPERATOR_NAMES.items()
+}
 """By the word."""

@@ -7,7 +7,7 @@ from typing import Final
 from assistant.languages.patterns import Row, Rows
 from assistant.program import statements as p
 
-ROWS: Final = Rows(
+STATEMENT_ROWS: Final = Rows(
     Row("Dly {seconds}", p.Wait),
     Row("Ovrd {percent}", p.SetOverride),
     Row("Accel {acceleration=100}, {deceleration=100}", p.SetAcceleration),

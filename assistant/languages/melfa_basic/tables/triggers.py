@@ -14,7 +14,7 @@ from typing import Final
 
 from assistant.program.statements import Measure
 
-PLACES: Final[Mapping[str, tuple[Measure, str]]] = {
+TRIGGER_MEASURES: Final[Mapping[str, tuple[Measure, str]]] = {
     "M_RDst": ("end", "<="),
     "M_Ratio": ("share", ">="),
 }

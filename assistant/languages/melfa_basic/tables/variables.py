@@ -46,10 +46,10 @@ TYPES: Final = {
     )
 }
 """By the word behind `Def`."""
-MARKS: Final = {row.mark: row for row in TYPES.values() if row.mark}
-VALUES: Final = {row.word: row.value for row in TYPES.values() if row.value}
+TYPE_MARKS: Final = {row.mark: row for row in TYPES.values() if row.mark}
+VALUE_TYPES: Final = {row.word: row.value for row in TYPES.values() if row.value}
 """Word of a type → what it is in a pseudo-program."""
-MARKED: Final = {row.mark: row.value for row in MARKS.values() if row.value}
+MARK_VALUE_TYPES: Final = {row.mark: row.value for row in TYPE_MARKS.values() if row.value}
 """Mark behind a name → what it is in a pseudo-program."""
 
 
@@ -76,18 +76,18 @@ PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
 """Parameters that hold the tool and the work coordinates of a number (manual CR1D: Tool, Base)."""
 
 
-KEPT: Final = {"Tool": "MEXTL", "Base": "MEXBS"}
+LAST_SET_PARAMETERS: Final = {"Tool": "MEXTL", "Base": "MEXBS"}
 """Parameters that hold the tool and the base which a program was given last, by the statement."""
-PLAIN: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
+NEUTRAL_SETTINGS: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
 """What a statement is given to set none."""
-STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
+SETTING_STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
 """The status variable that sets the same as a statement."""
 
 
-def kept_as(parameter: str) -> str:
+def parameter_position(parameter: str) -> str:
     """The position of a program's list that says what a parameter of its cell holds."""
     return f"P{parameter}"
 
 
-TAUGHT: Final = ("P_SAFE",)
+TAUGHT_STATUS: Final = ("P_SAFE",)
 """Status variables that hold what somebody taught on the controller (parameter JSAFE)."""

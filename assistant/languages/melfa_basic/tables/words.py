@@ -11,20 +11,20 @@ MOST_PULSES: Final = 4
 """Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
 
 
-def spelled(word: str) -> str:
+def keyword_spelling(word: str) -> str:
     """A keyword of any case as the tools spell it; words that are not listed stay."""
     known = statement(word)
     return " ".join(word.split()) if known is None else known.word
 
 
-RESERVED: Final = frozenset(statements()) | frozenset(functions())
+RESERVED_WORDS: Final = frozenset(statements()) | frozenset(functions())
 """Words that no variable or label may be called, in upper case."""
 
 ARC_START: Final = "PSTART"
 """Holds the present position for an arc whose start is no known position."""
 
 
-def free(name: str, most: int, taken: set[str]) -> str:
+def free_name(name: str, most: int, taken: set[str]) -> str:
     """A name of at most so many characters that begins like the given one; then it is taken.
 
     taken: in upper case, as names that differ in case alone are the same.
@@ -42,5 +42,5 @@ def free(name: str, most: int, taken: set[str]) -> str:
     return found
 
 
-OPTIMUM: Final = 10000.0
+OPTIMUM_SPEED: Final = 10000.0
 """mm/s that `M_NSpd` stands for: as fast as the arm can. A higher speed is this one."""

@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.blocks import is_block_word
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.vendor_statements import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import (
@@ -62,7 +62,7 @@ def _jump(done: EffectBuilder, node: s.Jump | s.OnJump) -> None:
 
 def _if(done: EffectBuilder, node: s.If) -> None:
     ways = (node.then, node.otherwise)
-    done.jumps |= is_word(node) or any(isinstance(way, s.Target) for way in ways)
+    done.jumps |= is_block_word(node) or any(isinstance(way, s.Target) for way in ways)
 
 
 def _program(done: EffectBuilder, node: s.CallP) -> None:
@@ -81,7 +81,7 @@ def _command(done: EffectBuilder, node: s.Command) -> None:
     """What no source tells of a command, it may do."""
     known = node.keyword in commands("reads")
     done.moves |= node.keyword in commands("moves")
-    done.jumps |= node.keyword in commands("jumps") or is_word(node)
+    done.jumps |= node.keyword in commands("jumps") or is_block_word(node)
     done.waits |= node.keyword in commands("waits") or not known
     if not known:
         done.writes.update(_EFFECTS.names(*nodes(node.arguments)))

@@ -82,7 +82,7 @@ class Header:
     variables: dict[str, Declared] = field(default_factory=dict)
 
 
-def lines(header: Header, dialect: str) -> Iterator[str]:
+def header_lines(header: Header, dialect: str) -> Iterator[str]:
     """The comment texts, without their mark."""
     yield MARK + dialect
     for key in ("program", "robot", "entry", "unit"):
@@ -92,7 +92,7 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
         yield PRODUCTS
     yield from (THERE + text for text in header.there)
     for kind in NAME_KINDS:
-        yield from packed(kind, starmap(_pair, header.names[kind].items()))
+        yield from packed(kind, starmap(_name_entry, header.names[kind].items()))
     yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))
     yield from packed("inline", header.inline)
     for name, signal in header.signals.items():
@@ -107,7 +107,7 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     yield END
 
 
-def _pair(short: str, original: str) -> str:
+def _name_entry(short: str, original: str) -> str:
     """The entry of a name; what is called the same is said once."""
     said = in_ascii(original)
     return short if short == said else f"{short} = {said}"

@@ -12,7 +12,7 @@ import numpy as np
 from assistant.languages.line_blocks import BlockWord
 from assistant.languages.melfa_basic.reading.parser import statement as read
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.text.layout.tokens import code, tokens
+from assistant.languages.melfa_basic.text.layout.tokens import code_text, code_tokens
 from assistant.languages.melfa_basic.text.printer import constant, expression, line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
@@ -58,10 +58,10 @@ class Lines(line_text.LinePrinter):
         return "" if code is None else line(s.Line(None, *code), self._upper)
 
     def words(self, text: str) -> Sequence[Word]:
-        return tokens(text)
+        return code_tokens(text)
 
     def spaced(self, words: Sequence[Word]) -> str:
-        return code(words, self._upper)
+        return code_text(words, self._upper)
 
     def key(self, word: Word) -> str | float:
         """The value of a number; any other text without blanks in lower case."""
@@ -92,8 +92,8 @@ class Lines(line_text.LinePrinter):
         item, places = self.items[at], self._places[at]
         if not isinstance(item, s.Data):
             return text
-        listed = tokens(text, "data" if item.type else "line")
-        if not isinstance(item.value, s.Constant) or not _exact(item.value, places):
+        listed = code_tokens(text, "data" if item.type else "line")
+        if not isinstance(item.value, s.Constant) or not _is_exact(item.value, places):
             return self.spaced(listed)
         head = [token for token in listed if token.kind != "POSITION"]
         return self.spaced(head) + constant(item.value, places)
@@ -121,13 +121,13 @@ def _decimals(items: Sequence[s.Item]) -> list[int]:
     They print every number without loss, as far as any decimals do.
     """
     places: list[int] = []
-    for _, group in groupby(items, _kind):
+    for _, group in groupby(items, _table_kind):
         together = list(group)
-        places += [max(map(_needed, together))] * len(together)
+        places += [max(map(_needed_decimals, together))] * len(together)
     return places
 
 
-def _kind(item: s.Item) -> object:
+def _table_kind(item: s.Item) -> object:
     """What position lines have in common that may stand in one table."""
     match item:
         case PositionRows(stem=stem, values=values):
@@ -138,15 +138,15 @@ def _kind(item: s.Item) -> object:
     return None
 
 
-def _needed(item: s.Item) -> int:
+def _needed_decimals(item: s.Item) -> int:
     match item:
         case PositionRows(values=values):
             return places_of(values)
-        case s.Data(value=s.Constant() as value) if _exact(value, MOST_PLACES):
+        case s.Data(value=s.Constant() as value) if _is_exact(value, MOST_PLACES):
             return places_of(np.array([v for v in value.values if v is not None], dtype=np.float64))
     return 2
 
 
-def _exact(value: s.Constant, places: int) -> bool:
+def _is_exact(value: s.Constant, places: int) -> bool:
     """Whether so many decimals print every number of a constant without loss."""
     return all(v is None or round(v, places) == v for v in value.values)

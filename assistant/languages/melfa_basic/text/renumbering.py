@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import retargeted, steps_named
 from assistant.languages.step_numbers import UNNUMBERED, Steps, steps_of
 
-EMPTY: Final = "'"
+EMPTY_STEP: Final = "'"
 """The step that a blank line between others becomes: a bare one would end the program."""
 
 STEPS: Final = Steps(
@@ -48,7 +48,7 @@ def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
     made: list[s.Item] = []
     for at, item in enumerate(items):
         if isinstance(item, s.Blank) and at < last:
-            item = s.Line(UNNUMBERED, comment=EMPTY)
+            item = s.Line(UNNUMBERED, comment=EMPTY_STEP)
         elif isinstance(item, s.Line) and item.number is None:
             if not (any(numbered) and _looks_like_data(item)):
                 item = replace(item, number=UNNUMBERED)

@@ -12,14 +12,14 @@ from assistant.languages.melfa_basic.tree import syntax as s
 
 CLOSING: Final = {"Next": "For", "WEnd": "While", "EndIf": "If", "End Select": "Select"}
 """Word → the kind of block that it closes."""
-_COMMANDS: Final[Mapping[str, BlockWord]] = {
+_BLOCK_COMMANDS: Final[Mapping[str, BlockWord]] = {
     **{word: BlockWord(closes=(kind,)) for word, kind in CLOSING.items()},
     "While": BlockWord("While", "loop"),
     "Else": BlockWord(parts="If", certain=True),
     "Default": BlockWord(parts="Select", certain=True),
     "FEnd": BlockWord(bounds="ends"),
 }
-_STATEMENTS: Final[Mapping[type, BlockWord]] = {
+_BLOCK_STATEMENTS: Final[Mapping[type, BlockWord]] = {
     s.For: BlockWord("For", "loop"),
     s.Select: BlockWord("Select", "choice"),
     s.ElseIf: BlockWord(parts="If"),
@@ -34,15 +34,15 @@ def block_word(statement: s.Statement | None) -> BlockWord:
         case s.Command("While", (condition, *_)) if _always_holds(condition):
             return BlockWord("While", "loop", certain=True)
         case s.Command(keyword=keyword):
-            return _COMMANDS.get(keyword, NO_WORD)
+            return _BLOCK_COMMANDS.get(keyword, NO_WORD)
         case s.If(then=None):
             return BlockWord("If")
         case s.Next(variables=variables):
             return BlockWord(closes=("For",) * max(1, len(variables)))
-    return _STATEMENTS.get(type(statement), NO_WORD)
+    return _BLOCK_STATEMENTS.get(type(statement), NO_WORD)
 
 
-_HOLDS: Final[Mapping[str, Callable[[float, float], bool]]] = {
+_COMPARISONS: Final[Mapping[str, Callable[[float, float], bool]]] = {
     "=": operator.eq, "<>": operator.ne, "<": operator.lt, ">": operator.gt,
     "<=": operator.le, ">=": operator.ge,
 }  # fmt: skip
@@ -53,12 +53,12 @@ def _always_holds(condition: s.Expression | None) -> bool:
     match condition:
         case s.Number(value=value):
             return bool(value)
-        case s.Binary(sign, s.Number(value=one), s.Number(value=two)) if sign in _HOLDS:
-            return _HOLDS[sign](one, two)
+        case s.Binary(sign, s.Number(value=one), s.Number(value=two)) if sign in _COMPARISONS:
+            return _COMPARISONS[sign](one, two)
     return False
 
 
-def is_word(statement: s.Statement | None) -> bool:
+def is_block_word(statement: s.Statement | None) -> bool:
     """Whether a statement opens, parts or closes a block."""
     return block_word(statement).is_of_block
 

@@ -23,9 +23,9 @@ from typing import Final
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import lone_labels
 
-THEN: Final = re.compile(r"(I[0-9]+)T1")
+FIRST_BRANCH_LABEL: Final = re.compile(r"(I[0-9]+)T1")
 """The label of the first branch, in upper case; the group is what all its labels begin with."""
-WAIT: Final = re.compile(r"W[0-9]+", re.IGNORECASE)
+WAIT_LABEL: Final = re.compile(r"W[0-9]+", re.IGNORECASE)
 """The label at the top of a loop that waits."""
 
 
@@ -36,14 +36,14 @@ def jumping_ifs(lines: Sequence[object]) -> dict[int, tuple[str, list[int]]]:
     for at, line in enumerate(lines):
         match line:
             case s.Line(label=None, statement=s.If(then=s.Target(place=str() as name))):
-                first = THEN.fullmatch(name.upper())
-                places = branches(lines, labels, at, first[1]) if first else None
+                first = FIRST_BRANCH_LABEL.fullmatch(name.upper())
+                places = branch_lines(lines, labels, at, first[1]) if first else None
                 if first and places:
                     found[at] = first[1], places
     return found
 
 
-def branches(
+def branch_lines(
     lines: Sequence[object], labels: Mapping[str, int], at: int, name: str
 ) -> list[int] | None:
     """Places: for each branch its `If`, the jump to the end, the label of the next; then the end.
@@ -56,9 +56,9 @@ def branches(
     while True:
         then, other = f"{name}T{branch}", f"{name}N{branch}"
         after = labels.get(other, -1)
-        if not _tests(lines[at], then, other) or labels.get(then) != at + 1:
+        if not _is_branch_test(lines[at], then, other) or labels.get(then) != at + 1:
             return None
-        if not at + 2 <= after - 1 < end or not goes_to(lines[after - 1], name + "Z"):
+        if not at + 2 <= after - 1 < end or not jumps_to(lines[after - 1], name + "Z"):
             return None
         places += [at, after - 1, after]
         branch += 1
@@ -67,7 +67,7 @@ def branches(
         at = after + 1
 
 
-def _tests(line: object, then: str, other: str) -> bool:
+def _is_branch_test(line: object, then: str, other: str) -> bool:
     """Whether a line is an `If` that jumps to either label."""
     match line:
         case s.Line(
@@ -88,13 +88,13 @@ def is_plain_wait(condition: s.Expression | None) -> bool:
     return False
 
 
-def waiting(label: str, condition: s.Expression, line: s.Line) -> list[s.Line]:
+def waiting_loop(label: str, condition: s.Expression, line: s.Line) -> list[s.Line]:
     """A loop that only waits for a condition. line: that the test stands in."""
     test = s.If(condition, s.Target(label + "Z"), s.Target(label))
     return [s.Line(label=label), replace(line, statement=test), s.Line(label=label + "Z")]
 
 
-def waited(lines: Sequence[object]) -> tuple[str, s.Expression] | None:
+def read_waiting_loop(lines: Sequence[object]) -> tuple[str, s.Expression] | None:
     """Label and condition of `*W1`, `IF … THEN *W1Z ELSE *W1`, `*W1Z`, a loop that only waits."""
     match lines:
         case [
@@ -104,14 +104,14 @@ def waited(lines: Sequence[object]) -> tuple[str, s.Expression] | None:
                 statement=s.If(condition, s.Target(place=str(out)), s.Target(place=str(again))),
             ),
             s.Line(label=str(last), statement=None, comment=None),
-        ] if WAIT.fullmatch(first):
+        ] if WAIT_LABEL.fullmatch(first):
             name = first.upper()
             if again.upper() == name and out.upper() == last.upper() == name + "Z":
                 return name, condition
     return None
 
 
-def goes_to(line: object, label: str) -> bool:
+def jumps_to(line: object, label: str) -> bool:
     """Whether a line is a jump to a label, in upper case, and nothing else but a comment."""
     match line:
         case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):

@@ -39,14 +39,16 @@ def split_numbered(name: str) -> tuple[str, int] | None:
 def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     """The same lines, neighbours of one stem as one table, lone ones as lines."""
     listed = list(items)
-    for item in alike.gather_runs(listed, map(_row, listed), _table, lambda _, run: run, FEWEST):
+    for item in alike.gather_runs(
+        listed, map(_table_row, listed), _table_of_rows, lambda _, run: run, FEWEST
+    ):
         if isinstance(item, MoveRows | PositionRows) and 0 < len(item) < FEWEST:
             yield from rows_as_lines(item)
         else:
             yield item
 
 
-def _row(item: s.Item) -> alike.Row | None:
+def _table_row(item: s.Item) -> alike.Row | None:
     """What a line may be a row of, and what it says there; None for one that is not plain."""
     match item:
         case MoveRows(stem=stem) if len(item):
@@ -75,7 +77,7 @@ def _row(item: s.Item) -> alike.Row | None:
     return None
 
 
-def _table(rows: list[Any]) -> MoveRows | PositionRows:
+def _table_of_rows(rows: list[Any]) -> MoveRows | PositionRows:
     stem, *columns = zip(*rows, strict=True)
     if len(columns) == 1:
         return MoveRows(stem[0], *np.array(columns[0], dtype=np.int64).T)
@@ -92,8 +94,8 @@ def position_rows(item: s.Item) -> PositionRows | None:
     """A plain position line as a table of one row, a table as it is, None for anything else."""
     if isinstance(item, PositionRows):
         return item if len(item) else None
-    row = _row(item) if isinstance(item, s.Data) else None
-    table = None if row is None else _table([row[1]])
+    row = _table_row(item) if isinstance(item, s.Data) else None
+    table = None if row is None else _table_of_rows([row[1]])
     return table if isinstance(table, PositionRows) else None
 
 

@@ -10,19 +10,21 @@ from typing import Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 
-COMMANDS: Final = ("Fsc", "FsGChg", "FsLog", "FsOutLog", "FsCTrg")
+FORCE_COMMANDS: Final = ("Fsc", "FsGChg", "FsLog", "FsOutLog", "FsCTrg")
 """Commands of the force sensor (manual of the force sense function)."""
-STATES: Final = ("P_FS", "M_FS")
+FORCE_STATES: Final = ("P_FS", "M_FS")
 """How the status variables begin that they read and write."""
 
 
-def routine_of(command: s.Command) -> tuple[str, tuple[s.Expression, ...]] | None:
+def supplied_routine(command: s.Command) -> tuple[str, tuple[s.Expression, ...]] | None:
     """The routine that a command asks for and what it is given; None for any other command."""
-    if command.keyword not in COMMANDS:
+    if command.keyword not in FORCE_COMMANDS:
         return None
     first, rest = command.arguments[:1], command.arguments[1:]
     match first:
-        case (s.Word(text=way) | s.Variable(name=way, arguments=None),) if way.upper() in WAYS:
+        case (s.Word(text=way) | s.Variable(name=way, arguments=None),) if (
+            way.upper() in SWITCH_WORDS
+        ):
             name, given = f"{command.keyword}{way.capitalize()}", rest
         case _:
             name, given = command.keyword, command.arguments
@@ -30,14 +32,14 @@ def routine_of(command: s.Command) -> tuple[str, tuple[s.Expression, ...]] | Non
     return (name, plain) if len(plain) == len(given) else None
 
 
-WAYS: Final = ("ON", "OFF")
+SWITCH_WORDS: Final = ("ON", "OFF")
 
 
-def is_state(key: str) -> bool:
+def is_force_state(key: str) -> bool:
     """Whether a name in upper case is a status variable of such."""
-    return key.startswith(STATES)
+    return key.startswith(FORCE_STATES)
 
 
-def data_of(name: str) -> str:
+def supplied_data_name(name: str) -> str:
     """The variable that such a state is elsewhere: `PFsStf0` of `P_FsStf0`."""
     return name.replace("_", "", 1)

@@ -53,13 +53,15 @@ class Positions:
                     undefined = constant.flags == (None, None) and not any(constant.values)
                     if variable.arguments is None and not undefined:
                         self.names.setdefault(variable.key, (variable.name, constant))
-                    at = _indices(variable)
+                    at = _element_indices(variable)
                     if at and not undefined:
                         known = self.elements.setdefault(variable.key, (variable.name, {}))
                         known[1][at] = constant
-                case s.Data(variable=variable, value=value) if (kept := _kept(value)) is not None:
+                case s.Data(variable=variable, value=value) if (
+                    kept := _stored_value(value)
+                ) is not None:
                     values = self.plain.setdefault(variable.key, (variable.name, {}))
-                    values[1][_indices(variable)] = kept
+                    values[1][_element_indices(variable)] = kept
         single: dict[str, list[tuple[int, s.Constant]]] = {stem: [] for stem in self.tables}
         for key, (_, constant) in self.names.items():
             name = split_name(s.Variable(key))
@@ -75,7 +77,7 @@ class Positions:
             wide[:, : rows.values.shape[1]] = rows.values
             parts.append(replace(rows, values=wide))
         for at, constant in single if stem[0] == "P" else ():
-            parts.append(PositionRows(stem, np.array([at]), *_row(constant)))
+            parts.append(PositionRows(stem, np.array([at]), *_constant_row(constant)))
         table = joined_runs(parts)
         return table.rows(np.argsort(table.numbers, kind="stable"))
 
@@ -121,12 +123,12 @@ class Positions:
                     yield f"{rows.stem}{number}"
 
 
-def _indices(variable: s.Variable) -> tuple[int, ...]:
+def _element_indices(variable: s.Variable) -> tuple[int, ...]:
     """Of an element of an array; none of a single variable."""
     return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
 
 
-def _kept(value: s.Expression) -> e.Expression | None:
+def _stored_value(value: s.Expression) -> e.Expression | None:
     """The number or text that stands behind a variable's name."""
     if isinstance(value, s.String):
         return e.Text(value.value)
@@ -134,7 +136,7 @@ def _kept(value: s.Expression) -> e.Expression | None:
     return None if number is None else e.Number(number)
 
 
-def _row(constant: s.Constant) -> tuple[Floats, Ints]:
+def _constant_row(constant: s.Constant) -> tuple[Floats, Ints]:
     values = np.full((1, 8), np.nan)
     for i, value in enumerate(constant.values[:8]):
         values[0, i] = np.nan if value is None else value
@@ -153,7 +155,7 @@ def configurations(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
 
 
 def target_of(constant: s.Constant, robot: Robot | None) -> Target:
-    values, flags = _row(constant)
+    values, flags = _constant_row(constant)
     position, quaternion, external = poses.from_values(values, robot)
     configuration = configuration_of(configurations(flags, robot)[0])
     pose = Pose.of(position[0], quaternion[0])

@@ -16,7 +16,7 @@ T = TypeVar("T", s.Item, s.Entry)
 I = TypeVar("I", bound=s.Item)  # noqa: E741
 
 
-_WORDS: Final[Mapping[str, Exits[s.Target]]] = {
+_EXITS_OF_WORDS: Final[Mapping[str, Exits[s.Target]]] = {
     "Break": Exits(on=False, breaks=True),
     "Return": Exits(on=False, returns=True),
     "Exit Function": Exits(on=False, returns=True),
@@ -47,7 +47,7 @@ def exits_of(statement: s.Statement | s.Target | None) -> Exits[s.Target]:
         case s.Command(keyword=keyword, arguments=given):
             named = tuple(one for one in given if isinstance(one, s.Target))
             handlers = Exits(handlers=tuple((target, True) for target in named))
-            return handlers if named else _WORDS.get(keyword, ON)
+            return handlers if named else _EXITS_OF_WORDS.get(keyword, ON)
     return ON
 
 
@@ -126,7 +126,7 @@ def retargeted(item: I, change: Change) -> I:
     return rewrite(item, changed) if exits_of(statement_of(item)).targets else item
 
 
-def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
+def with_labelled_jumps(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
     """The lines with jumps to labels only, and which labels were made for which steps.
 
     A number that no line has stays in its jump. A table of moves is cut where a jump leads to.
@@ -144,14 +144,14 @@ def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
             if isinstance(item, s.Line) and item.label is not None:
                 names[number] = item.label
             else:
-                label = names[number] = _free(f"L{number}", taken)
+                label = names[number] = _free_label(f"L{number}", taken)
                 made[label] = number
                 lines.append(s.Line(label=label, span=getattr(item, "span", None)))
         lines.append(item)
     return [retargeted(item, lambda place: names.get(place, place)) for item in lines], made
 
 
-def _free(name: str, taken: set[str]) -> str:
+def _free_label(name: str, taken: set[str]) -> str:
     while name in taken:
         name += "X"
     taken.add(name)

@@ -7,7 +7,7 @@ from typing import Any
 from assistant.languages.melfa_basic.tree import syntax as s
 
 
-def timer_of(node: Any) -> int | None:
+def timer_number(node: Any) -> int | None:
     """The number of the timer that a node is: 0 for one that is worked out, None for none."""
     match node:
         case s.Variable(key="M_TIMER", arguments=(s.Number(value=number),)):
@@ -17,5 +17,5 @@ def timer_of(node: Any) -> int | None:
     return None
 
 
-def timer(word: str, number: int) -> s.Variable:
+def timer_variable(word: str, number: int) -> s.Variable:
     return s.Variable(word, "", (s.Number(number),))

@@ -84,7 +84,7 @@ def program_key(name: str) -> str:
     return program_stem(name).upper()
 
 
-def called(file: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
+def named_programs(file: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
     """Programs that a file names: the line, the name, and the slot it is run or loaded in.
 
     None for CallP, which stays in its own slot; 0 for a slot that is worked out.
@@ -102,11 +102,11 @@ def called(file: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
                     yield item, name, None
 
 
-def awaited(file: s.File) -> list[tuple[s.Line, str]]:
+def awaited_programs(file: s.File) -> list[tuple[s.Line, str]]:
     """Programs that a file calls and that come back to it, by the lines that call them."""
     return [
         (line, name)
-        for line, name, slot in called(file)
+        for line, name, slot in named_programs(file)
         if slot is None and not isinstance(line.statement, s.Include)
     ]
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, cast
 
-from assistant.languages.melfa_basic.lift.files.parts import File
-from assistant.languages.melfa_basic.lift.statements.data import value_of
+from assistant.languages.melfa_basic.lift.files.parts import SourceFile
+from assistant.languages.melfa_basic.lift.statements.data import assigned_value
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.positions import (
-    Elements,
-    Plain,
-    joints_of,
-    target_of,
-)
+from assistant.languages.melfa_basic.tree.positions import Elements, Plain, joints_of, target_of
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.passes.variables import elements_by_indices
@@ -88,7 +83,7 @@ def own_variables(
     for short, declared in header.variables.items():
         if declared.storage == "parameter":
             continue
-        initial = value_of(first[short], lift) if short in first else None
+        initial = assigned_value(first[short], lift) if short in first else None
         made = Variable(
             declared.type, initial, declared.size, cast(Any, declared.storage), declared.local
         )
@@ -99,7 +94,7 @@ def own_variables(
     return local
 
 
-def elements(file: File, symbols: Symbols) -> None:
+def array_elements(file: SourceFile, symbols: Symbols) -> None:
     """First values of arrays; of joints, one that only some have values of is not understood."""
     for key, (written, found) in file.positions.elements.items():
         size = symbols.scope.sizes.get(key)
@@ -109,19 +104,19 @@ def elements(file: File, symbols: Symbols) -> None:
         if values is None:
             del symbols.scope.sizes[key]
             continue
-        _keep(written, values, symbols)
+        _declare_array(written, values, symbols)
     for key, (written, given) in file.positions.plain.items():
         size = symbols.scope.sizes.get(key)
         if not file.own and size is not None:
-            _keep(written, elements_by_indices(size, _others_empty(given)), symbols)
+            _declare_array(written, elements_by_indices(size, _filled_up(given)), symbols)
 
 
-def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
+def _filled_up(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
     texts = any(isinstance(value, e.Text) for value in given.values())
     return lambda at: given.get(at, e.Text("") if texts else e.Number(0))
 
 
-def _keep(written: str, values: e.Expression | None, symbols: Symbols) -> None:
+def _declare_array(written: str, values: e.Expression | None, symbols: Symbols) -> None:
     """Declares an array with the first values that its file has for it."""
     name = symbols.declared(s.Variable(written))
     known = symbols.variables[name]
@@ -144,15 +139,17 @@ def _all_elements(
     return elements_by_indices(size, value)
 
 
-def targets(file: File, symbols: Symbols, placed: Collection[str], runs: Runs) -> dict[str, Target]:
+def named_targets(
+    file: SourceFile, symbols: Symbols, placed: Collection[str], runs: Runs
+) -> dict[str, Target]:
     """Named targets; of a foreign file all positions that are part of no path.
 
     placed: position variables, upper case, that are tools and frames.
     """
-    return _own_targets(file, symbols) if file.own else _all_targets(file, symbols, placed, runs)
+    return _stated_targets(file, symbols) if file.own else _all_targets(file, symbols, placed, runs)
 
 
-def _own_targets(file: File, symbols: Symbols) -> dict[str, Target]:
+def _stated_targets(file: SourceFile, symbols: Symbols) -> dict[str, Target]:
     names = {**file.header.names["target"]}
     names.update({k: k for k in sorted(symbols.targets) if k[0] != "J"})
     found = ((name, file.positions.constant(short)) for short, name in names.items())
@@ -160,7 +157,7 @@ def _own_targets(file: File, symbols: Symbols) -> dict[str, Target]:
 
 
 def _all_targets(
-    file: File, symbols: Symbols, placed: Collection[str], runs: Runs
+    file: SourceFile, symbols: Symbols, placed: Collection[str], runs: Runs
 ) -> dict[str, Target]:
     made = {}
     for written in file.positions.all_names():
@@ -178,7 +175,7 @@ def _all_targets(
     return made
 
 
-def joint_targets(file: File, symbols: Symbols) -> dict[str, JointTarget]:
+def joint_targets(file: SourceFile, symbols: Symbols) -> dict[str, JointTarget]:
     names = file.header.names["joints"]
     made = {}
     for key, (written, constant) in file.positions.names.items():

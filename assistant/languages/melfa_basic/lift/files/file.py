@@ -7,24 +7,28 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic.lift.files import declared, routines
-from assistant.languages.melfa_basic.lift.files.parts import File
-from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, lines_of
-from assistant.languages.melfa_basic.lift.settings.followed import declare
-from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings, set_by
+from assistant.languages.melfa_basic.lift.files.parts import SourceFile
+from assistant.languages.melfa_basic.lift.settings.along_lines import SettingFlow, setting_lines
+from assistant.languages.melfa_basic.lift.settings.followed import declare_followed
+from assistant.languages.melfa_basic.lift.settings.held import (
+    INITIAL_SETTINGS,
+    Settings,
+    setting_number,
+)
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements import data
 from assistant.languages.melfa_basic.lift.statements.interrupts import mo_triggers
-from assistant.languages.melfa_basic.lift.statements.paths import used_once
+from assistant.languages.melfa_basic.lift.statements.paths import positions_used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
 from assistant.languages.melfa_basic.lift.structure import regions
 from assistant.languages.melfa_basic.lift.structure.blocks import Structure
 from assistant.languages.melfa_basic.lift.structure.regions import Region
-from assistant.languages.melfa_basic.lift.structure.scopes import Scope, all_keys, scope_of
+from assistant.languages.melfa_basic.lift.structure.scopes import Scope, scope_of, variable_keys
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_mentioned
+from assistant.languages.melfa_basic.lift.values.pallets import mentions_pallet, pallets
 from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine, Symbols
-from assistant.languages.melfa_basic.lift.values.timers import timers
+from assistant.languages.melfa_basic.lift.values.timers import file_timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.walk import program_name, statements_in
@@ -67,8 +71,8 @@ class Unit:
     def __init__(
         self,
         program: Program,
-        file: File,
-        main: File,
+        file: SourceFile,
+        main: SourceFile,
         unit: str | None,
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
@@ -90,18 +94,18 @@ class Unit:
         self.first_values = declared.taken_values(file.header, code) if self.own else {}
         structure = Structure(code)
         named = file.header.names["procedure"]
-        parts = regions.regions(code, structure.depth, named, self.own)
+        parts = regions.procedure_regions(code, structure.depth, named, self.own)
         settings = Settings(
             file.positions, constants, file.header, program.tools, program.frames, own=self.own,
-            functions=_functions(code),
+            functions=_function_keys(code),
             computes=self.own or not _is_interrupted(code),
         )  # fmt: skip
-        lines = lines_of(code, structure, parts, settings, touched, elsewhere, file.answers)
+        lines = setting_lines(code, structure, parts, settings, touched, elsewhere, file.answers)
         flow = Flow(lines)
-        self.ways = Ways(
+        self.ways = SettingFlow(
             constants, structure, parts, settings, self._forms(flow, parts),
-            {} if self.own else used_once(code), timers(code, file.header, self.own),
-            "M_BRKCQ" in set(all_keys(code)),
+            {} if self.own else positions_used_once(code), file_timers(code, file.header, self.own),
+            "M_BRKCQ" in set(variable_keys(code)),
         )  # fmt: skip
         self.followed: frozenset[int] = frozenset()
         """Settings that variables hold for other languages, by number."""
@@ -124,7 +128,7 @@ class Unit:
             called = self._forms(whole.called.flow, whole.regions, single)
             self.ways = replace(whole, called=called)
             kept, reading = self._settled(divide)
-        if self.grids and reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
+        if self.grids and reading.symbols.pallets and mentions_pallet(tuple(reading.procedures)):
             self.grids = False
             reading = self._read(kept)
         program, symbols, settings = self.program, reading.symbols, self.ways.settings
@@ -133,7 +137,7 @@ class Unit:
             has_entry = bool(reading.procedures) and self.header.entry != "-"
             entry = reading.procedures[0].name if has_entry else None
         runs = reading.reader.runs
-        targets = declared.targets(self.file, symbols, settings.placed, runs)
+        targets = declared.named_targets(self.file, symbols, settings.placed, runs)
         joints = declared.joint_targets(self.file, symbols)
         return replace(
             program,
@@ -156,7 +160,7 @@ class Unit:
             reading = self._divided(reading)
         kept = self._kept(reading)
         if not self.own:
-            self.followed = self.following | _unknown(reading)
+            self.followed = self.following | _uncertain_settings(reading)
             if self.following:
                 kept |= self._setting_lines(self.following)
         return kept, self._read(kept) if kept or self.followed else reading
@@ -166,7 +170,7 @@ class Unit:
         return frozenset(
             at
             for at, item in enumerate(self.code)
-            if any(set_by(one) in slots for one in statements_in(statement_of(item)))
+            if any(setting_number(one) in slots for one in statements_in(statement_of(item)))
         )
 
     def _called_in_texts(self, reading: _Reading) -> frozenset[int]:
@@ -194,7 +198,7 @@ class Unit:
             undivided |= called.unread  # lines that never run are kept as well
         self.ways = replace(ways, called=called)
         made = self._read(frozenset())
-        if not made.reader.torn and _depending(made) < _depending(whole):
+        if not made.reader.torn and _dependent_settings(made) < _dependent_settings(whole):
             return made
         self.ways = ways
         return whole
@@ -236,19 +240,21 @@ class Unit:
         symbols.goes_on, symbols.opened = self._channels(symbols)
         expressions = Expressions(symbols)
         local = declared.own_variables(self.header, self.first_values, expressions)
-        declared.elements(self.file, symbols)
+        declared.array_elements(self.file, symbols)
         listed = self._routines(symbols)
         taken = self._name_forms(listed)
         units = {name: unit for name, unit in self.programs.items() if unit} | names["unit"]
         source, calls = self.file.tree.source, (units, dict(names["first"]))
-        declare(self.followed, self.names, symbols, ways.settings, set(all_keys(code)))
+        declare_followed(
+            self.followed, self.names, symbols, ways.settings, set(variable_keys(code))
+        )
         followed = {slot: self.names[slot] for slot in self.followed}
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source, followed)
         reader.answers = self.file.answers
         reading = _Reading(symbols, reader, local)
         for item in code:
             if isinstance(node := item.statement, s.DefIo):
-                if (io := data.io_of(node, expressions)) is not None:
+                if (io := data.io_bits(node, expressions)) is not None:
                     symbols.io[node.variable.key] = io
         functions = [] if self.own else routines.defined_functions(code, symbols, taken)
         for number, forms in enumerate(ways.called.forms):
@@ -314,10 +320,11 @@ class Unit:
     def _initial(self) -> State:
         """What holds at the start; a program that is called may find what its caller has set."""
         if self.is_main or self.own:
-            return INITIAL
+            return INITIAL_SETTINGS
         set_anywhere = frozenset().union(*self.touched.values())
         return tuple(
-            Held(UNKNOWN) if slot in set_anywhere else held for slot, held in enumerate(INITIAL)
+            Held(UNKNOWN) if slot in set_anywhere else held
+            for slot, held in enumerate(INITIAL_SETTINGS)
         )
 
     # -------------------------------------------------------------------------- procedures
@@ -331,7 +338,7 @@ class Unit:
             if number == 0:
                 name = self._first_name()
             else:
-                written = region.function.name if region.function else _spelled(code, region)
+                written = region.function.name if region.function else _written_label(code, region)
                 known = self.header.names["procedure"].get(written.upper())
                 name = known or identifier(written, taken)
             if region.function is None:
@@ -382,15 +389,15 @@ class Unit:
         region, routine = reader.regions[number], reader.routines[number]
         if routine.parameters is None:
             if form.number == 1:
-                kept = routines.declaration(reader.code, region, symbols.dialect)
+                kept = routines.function_text(reader.code, region, symbols.dialect)
                 reading.declarations.append(kept)
             return
         variables: dict[str, Variable] = {}
         if region.function is not None:
-            inside, variables = routines.inside_of(
+            inside, variables = routines.inside_function(
                 reader.code, region, routine, symbols, symbols.scope
             )
-            symbols.inside = inside if number or not _is_plain(inside) else None
+            symbols.inside = inside if number or not _has_plain_names(inside) else None
         parameters = routine.parameters
         if number == 0 and self.first:
             parameters = tuple(self._parameter(v, symbols) for v in self.first)
@@ -425,7 +432,7 @@ class Unit:
         )
 
 
-def _functions(code: list[s.Entry]) -> frozenset[str]:
+def _function_keys(code: list[s.Entry]) -> frozenset[str]:
     """Those of a file, in upper case."""
     kinds = s.Function | s.DefFunction
     return frozenset(i.statement.name.upper() for i in code if isinstance(i.statement, kinds))
@@ -435,7 +442,7 @@ def _is_interrupted(code: list[s.Entry]) -> bool:
     return any(calls_on_interrupt(one) for i in code for one in statements_in(statement_of(i)))
 
 
-def _unknown(reading: _Reading) -> frozenset[int]:
+def _uncertain_settings(reading: _Reading) -> frozenset[int]:
     """Settings that are not certain where something depends on them."""
     return frozenset(
         slot
@@ -445,15 +452,15 @@ def _unknown(reading: _Reading) -> frozenset[int]:
     )
 
 
-def _depending(reading: _Reading) -> set[int]:
+def _dependent_settings(reading: _Reading) -> set[int]:
     return {at for _, at, _ in reading.reader.depending}
 
 
-def _is_plain(inside: Inside) -> bool:
+def _has_plain_names(inside: Inside) -> bool:
     return not inside.names and inside.result is None
 
 
-def _spelled(code: list[s.Entry], region: Region) -> str:
+def _written_label(code: list[s.Entry], region: Region) -> str:
     """The label of a subroutine as it is written."""
     for at in (region.low - 1, region.low):
         label = code[at].label if at >= 0 else None

@@ -6,23 +6,23 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set_by
+from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, setting_number
 from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
-from assistant.languages.melfa_basic.lift.structure.answers import Answers, without_answers
+from assistant.languages.melfa_basic.lift.structure.answers import Answers, without_trampolines
 from assistant.languages.melfa_basic.lift.structure.order import in_order, separated
-from assistant.languages.melfa_basic.lift.structure.regions import called, place_name
+from assistant.languages.melfa_basic.lift.structure.regions import called_labels, target_name
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.languages.melfa_basic.tree.targets import exits_of, labelled
+from assistant.languages.melfa_basic.tree.targets import exits_of, with_labelled_jumps
 from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
 from assistant.program.program import identifier
 
 
-class File:
+class SourceFile:
     """A tree, taken apart. own: it was written here, and its heading says what it means.
 
     answers: what its interrupts call; the lines that do so are not among its code.
@@ -30,18 +30,18 @@ class File:
 
     def __init__(self, tree: s.File) -> None:
         self.tree = tree
-        self.header, self.comments, code = _parts(tree)
+        self.header, self.comments, code = _split_file(tree)
         self.own = self.header.program is not None
         self.answers: Answers = {}
         if self.own:
-            self.code, self.answers = without_answers(code)
+            self.code, self.answers = without_trampolines(code)
         else:
-            self.code = separated(in_order(_with_lone_labels(labelled(code)[0])))
+            self.code = separated(in_order(_with_lone_labels(with_labelled_jumps(code)[0])))
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:
         """Settings that the file makes itself."""
-        made = map(set_by, self._nodes())
+        made = map(setting_number, self._nodes())
         return frozenset(number for number in made if number is not None)
 
     def interrupts(self) -> bool:
@@ -65,7 +65,7 @@ class File:
             yield from nodes(item.statement)
 
 
-def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
+def changed_settings(files: Mapping[str, SourceFile]) -> dict[str, frozenset[int]]:
     """Settings that each program changes, by name in upper case, with what it calls."""
     found = {name: file.touched() for name, file in files.items()}
     while True:
@@ -77,8 +77,8 @@ def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
             return found
 
 
-def interrupting(
-    files: Mapping[str, File], touched: Mapping[str, frozenset[int]]
+def settings_of_interrupts(
+    files: Mapping[str, SourceFile], touched: Mapping[str, frozenset[int]]
 ) -> dict[str, frozenset[int]]:
     """Settings that interrupts of its callers may change while a program runs, by name.
 
@@ -98,8 +98,8 @@ def interrupting(
 
 def _with_lone_labels(code: list[s.Entry]) -> list[s.Entry]:
     """The code with the labels of subroutines in lines of their own: `*OPEN:HOpen 1` is both."""
-    wanted = called(code) | {
-        place_name(to) for item in code for to, _ in exits_of(statement_of(item)).handlers
+    wanted = called_labels(code) | {
+        target_name(to) for item in code for to, _ in exits_of(statement_of(item)).handlers
     }
     made: list[s.Entry] = []
     for item in code:
@@ -110,7 +110,7 @@ def _with_lone_labels(code: list[s.Entry]) -> list[s.Entry]:
     return made
 
 
-def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
+def _split_file(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
     """The heading, the comments above it, and the code."""
     code = tree.code
     texts: list[str] = []

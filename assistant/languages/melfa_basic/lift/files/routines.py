@@ -8,20 +8,15 @@ from typing import Any, Final, cast
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.structure.scopes import (
-    LETTERS,
+    LETTER_TYPES,
     Scope,
     letter_type,
     scope_of,
 )
-from assistant.languages.melfa_basic.lift.values.constants import changed
+from assistant.languages.melfa_basic.lift.values.constants import changed_variables
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import (
-    Inside,
-    Routine,
-    Symbols,
-    Unliftable,
-)
-from assistant.languages.melfa_basic.tables.variables import MARKED
+from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine, Symbols, Unliftable
+from assistant.languages.melfa_basic.tables.variables import MARK_VALUE_TYPES
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -36,7 +31,7 @@ from assistant.program.program import (
     identifier,
 )
 
-EXIT: Final = s.Command("Exit Function")
+EXIT_FUNCTION: Final = s.Command("Exit Function")
 
 
 def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routine:
@@ -48,10 +43,10 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
         key
         for item in code[region.low : region.high]
         if item.statement is not None
-        for key in changed(item.statement, kept)
+        for key in changed_variables(item.statement, kept)
     }
     parameters: list[Parameter] = []
-    extents = _extents(code[region.low : region.high])
+    extents = _subscript_counts(code[region.low : region.high])
     for given in function.parameters or ():
         key = given.name.upper()
         whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
@@ -59,13 +54,13 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
             return Routine(name, result_type(function, symbols), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
         known = symbols.header.variables.get(key) if symbols.own else None
-        kind = known.type if known else MARKED.get(given.suffix, letter_type(key))
+        kind = known.type if known else MARK_VALUE_TYPES.get(given.suffix, letter_type(key))
         spelled = known.name if known else given.name
         parameters.append(Parameter(spelled, kind, mode, int(given.array)))
     return Routine(name, result_type(function, symbols), tuple(parameters))
 
 
-def _extents(code: Code) -> dict[str, set[int]]:
+def _subscript_counts(code: Code) -> dict[str, set[int]]:
     """Numbers of subscripts that names stand with, in upper case."""
     found: dict[str, set[int]] = {}
     for item in code:
@@ -83,10 +78,10 @@ def result_type(function: s.Function, symbols: Symbols) -> ValueType | None:
     stated = symbols.header.names["result"].get(function.name.upper()) if symbols.own else None
     if stated in ("truth", "integer", "pose"):
         return cast(ValueType, stated)
-    return MARKED.get(written[-1], LETTERS.get(written[0], "number"))
+    return MARK_VALUE_TYPES.get(written[-1], LETTER_TYPES.get(written[0], "number"))
 
 
-def inside_of(
+def inside_function(
     code: Code, region: Region, routine: Routine, symbols: Symbols, globals_: Scope
 ) -> tuple[Inside, dict[str, Variable]]:
     """A function's own names, and the variables that it declares."""
@@ -103,7 +98,7 @@ def inside_of(
         inside.sizes[parameter.name.upper()] = (0,) * parameter.dimensions
     scope = scope_of(code[region.low : region.high], (*symbols.routines, key))
     taken = TakenNames(inside.names)
-    defined = _defined(code[region.low : region.high])
+    defined = _declared_keys(code[region.low : region.high])
     for name_key, written in scope.names.items():
         declared = name_key in scope.types and name_key in defined
         known = name_key in globals_.names or symbols.positions.constant(written) is not None
@@ -122,13 +117,13 @@ def inside_of(
         taken.add(name)
         inside.names[name_key], inside.types[name_key] = name, kind
         inside.sizes[name_key] = size
-    if routine.result is not None and not _direct(code, region, key):
+    if routine.result is not None and not _returns_directly(code, region, key):
         inside.result = identifier("result", taken | {n.upper() for n in symbols.spelling})
         local[inside.result] = Variable(routine.result)
     return inside, local
 
 
-def _defined(code: Code) -> set[str]:
+def _declared_keys(code: Code) -> set[str]:
     """Variables that some lines declare, in upper case."""
     found: set[str] = set()
     for item in code:
@@ -140,7 +135,7 @@ def _defined(code: Code) -> set[str]:
     return found
 
 
-def _direct(code: Code, region: Region, key: str) -> bool:
+def _returns_directly(code: Code, region: Region, key: str) -> bool:
     """Whether each result is given right before the function is left, so that it is `return`."""
     left: set[int] = set()
     for at in range(region.low, region.high):
@@ -151,16 +146,16 @@ def _direct(code: Code, region: Region, key: str) -> bool:
             following = code[at + 1]
             if not isinstance(following, s.Line) or following.label is not None:
                 return False
-            if following.statement != EXIT and at + 1 != region.high:
+            if following.statement != EXIT_FUNCTION and at + 1 != region.high:
                 return False
             left.add(at + 1)
             statement = s.Command("Hlt", (statement.value,))
-        elif statement == EXIT and at not in left:
+        elif statement == EXIT_FUNCTION and at not in left:
             return False
         for part in nodes(statement):
             if isinstance(part, s.Variable) and _is_result(part, key):
                 return False
-            if part == EXIT and part is not statement:
+            if part == EXIT_FUNCTION and part is not statement:
                 return False
     return region.high in left  # else it may end without one, and gives back what it began with
 
@@ -181,9 +176,10 @@ def defined_functions(code: Code, symbols: Symbols, taken: TakenNames) -> list[P
             continue
         name = identifier(node.name, taken)
         key = node.name.upper()
-        kind = MARKED.get(node.suffix, LETTERS.get(key[2:3], "number"))
+        kind = MARK_VALUE_TYPES.get(node.suffix, LETTER_TYPES.get(key[2:3], "number"))
         parameters = tuple(
-            Parameter(v.name, MARKED.get(v.suffix, letter_type(v.key))) for v in node.parameters
+            Parameter(v.name, MARK_VALUE_TYPES.get(v.suffix, letter_type(v.key)))
+            for v in node.parameters
         )
         names = {q.name.upper(): q.name for q in parameters}
         symbols.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})
@@ -200,7 +196,7 @@ def defined_functions(code: Code, symbols: Symbols, taken: TakenNames) -> list[P
     return made
 
 
-def declaration(code: Code, region: Region, dialect: str) -> Declaration:
+def function_text(code: Code, region: Region, dialect: str) -> Declaration:
     """A whole function as its text."""
     upper = dialect.endswith("-4")
     items = code[region.low - 1 : region.high + 1]

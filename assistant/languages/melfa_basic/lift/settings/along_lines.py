@@ -19,15 +19,11 @@ from assistant.languages.melfa_basic.lift.settings.held import (
 from assistant.languages.melfa_basic.lift.settings.interrupts import interrupts_of
 from assistant.languages.melfa_basic.lift.structure.answers import Answers
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, Structure
-from assistant.languages.melfa_basic.lift.structure.regions import (
-    Region,
-    odd_entries,
-    place_name,
-)
-from assistant.languages.melfa_basic.lift.values.constants import Constants, changed
+from assistant.languages.melfa_basic.lift.structure.regions import Region, odd_entries, target_name
+from assistant.languages.melfa_basic.lift.values.constants import Constants, changed_variables
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_word, statement_of
+from assistant.languages.melfa_basic.tree.blocks import is_block_word, statement_of
 from assistant.languages.melfa_basic.tree.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes, program_stem, statements_in
@@ -45,13 +41,13 @@ from assistant.languages.settings.flow import (
 from assistant.languages.settings.forms import CalledForms
 from assistant.program.program import identifier
 
-NONE: Final = frozenset[str]()
-_WAITS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
+NO_NAMES: Final = frozenset[str]()
+_WAIT_LABELS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 """Labels that are read together with the lines around them."""
 
 
 @dataclass(frozen=True)
-class Ways:
+class SettingFlow:
     """What the code is, however its settings are said: the same in each reading of a file.
 
     single: see `paths.used_once`. breaks: whether it asks if something was left by `Break`.
@@ -67,7 +63,7 @@ class Ways:
     breaks: bool
 
 
-def lines_of(
+def setting_lines(
     code: Code,
     structure: Structure,
     regions: Sequence[Region],
@@ -92,7 +88,7 @@ def lines_of(
                 yield ALL_SETTINGS
             case s.Jump() | s.OnJump():
                 for target in exits_of(statement).calls:
-                    yield by_label.get(place_name(target), ALL_SETTINGS)
+                    yield by_label.get(target_name(target), ALL_SETTINGS)
         if by_name:
             node = statement.condition if isinstance(statement, s.If) else statement
             for part in nodes(node):
@@ -100,9 +96,9 @@ def lines_of(
                     if part is not getattr(statement, "target", None):
                         yield by_name[part.key]
 
-    watched = _watched(code, settings)
+    watched = _setting_variables(code, settings)
 
-    def steps(statement: s.Statement | s.Target | None, own: frozenset[str] = NONE) -> Steps:
+    def steps(statement: s.Statement | s.Target | None, own: frozenset[str] = NO_NAMES) -> Steps:
         """own: variables of its function alone, which nothing that it calls can change."""
         if statement is None or isinstance(statement, s.Target):
             return ()
@@ -113,7 +109,7 @@ def lines_of(
             named = frozenset(x.key for x in nodes(statement) if isinstance(x, s.Variable))
             any_other = Changes(None, own - named)
             return (any_other, *made, any_other)
-        names = watched.intersection(changed(statement, settings.constants.kept))
+        names = watched.intersection(changed_variables(statement, settings.constants.kept))
         return (*made, Changes(frozenset(names))) if names else made
 
     def does(statement: s.Statement) -> Steps:
@@ -139,22 +135,22 @@ def lines_of(
 
     def own(number: int) -> frozenset[str]:
         """Parameters of a function by value, while it does not run twice at once."""
-        function, names = regions[number].function, NONE
-        if watched and function is not None and number not in _reached(number, calls):
+        function, names = regions[number].function, NO_NAMES
+        if watched and function is not None and number not in _reached_calls(number, calls):
             given = function.parameters or ()
             names = watched & {f"{q.name}{q.suffix}".upper() for q in given if q.mode == "ByVal"}
         return names
 
     loose = {
         at for at, item in enumerate(code)
-        if is_word(statement_of(item)) and at not in blocks.words
+        if is_block_word(statement_of(item)) and at not in blocks.words
     }  # fmt: skip
     first = {label: places[number][0] for label, number in by_label.items() if places[number]}
     entries = labels | first
     for label, (call, _) in answers.items():
         number = by_name.get(call.function.key) if isinstance(call, s.Call) else None
         if isinstance(call, s.Jump):
-            number = by_label.get(place_name(call.target))
+            number = by_label.get(target_name(call.target))
         if number is not None and places[number]:
             entries[label] = places[number][0]
     lines = LineEffects(
@@ -167,11 +163,11 @@ def lines_of(
             for at in inside
             if (made := steps(statement_of(code[at]), kept))
         },
-        lambda at: _used(code[at]),
+        lambda at: _used_settings(code[at]),
         lambda at: exits_of(statement_of(code[at])).on,
         frozenset(labels.values()),
         frozenset(at for at, depth in enumerate(structure.depth) if depth)
-        | {at for label, at in labels.items() if _WAITS.fullmatch(label)},
+        | {at for label, at in labels.items() if _WAIT_LABELS.fullmatch(label)},
         frozenset(loose | {entries[to] for to in odd_entries(code, regions) if to in entries}),
     )
     answering = {region.label: k for k, region in enumerate(regions) if region.answers}
@@ -179,7 +175,7 @@ def lines_of(
     return with_interrupts(lines, found, elsewhere)
 
 
-def _reached(number: int, calls: Mapping[int, set[int | frozenset[int]]]) -> set[int]:
+def _reached_calls(number: int, calls: Mapping[int, set[int | frozenset[int]]]) -> set[int]:
     """What a procedure calls, with all that this calls; everything where that is not known."""
     pending, found = [*calls[number]], set[int]()
     while pending:
@@ -192,14 +188,14 @@ def _reached(number: int, calls: Mapping[int, set[int | frozenset[int]]]) -> set
     return found
 
 
-def _watched(code: Code, settings: Settings) -> frozenset[str]:
+def _setting_variables(code: Code, settings: Settings) -> frozenset[str]:
     """Variables that values of settings are worked out of, in upper case."""
     effects = (settings.effect(one) for item in code for one in statements_in(statement_of(item)))
     values = [effect[1] for effect in effects if effect is not None]
     return frozenset().union(*(one.names for one in values if isinstance(one, Computed)))
 
 
-_READING: Final = {
+_READ_SETTINGS: Final = {
     **dict.fromkeys(("P_CURR", "P_FBC", "P_CURRR", "PTOJ", "JTOP"), frozenset({TOOL, FRAME})),
     **dict.fromkeys(("P_TOOL", "M_TOOL"), frozenset({TOOL})),
     **dict.fromkeys(("P_BASE", "M_BSNO"), frozenset({FRAME})),
@@ -208,30 +204,30 @@ _READING: Final = {
     "M_RSPD": ALL_SETTINGS,
 }
 """Settings that status variables and functions tell, or depend on."""
-_SPARED: Final[dict[str, frozenset[int]]] = {"Mov": frozenset({TCP}), "Mva": frozenset()}
+_SPARED_SETTINGS: Final[dict[str, frozenset[int]]] = {"Mov": frozenset({TCP}), "Mva": frozenset()}
 """Settings that a move does not depend on; others are at no percentage of joint speed."""
 
 
-def _used(item: s.Entry) -> frozenset[int]:
+def _used_settings(item: s.Entry) -> frozenset[int]:
     """Settings that a line depends on: a joint move on no speed of the tool, others on no other."""
     match item:
         case MoveRows(kinds=kinds):
             joint = kinds == MOV
             return ALL_SETTINGS - ({TCP} if joint.all() else {JOINT} if not joint.any() else set())
         case s.Line(statement=statement) if statement is not None:
-            return depends(statement)
+            return needed_settings(statement)
     return frozenset()
 
 
-def depends(statement: s.Statement) -> frozenset[int]:
+def needed_settings(statement: s.Statement) -> frozenset[int]:
     """The settings that what a statement does depends on."""
     found: frozenset[int] = frozenset()
     for part in nodes(statement):
         match part:
             case s.Motion(keyword=keyword):
-                found |= ALL_SETTINGS - _SPARED.get(keyword, frozenset({JOINT}))
-            case s.Variable(key=key) if key in _READING:
-                found |= _READING[key]
+                found |= ALL_SETTINGS - _SPARED_SETTINGS.get(keyword, frozenset({JOINT}))
+            case s.Variable(key=key) if key in _READ_SETTINGS:
+                found |= _READ_SETTINGS[key]
             case s.Command(keyword=keyword) if keyword in commands("needs"):
                 found |= ALL_SETTINGS
     return found

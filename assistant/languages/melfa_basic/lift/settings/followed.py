@@ -18,11 +18,11 @@ from assistant.languages.melfa_basic.lift.settings.held import (
     TCP,
     TOOL,
     Settings,
-    set_by,
+    setting_number,
 )
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
-from assistant.languages.melfa_basic.tables.words import OPTIMUM
+from assistant.languages.melfa_basic.tables.words import OPTIMUM_SPEED
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import UNKNOWN
 from assistant.program import expressions as e
@@ -31,18 +31,18 @@ from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool
 from assistant.program.motion import FINE, Blend
 from assistant.program.program import Variable
 
-STOPS: Final = -1.0
+NO_CORNER: Final = -1.0
 """No corner: the move ends at its target."""
 OPEN_CORNER: Final = 10.0
 """mm of a corner whose size the controller chooses (`Cnt 1`)."""
-_NAMES: Final = {
+_FOLLOWED_NAMES: Final = {
     TCP: "current_speed",
     JOINT: "current_percent",
     BLEND: "current_corner",
     TOOL: "current_tool",
     FRAME: "current_base",
 }
-_BEGUN: Final = {TCP: OPTIMUM, JOINT: 100.0, BLEND: STOPS}
+_FIRST_VALUES: Final = {TCP: OPTIMUM_SPEED, JOINT: 100.0, BLEND: NO_CORNER}
 """Settings at the start of a program."""
 
 
@@ -53,7 +53,7 @@ class Followed:
     name: str
 
 
-def followed(values: tuple[Any, ...], names: Mapping[int, str]) -> tuple[Any, ...]:
+def with_followed_settings(values: tuple[Any, ...], names: Mapping[int, str]) -> tuple[Any, ...]:
     """The settings of a move with the names of those that are followed for the unknown ones."""
     return tuple(
         Followed(names[k]) if value is UNKNOWN and k in names else value
@@ -61,12 +61,12 @@ def followed(values: tuple[Any, ...], names: Mapping[int, str]) -> tuple[Any, ..
     )
 
 
-def named(value: Any) -> Any:
+def mount_text(value: Any) -> Any:
     """The name of a tool or frame."""
     return value.name if isinstance(value, Followed) else value
 
 
-def declare(
+def declare_followed(
     slots: Collection[int],
     known: dict[int, str],
     symbols: Symbols,
@@ -80,9 +80,9 @@ def declare(
     """
     for slot in sorted(slots):
         if slot not in known:
-            wanted, number = _NAMES[slot], 2
+            wanted, number = _FOLLOWED_NAMES[slot], 2
             while wanted.upper() in written:
-                wanted, number = f"{_NAMES[slot]}_{number}", number + 1
+                wanted, number = f"{_FOLLOWED_NAMES[slot]}_{number}", number + 1
             known[slot] = symbols.free(wanted)
         name = known[slot]
         symbols.taken.add(name.lower())
@@ -91,40 +91,40 @@ def declare(
         elif slot == FRAME:
             settings.frames.setdefault(name, Frame())
         else:
-            symbols.variables.setdefault(name, Variable("number", e.number_of(_BEGUN[slot])))
+            symbols.variables.setdefault(name, Variable("number", e.number_of(_FIRST_VALUES[slot])))
 
 
-def assignment(
+def followed_assignment(
     node: s.Statement, value: Any, names: Mapping[int, str], lift: Expressions
 ) -> p.Assign | None:
     """Return the value that a setting statement gives its variable, None if that is not followed.
 
     value: what is known of it. Raises Unliftable where it has no other words.
     """
-    slot = set_by(node)
+    slot = setting_number(node)
     if slot is None or slot not in names:
         return None
     arguments: tuple[Any, ...] = (node.value,) if isinstance(node, s.Assign) else ()
     arguments = node.arguments if isinstance(node, s.Command) else arguments
     target = e.Name(names[slot])
     if slot in (TOOL, FRAME):
-        return p.Assign(target, _placed(slot, arguments, value, lift))
+        return p.Assign(target, _followed_mount(slot, arguments, value, lift))
     if slot == BLEND:
-        return p.Assign(target, _corner(arguments, value, lift))
-    return p.Assign(target, _number(arguments, value, lift))
+        return p.Assign(target, _followed_corner(arguments, value, lift))
+    return p.Assign(target, _followed_number(arguments, value, lift))
 
 
-def _number(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
+def _followed_number(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
     if isinstance(value, float):
-        return e.number_of(OPTIMUM if math.isinf(value) else value)
+        return e.number_of(OPTIMUM_SPEED if math.isinf(value) else value)
     if len(arguments) != 1 or arguments[0] is None:
         raise Unliftable
     return lift.number(arguments[0])
 
 
-def _corner(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
+def _followed_corner(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
     if value == FINE:
-        return e.number_of(STOPS)
+        return e.number_of(NO_CORNER)
     if isinstance(value, Blend) and value.radius is not None:
         radius = min(value.radius, math.inf if value.exit is None else value.exit)
         return e.number_of(OPEN_CORNER if math.isinf(radius) else radius)
@@ -136,7 +136,9 @@ def _corner(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expr
     raise Unliftable
 
 
-def _placed(slot: int, arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
+def _followed_mount(
+    slot: int, arguments: tuple[Any, ...], value: Any, lift: Expressions
+) -> e.Expression:
     if value in (FLANGE, BASE):
         return e.PoseValue(IDENTITY)
     if isinstance(value, str):

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 
 
-def unframed(
+def without_frame_product(
     node: s.Motion, values: tuple[Any, ...], header: Header
 ) -> tuple[s.Motion, tuple[Any, ...]]:
     """The move with plain targets, and its settings with their frame, where a heading says so."""
@@ -21,8 +21,8 @@ def unframed(
     plain: list[s.Expression | None] = []
     targets = 3 if node.keyword == "Mvr" else 1
     for at, argument in enumerate(node.arguments):
-        key, target = _parts(argument, header)
-        if at < targets and not _is_start(argument):
+        key, target = _frame_and_target(argument, header)
+        if at < targets and not _is_arc_start(argument):
             frames.add(key)
         plain.append(target if at < targets else argument)
     if len(frames) != 1 or (frame := frames.pop()) is None:
@@ -32,7 +32,9 @@ def unframed(
     return replace(node, arguments=tuple(plain)), made
 
 
-def _parts(argument: s.Expression | None, header: Header) -> tuple[str | None, s.Expression | None]:
+def _frame_and_target(
+    argument: s.Expression | None, header: Header
+) -> tuple[str | None, s.Expression | None]:
     match argument:
         case s.Binary("*", s.Variable(arguments=None, component="") as frame, target) if (
             frame.key in header.names["frame"]
@@ -41,6 +43,6 @@ def _parts(argument: s.Expression | None, header: Header) -> tuple[str | None, s
     return None, argument
 
 
-def _is_start(argument: s.Expression | None) -> bool:
+def _is_arc_start(argument: s.Expression | None) -> bool:
     """Whether it is the place that an arc starts at, as read from the robot."""
     return isinstance(argument, s.Variable) and argument.key == ARC_START

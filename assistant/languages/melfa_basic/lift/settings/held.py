@@ -9,9 +9,9 @@ from typing import Any, Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.variables import PARAMETERS, kept_as
+from assistant.languages.melfa_basic.tables.variables import PARAMETERS, parameter_position
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
-from assistant.languages.melfa_basic.tables.words import OPTIMUM
+from assistant.languages.melfa_basic.tables.words import OPTIMUM_SPEED
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
@@ -26,9 +26,9 @@ TCP, JOINT, BLEND, TOOL, FRAME = range(5)
 """Settings by number: mm/s, percent, corner, and names."""
 
 
-INITIAL: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, BASE))
+INITIAL_SETTINGS: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, BASE))
 """What holds when a program starts (COSIROP help; tool and base as the controller has them)."""
-ALL_SETTINGS: Final = frozenset(range(len(INITIAL)))
+ALL_SETTINGS: Final = frozenset(range(len(INITIAL_SETTINGS)))
 """Of a program that nothing is known of."""
 
 
@@ -69,11 +69,11 @@ class Settings:
 
     def effect(self, node: s.Statement | None) -> tuple[int, Any] | None:
         """Which setting a statement makes, and the value: UNKNOWN if the program works it out."""
-        number = set_by(node)
+        number = setting_number(node)
         if number is None:
             return None
         if isinstance(node, s.Command):
-            return number, SETTINGS[node.keyword][1](self, node.arguments)
+            return number, SETTING_COMMANDS[node.keyword][1](self, node.arguments)
         if isinstance(node, s.Assign) and node.target.arguments in (None, (s.Number(1),)):
             return number, self.tool((node.value,)) if node.delay is None else UNKNOWN
         return number, UNKNOWN
@@ -89,7 +89,7 @@ class Settings:
             case (value,):
                 speed = self._above_zero(value)
                 fixed = isinstance(speed, int | float) and not self.own
-                return min(speed, OPTIMUM) if fixed else speed
+                return min(speed, OPTIMUM_SPEED) if fixed else speed
         return UNKNOWN
 
     def joint(self, arguments: tuple[Any, ...]) -> Any:
@@ -110,7 +110,7 @@ class Settings:
         names = {part.key for part in found if part.arguments is None or not function(part.key)}
         if not self.computes or not names.isdisjoint(self.functions):
             return UNKNOWN
-        if not self.own and any(map(_is_shared, names)):
+        if not self.own and any(map(_is_set_elsewhere, names)):
             return UNKNOWN
         return Computed(node, frozenset(names))
 
@@ -164,32 +164,32 @@ class Settings:
                 if constant is not None and key in self.names[kind] and self.own and changed:
                     return self.names[kind][key]  # whatever the program gives it
                 if not self.own and (given := self.constants.placed.get(key)) is not None:
-                    return _named(f"{variable.name}_{kind}", made(given.values), known)
+                    return _mount_name(f"{variable.name}_{kind}", made(given.values), known)
                 if key in self.constants.assigned or constant is None:
                     return UNKNOWN
                 if key in self.names[kind]:
                     return self.names[kind][key]
                 self.placed.add(key)
-                return _named(key, made(constant.values), known)
+                return _mount_name(key, made(constant.values), known)
             case (s.Constant(values=values),):
-                return _named(f"{kind}_1", made(values), known)
+                return _mount_name(f"{kind}_1", made(values), known)
             case (s.Number(value=0),):
                 return default
             case (s.Number(value=number),):
                 parameter = PARAMETERS["Base" if kind == "frame" else "Tool"].format(
                     number=round(number)
                 )
-                key = kept_as(parameter).upper()
+                key = parameter_position(parameter).upper()
                 if (constant := self.positions.constant(key)) is not None:
                     if key in self.names[kind]:
                         return self.names[kind][key]
                     # as the cell states it: work coordinates are seen from the robot
                     seen: Any = plain_frame if kind == "frame" else made
-                    return _named(parameter, seen(constant.values), known)
+                    return _mount_name(parameter, seen(constant.values), known)
         return UNKNOWN
 
 
-PARAMETER_OF_BASE: Final = re.compile(kept_as(PARAMETERS["Base"].format(number=r"\d+")))
+PARAMETER_OF_BASE: Final = re.compile(parameter_position(PARAMETERS["Base"].format(number=r"\d+")))
 """What work coordinates of a number are called among positions."""
 
 
@@ -198,7 +198,7 @@ def plain_frame(values: tuple[float | None, ...]) -> Frame:
     return Frame(poses.plain_pose(values))
 
 
-def _named(wanted: str, value: T, known: dict[str, T]) -> str:
+def _mount_name(wanted: str, value: T, known: dict[str, T]) -> str:
     """The name of a tool or frame, another one where a program before has it for another value."""
     stem, name, count = wanted.removesuffix("_1"), wanted, 1
     while True:
@@ -209,7 +209,7 @@ def _named(wanted: str, value: T, known: dict[str, T]) -> str:
         name, count = f"{stem}_{count + 1}", count + 1
 
 
-SETTINGS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]]] = {
+SETTING_COMMANDS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]]] = {
     "Spd": (TCP, Settings.speed),
     "JOvrd": (JOINT, Settings.joint),
     "Cnt": (BLEND, Settings.blend),
@@ -218,39 +218,39 @@ SETTINGS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]
 }
 
 
-def set_by(node: s.Statement | None) -> int | None:
+def setting_number(node: s.Statement | None) -> int | None:
     """The number of the setting that a statement makes, None if it makes none."""
     match node:
-        case s.Command(keyword=keyword) if keyword in SETTINGS:
-            return SETTINGS[keyword][0]
+        case s.Command(keyword=keyword) if keyword in SETTING_COMMANDS:
+            return SETTING_COMMANDS[keyword][0]
         case s.Assign(target=target) if target.key == "M_TOOL":
             return TOOL
     return None
 
 
-def _is_shared(key: str) -> bool:
+def _is_set_elsewhere(key: str) -> bool:
     """Whether others may change a variable: the controller, or other programs."""
     return key[1:2] == "_" or status(key) is not None
 
 
-def _said(text: Callable[[Any], str]) -> Callable[[Any], str]:
+def _value_text(text: Callable[[Any], str]) -> Callable[[Any], str]:
     return lambda value: "what is worked out" if isinstance(value, Computed) else text(value)
 
 
-def _speed(value: float) -> str:
+def _speed_text(value: float) -> str:
     return f"{value:g} mm/s" if value < math.inf else "the robot's own"
 
 
-def _blend(value: Blend) -> str:
+def _blend_text(value: Blend) -> str:
     if value.radius is None:
         return "none"
     return f"{value.radius:g} mm" if value.radius < math.inf else "the controller's own"
 
 
-IN_WORDS: Final = (
-    SettingText("speed", "Spd", _said(_speed)),
-    SettingText("speed of joint moves", "JOvrd", _said(lambda value: f"{value:g} %")),
-    SettingText("corner", "Cnt", _said(_blend)),
+SETTING_WORDS: Final = (
+    SettingText("speed", "Spd", _value_text(_speed_text)),
+    SettingText("speed of joint moves", "JOvrd", _value_text(lambda value: f"{value:g} %")),
+    SettingText("corner", "Cnt", _value_text(_blend_text)),
     SettingText("tool", "Tool", lambda value: f"`{value}`"),
     SettingText("frame", "Base", lambda value: f"`{value}`"),
 )

@@ -7,31 +7,35 @@ from typing import Final
 
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Unliftable
-from assistant.languages.melfa_basic.tables.channels import LINE, MODES, NUMBERS
+from assistant.languages.melfa_basic.lift.values.symbols import VENDOR_ONLY_NAME, Unliftable
+from assistant.languages.melfa_basic.tables.channels import FILE_MODES, FILE_NUMBERS, LINE_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program import undeclared_names
 
-RECEIVED = {"text": "received", "number": "received_number", "integer": "received_number"}
+RECEIVING_FUNCTIONS = {
+    "text": "received",
+    "number": "received_number",
+    "integer": "received_number",
+}
 """What reads an item for a variable of a type."""
-_PRINTED = ("text", "number", "integer")
+_PRINTED_TYPES = ("text", "number", "integer")
 
 
-def name(node: s.Expression | None, lift: Expressions) -> str:
+def channel_name(node: s.Expression | None, lift: Expressions) -> str:
     """The channel of a file's number."""
     value = None if node is None else lift.m.value(node)
-    if not isinstance(value, float) or round(value) not in NUMBERS:
+    if not isinstance(value, float) or round(value) not in FILE_NUMBERS:
         raise Unliftable
     return undeclared_names.name_of_channel(round(value))
 
 
-def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
+def lift_open(node: s.Open, lift: Expressions) -> list[p.Statement]:
     """A line by its number; a file only with a mode, which says that it is one."""
-    channel, mode = name(node.number, lift), MODES.get(node.mode)
+    channel, mode = channel_name(node.number, lift), FILE_MODES.get(node.mode)
     if isinstance(node.name, s.String) and ":" in node.name.value:
-        found = LINE.fullmatch(node.name.value)
+        found = LINE_NAME.fullmatch(node.name.value)
         if found is None or node.mode:
             raise Unliftable
         return [p.Attach(channel, "line", (e.Number(int(found[1])),))]
@@ -40,17 +44,17 @@ def attach(node: s.Open, lift: Expressions) -> list[p.Statement]:
     return [p.Attach(channel, "file", (lift.plain(node.name),), mode)]
 
 
-def detach(node: s.Close, lift: Expressions) -> list[p.Statement]:
+def lift_close(node: s.Close, lift: Expressions) -> list[p.Statement]:
     if not node.numbers:
         if not lift.m.telling or lift.m.opened is None:
             raise Unliftable
         return [p.Detach(undeclared_names.name_of_channel(number)) for number in lift.m.opened]
-    return [p.Detach(name(number, lift)) for number in node.numbers]
+    return [p.Detach(channel_name(number, lift)) for number in node.numbers]
 
 
-def send(node: s.Print, lift: Expressions) -> list[p.Statement]:
+def lift_print(node: s.Print, lift: Expressions) -> list[p.Statement]:
     """Parts that follow each other at once, or behind a comma in the next column."""
-    channel = name(node.number, lift)
+    channel = channel_name(node.number, lift)
     goes_on = bool(node.items) and node.items[-1][1] is None
     given = [value for _, value in node.items if value is not None]
     marks = [mark for mark, _ in node.items[1:]]
@@ -59,7 +63,7 @@ def send(node: s.Print, lift: Expressions) -> list[p.Statement]:
         raise Unliftable
     if len(given) + goes_on != len(node.items):
         raise Unliftable
-    if any(lift.type_of(value) not in _PRINTED for value in given):
+    if any(lift.type_of(value) not in _PRINTED_TYPES for value in given):
         raise Unliftable
     parts = tuple(lift.plain(value) for value in given)
     if columns:
@@ -71,7 +75,7 @@ def send(node: s.Print, lift: Expressions) -> list[p.Statement]:
     return [p.Send(channel, "piece" if goes_on else "line", parts)]
 
 
-COLUMN: Final = 10
+PRINT_COLUMN: Final = 10
 """Characters of a column that a comma begins the next one of (COSIROP: PRINT)."""
 
 
@@ -80,26 +84,26 @@ def _in_columns(parts: Sequence[e.Expression], marks: Sequence[str]) -> tuple[e.
     made = list(parts[:1])
     for mark, part in zip(marks, parts[1:], strict=True):
         if mark == ",":
-            made = [_padded(made)]
+            made = [_padded_to_column(made)]
         made.append(part)
     return tuple(made)
 
 
-def _padded(texts: Sequence[e.Expression]) -> e.Expression:
+def _padded_to_column(texts: Sequence[e.Expression]) -> e.Expression:
     if all(isinstance(one, e.Text) for one in texts):
         whole = "".join(one.value for one in texts if isinstance(one, e.Text))
-        return e.Text(whole + " " * (-len(whole) % COLUMN))
+        return e.Text(whole + " " * (-len(whole) % PRINT_COLUMN))
     line = texts[0]
     for one in texts[1:]:
         line = e.Binary("+", line, one)
-    return e.Apply(TOLD.format("in_next_column"), (line, e.Number(COLUMN)))
+    return e.Apply(VENDOR_ONLY_NAME.format("in_next_column"), (line, e.Number(PRINT_COLUMN)))
 
 
-def receive(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement]:
+def lift_input(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement]:
     """One item after the other."""
-    channel, made = name(node.number, lift), list[p.Statement]()
+    channel, made = channel_name(node.number, lift), list[p.Statement]()
     for variable in node.variables:
-        function = RECEIVED.get(lift.type_of(variable) or "")
+        function = RECEIVING_FUNCTIONS.get(lift.type_of(variable) or "")
         place = lift.plain(variable)
         if function is None or variable.component or not isinstance(place, e.Name | e.Index):
             raise Unliftable

@@ -8,11 +8,19 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.lift.statements import channels, data, interrupts, waits
-from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, Statements
+from assistant.languages.melfa_basic.lift.statements.lines import (
+    OpenBlock,
+    StatementLift,
+    Statements,
+)
 from assistant.languages.melfa_basic.lift.structure.regions import next_word
 from assistant.languages.melfa_basic.lift.values import pallets
 from assistant.languages.melfa_basic.lift.values.operators import operator_name
-from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL, NO_PROCEDURE, PARTS
+from assistant.languages.melfa_basic.lift.values.reasons import (
+    FRACTIONAL_STEP,
+    NO_LABEL,
+    NO_PROCEDURE,
+)
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
@@ -44,7 +52,7 @@ class Control(Statements):
         found, item = self.blocks.get(at), self.code[at]
         if found is None or found[-1] > high or len(self.leaving) > DEEPEST:
             return 0
-        self.leaving.append(Block(block_word(item.statement).opens, found[1:]))
+        self.leaving.append(OpenBlock(block_word(item.statement).opens, found[1:]))
         try:
             statement = self.whole(item.statement, found)
         except Unliftable as found_why:
@@ -54,7 +62,7 @@ class Control(Statements):
         if statement is None:
             return 0
         parts = statement if isinstance(statement, tuple) else (statement,)
-        made += (waits.spanned(part, item.span) for part in parts)
+        made += (waits.with_span(part, item.span) for part in parts)
         if block.label is not None:
             made.append(p.Label(block.label))
         if found[-1] < high:  # else it is the last word of the outer block as well
@@ -79,8 +87,8 @@ class Control(Statements):
                 if not isinstance(name, e.Name):
                     raise Unliftable
                 counted = p.ONE if step is None else of(step)
-                if self.expressions.type_of(variable) == "integer" and not _is_whole(counted):
-                    raise Unliftable(PARTS)
+                if self.expressions.type_of(variable) == "integer" and not _may_be_whole(counted):
+                    raise Unliftable(FRACTIONAL_STEP)
                 limits = of(first), of(last)
                 inside = self.body(places[0] + 1, places[-1])
                 return p.For(name.name, *limits, inside, counted)
@@ -150,7 +158,7 @@ class Control(Statements):
                 raise Unliftable  # a Default before other cases
             else:
                 otherwise = inside
-        single = all(_is_single(item) for case, _ in cases for item in case.items)
+        single = all(_is_single_value(item) for case, _ in cases for item in case.items)
         read: tuple[p.Statement, ...] = ()
         if not single and not self._is_steady(value):
             if any(isinstance(part, e.Verbatim) for part in records(value)):
@@ -239,44 +247,50 @@ class Control(Statements):
         return [p.Goto(block.label)]
 
 
-def _is_single(item: s.CaseRange | s.CaseIs) -> bool:
+def _is_single_value(item: s.CaseRange | s.CaseIs) -> bool:
     """Whether it asks for one value."""
     return item.operator == "=" if isinstance(item, s.CaseIs) else item.last is None
 
 
-LIFTS: Final[Mapping[type, Lift]] = {
+STATEMENT_LIFTS: Final[Mapping[type, StatementLift]] = {
     s.Motion: lambda reader, node: reader.moves.move(node, reader.values),
     s.Command: Statements.command,
-    s.Assign: lambda reader, node: data.assign(node, reader.expressions, reader.runs),
-    s.Open: lambda reader, node: channels.attach(node, reader.expressions),
-    s.Close: lambda reader, node: channels.detach(node, reader.expressions),
-    s.Print: lambda reader, node: channels.send(node, reader.expressions),
-    s.Input: lambda reader, node: channels.receive(node, reader.expressions, reader.runs),
+    s.Assign: lambda reader, node: data.lift_assignment(node, reader.expressions, reader.runs),
+    s.Open: lambda reader, node: channels.lift_open(node, reader.expressions),
+    s.Close: lambda reader, node: channels.lift_close(node, reader.expressions),
+    s.Print: lambda reader, node: channels.lift_print(node, reader.expressions),
+    s.Input: lambda reader, node: channels.lift_input(node, reader.expressions, reader.runs),
     s.If: Control.one_line_if,
     s.Jump: Control.jump,
     s.OnJump: Control.on_jump,
     s.Call: Statements.call,
     s.CallP: Statements.callp,
-    s.DefNames: lambda reader, node: data.define(node.variables, reader.expressions),
-    s.Dim: lambda reader, node: data.define(node.variables, reader.expressions),
-    s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
-    s.Const: lambda reader, node: data.constant(node, reader.expressions),
-    s.DefIo: lambda reader, node: data.known(node.variable.key in reader.symbols.io),
-    s.DefOther: lambda reader, node: pallets.define(node, reader.expressions),
-    s.DefAct: interrupts.define,
-    s.DefFunction: lambda reader, node: data.known(node.name.upper() in reader.symbols.routines),
+    s.DefNames: lambda reader, node: data.declare_variables(node.variables, reader.expressions),
+    s.Dim: lambda reader, node: data.declare_variables(node.variables, reader.expressions),
+    s.Static: lambda reader, node: data.declare_variables(
+        node.definition.variables, reader.expressions
+    ),
+    s.Const: lambda reader, node: data.lift_constant(node, reader.expressions),
+    s.DefIo: lambda reader, node: data.lift_known_definition(
+        node.variable.key in reader.symbols.io
+    ),
+    s.DefOther: lambda reader, node: pallets.define_pallet(node, reader.expressions),
+    s.DefAct: interrupts.define_interrupt,
+    s.DefFunction: lambda reader, node: data.lift_known_definition(
+        node.name.upper() in reader.symbols.routines
+    ),
 }
-COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
+COMMAND_LIFTS: Final[Mapping[str, tuple[int, StatementLift]]] = {
     "Wait": (1, Statements.wait),
     "End": (0, Statements.end),
     "Return": (0, Statements.returned),
     "Exit Function": (0, Statements.left),
     "Break": (0, Control.broken),
-    "Act": (1, interrupts.switch),
-    "SetMoTrg": (1, interrupts.watch),
+    "Act": (1, interrupts.switch_interrupt),
+    "SetMoTrg": (1, interrupts.watch_mo_triggers),
 }
 
 
-def _is_whole(step: e.Expression) -> bool:
+def _may_be_whole(step: e.Expression) -> bool:
     """Whether a step may be a whole number, for all that its text says."""
     return not isinstance(step, e.Number) or float(step.value).is_integer()

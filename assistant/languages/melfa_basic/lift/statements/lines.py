@@ -11,25 +11,32 @@ from typing import Any, ClassVar, Final
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages import vendor_statements
-from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
-from assistant.languages.melfa_basic.lift.settings.followed import assignment, followed
-from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
+from assistant.languages.melfa_basic.lift.settings.along_lines import SettingFlow, needed_settings
+from assistant.languages.melfa_basic.lift.settings.followed import (
+    followed_assignment,
+    with_followed_settings,
+)
+from assistant.languages.melfa_basic.lift.settings.held import SETTING_WORDS
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
 from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.structure.answers import Answers
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
-from assistant.languages.melfa_basic.lift.structure.regions import BACK, Region, place_name
+from assistant.languages.melfa_basic.lift.structure.regions import (
+    RETURN_TO_PROGRAM,
+    Region,
+    target_name,
+)
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import (
-    ENDED,
-    TOLD,
+    VENDOR_ONLY_END,
+    VENDOR_ONLY_NAME,
     Routine,
     Symbols,
     Unliftable,
 )
-from assistant.languages.melfa_basic.tables.statements import ROWS
+from assistant.languages.melfa_basic.tables.statements import STATEMENT_ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
@@ -50,7 +57,7 @@ from assistant.program.program import identifier
 
 
 @dataclass(slots=True)
-class Block:
+class OpenBlock:
     """An open block, by its word. places: of those that divide and end it. label: behind it."""
 
     kind: str
@@ -58,13 +65,13 @@ class Block:
     label: str | None = None
 
 
-ENDS: Final = (s.Command("End"), s.Command("Return"))
-TELLING: Final = (s.Assign, s.Motion, s.Print, s.Close)
+PROGRAM_ENDS: Final = (s.Command("End"), s.Command("Return"))
+EXPORTED_STATEMENTS: Final = (s.Assign, s.Motion, s.Print, s.Close)
 """Statements that other languages may have where the pseudo-program keeps their texts."""
-HANDS: Final = ("HOpen", "HClose")
-FORCED: Final = "HOpen"
+HAND_COMMANDS: Final = ("HOpen", "HClose")
+FORCED_COMMAND: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
-Lift = Callable[[Any, Any], list[p.Statement]]
+StatementLift = Callable[[Any, Any], list[p.Statement]]
 """What a statement says, given the reader and it; raises Unliftable."""
 
 
@@ -81,14 +88,14 @@ class Statements:
     with how many arguments these have.
     """
 
-    lifts: ClassVar[Mapping[type, Lift]] = {}
-    commands: ClassVar[Mapping[str, tuple[int, Lift]]] = {}
+    lifts: ClassVar[Mapping[type, StatementLift]] = {}
+    commands: ClassVar[Mapping[str, tuple[int, StatementLift]]] = {}
 
     def __init__(
         self,
         code: Code,
         symbols: Symbols,
-        ways: Ways,
+        ways: SettingFlow,
         routines: list[Routine],
         calls: tuple[dict[str, str], dict[str, str]],
         main: bool,
@@ -101,7 +108,7 @@ class Statements:
         self.routines, self.main, self.kept = routines, main, kept
         self.units, self.firsts = calls
         self.followed = followed
-        self.unknown = UnknownSettings(ways.called.flow.lines, IN_WORDS, self.where)
+        self.unknown = UnknownSettings(ways.called.flow.lines, SETTING_WORDS, self.where)
         self.expressions = Expressions(symbols)
         self.runs = Runs(symbols, ways.single, symbols.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
@@ -115,7 +122,7 @@ class Statements:
         self.blocks, self.asks_for_breaks = ways.structure.places, ways.breaks
         self.label_names: dict[str, str] = {}
         self.refused: dict[int, p.Reason | None] = {}
-        self.leaving: list[Block] = []
+        self.leaving: list[OpenBlock] = []
         self.by_label = {r.label: k for k, r in enumerate(self.regions) if r.label}
         self.form: Form | None = None
         self.region = Region(0, 0)
@@ -145,7 +152,7 @@ class Statements:
         """A statement that is no block; raises Unliftable."""
         if (effect := self.effect(node)) is not None:
             if self.expressions.m.telling:
-                given = assignment(node, effect[1], self.followed, self.expressions)
+                given = followed_assignment(node, effect[1], self.followed, self.expressions)
                 return [] if given is None else [given]
             if self.at in self.kept:
                 raise Unliftable(vendor_statements.DEPENDED_ON)
@@ -159,7 +166,7 @@ class Statements:
     def one_move(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
         """A move that is part of no path."""
         lifted = self.or_text(node, lambda: self.moves.move(node, self.as_told(values)))
-        return [waits.spanned(statement, span) for statement in lifted]
+        return [waits.with_span(statement, span) for statement in lifted]
 
     def or_text(
         self,
@@ -172,9 +179,9 @@ class Statements:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            hand = isinstance(node, s.Command) and node.keyword in (*HANDS, "SetMoTrg")
+            hand = isinstance(node, s.Command) and node.keyword in (*HAND_COMMANDS, "SetMoTrg")
             defines = set_here or isinstance(node, s.DefOther)
-            tells = defines or hand or isinstance(node, TELLING) or node in ENDS
+            tells = defines or hand or isinstance(node, EXPORTED_STATEMENTS) or node in PROGRAM_ENDS
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if defines and told is not None:
@@ -186,7 +193,9 @@ class Statements:
 
     def as_told(self, values: Values) -> Values:
         """Settings of a move while it is lowered for other languages."""
-        return followed(values, self.followed) if self.expressions.m.telling else values
+        return (
+            with_followed_settings(values, self.followed) if self.expressions.m.telling else values
+        )
 
     def opaque(
         self, statement: s.Statement, found: p.Reason | None, told: Sequence[p.Statement] = ()
@@ -197,12 +206,12 @@ class Statements:
         self.note_names(statement)
         if found is vendor_statements.SETTINGS_DIFFER and self.form is not None:
             state = self.called.at(self.at, self.form)
-            found = self.unknown.reason(state, depends(statement)) or found
+            found = self.unknown.reason(state, needed_settings(statement)) or found
         dialect = self.symbols.dialect
         if self.form is not None and self.form.passes:
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
-        text = reasons.text_of(statement, dialect)
+        text = reasons.statement_text(statement, dialect)
         effect = effects.of_node(statement, text)
         return p.Opaque(dialect, text, reason=reason, effect=effect, told=tuple(told))
 
@@ -221,7 +230,7 @@ class Statements:
         item = self.code[at]
         if not isinstance(item, s.Line) or item.statement is None:
             return "a block of moves"
-        text = f"`{reasons.text_of(item.statement, self.symbols.dialect)}`"
+        text = f"`{reasons.statement_text(item.statement, self.symbols.dialect)}`"
         if item.number is not None:
             return f"{item.number} {text}"
         if self.source is None or item.span is None:
@@ -232,14 +241,14 @@ class Statements:
         """Notes what a statement that stays as its text may call."""
         for part in nodes(statement):
             if isinstance(part, s.Target):
-                self.symbols.in_texts.add(place_name(part))
+                self.symbols.in_texts.add(target_name(part))
             elif isinstance(part, s.Variable):
                 self.symbols.in_texts.add(part.key)
 
     def note_dependence(self, statement: s.Statement) -> None:
         """Notes what a statement at hand, which stays as its text, depends on."""
         assert self.form is not None
-        if settings := depends(statement):
+        if settings := needed_settings(statement):
             self.depending.append((self.form, self.at, settings))
 
     def left(self, _: s.Command) -> list[p.Statement]:
@@ -271,21 +280,21 @@ class Statements:
     def command(self, node: s.Command) -> list[p.Statement]:
         count, lift = self.commands.get(node.keyword, (0, None))
         if lift is not None:
-            if node == BACK and self.region.answers == "GoSub":
+            if node == RETURN_TO_PROGRAM and self.region.answers == "GoSub":
                 return [p.Return()]
             if len(node.arguments) != count or None in node.arguments:
                 raise Unliftable
             return lift(self, node)
         arguments = node.arguments
-        if node.keyword == FORCED and self.expressions.m.telling:
+        if node.keyword == FORCED_COMMAND and self.expressions.m.telling:
             arguments = arguments[:1]  # without force and time, see `told.kept`
         called: Called[s.Expression] = Called(node.keyword, arguments)
-        said = ROWS.read(called, self.reading)
-        if said is None and node.keyword in HANDS and self.expressions.m.telling:
+        said = STATEMENT_ROWS.read(called, self.reading)
+        if said is None and node.keyword in HAND_COMMANDS and self.expressions.m.telling:
             match arguments:
                 case (number,) if number is not None and self.hand(number) is None:
                     given = self.expressions.rounded(number)
-                    return [p.Call(TOLD.format(node.keyword.upper()), (given,))]
+                    return [p.Call(VENDOR_ONLY_NAME.format(node.keyword.upper()), (given,))]
         if said is None:
             raise Unliftable
         return [said]
@@ -297,7 +306,7 @@ class Statements:
     def wait(self, node: s.Command) -> list[p.Statement]:
         (condition,) = node.arguments
         assert condition is not None
-        return [waits.awaited(condition, self.expressions)]
+        return [waits.wait_for(condition, self.expressions)]
 
     def end(self, _: s.Command) -> list[p.Statement]:
         """`End` ends a cycle of the main program; one that was called goes back to its caller."""
@@ -305,7 +314,7 @@ class Statements:
             return [p.Return()]
         if not self.region.is_first:
             if self.expressions.m.telling and self.region.function is None:
-                return [p.Call(ENDED)]
+                return [p.Call(VENDOR_ONLY_END)]
             raise Unliftable(
                 vendor_statements.ENDS_CYCLE if self.main else vendor_statements.NOT_FIRST
             )

@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic.lift.settings.followed import Followed, named
-from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
+from assistant.languages.melfa_basic.lift.settings.followed import Followed, mount_text
+from assistant.languages.melfa_basic.lift.settings.framed_targets import without_frame_product
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, JOINT, TCP, TOOL
 from assistant.languages.melfa_basic.lift.statements.arcs import circle_of, via_of
 from assistant.languages.melfa_basic.lift.statements.paths import (
     Runs,
     Values,
-    sayable,
-    speed_of,
-    stands,
+    are_known,
+    move_speed,
+    robot_place,
 )
-from assistant.languages.melfa_basic.lift.statements.triggers import triggers
+from assistant.languages.melfa_basic.lift.statements.triggers import lift_triggers
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.reasons import CIRCLE, TYPE
+from assistant.languages.melfa_basic.lift.values.reasons import FULL_CIRCLE, MOVE_TYPE
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.settings.flow import Computed
@@ -27,7 +27,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import FINE, Speed
 
-USUAL: Final = {
+USUAL_TYPES: Final = {
     word: (s.Number(int(word == "Mov")), s.Number(0))
     for word in ("Mov", "Mvs", "Mvr", "Mvr2", "Mvr3")
 }
@@ -42,7 +42,7 @@ class Moves:
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
         until = self.until(node.append)
-        on_way = () if until else triggers(node.append, self.expressions, self.runs)
+        on_way = () if until else lift_triggers(node.append, self.expressions, self.runs)
         made = self.plain(replace(node, append=None), values)
         if until is None and not on_way:
             return made
@@ -61,10 +61,10 @@ class Moves:
 
     def plain(self, node: s.Motion, values: Values) -> list[p.Statement]:
         """A move without what is appended to it."""
-        node, values = unframed(node, values, self.expressions.m.header)
-        if node.type and node.type != USUAL.get(node.keyword):
-            raise Unliftable(TYPE)
-        if not sayable(values, node.keyword == "Mov"):
+        node, values = without_frame_product(node, values, self.expressions.m.header)
+        if node.type and node.type != USUAL_TYPES.get(node.keyword):
+            raise Unliftable(MOVE_TYPE)
+        if not are_known(values, node.keyword == "Mov"):
             raise Unliftable(SETTINGS_DIFFER)
         match node.keyword, node.arguments:
             case ("Mov" | "Mvs") as word, (target,) if target is not None:
@@ -97,15 +97,15 @@ class Moves:
             raise Unliftable
         goal = self.expressions.plain(target)
         if distance is not None:
-            goal = _deep(goal, self.expressions.plain(distance))
+            goal = _along_tool(goal, self.expressions.plain(distance))
         else:
-            self.runs.previous = stands(target, values)
+            self.runs.previous = robot_place(target, values)
         return p.Move("joint" if joint else "linear", goal, self.motion(joint, values))
 
     def along(self, distance: s.Expression, values: Values) -> p.Statement:
         """From where the robot stands along the tool."""
         self.runs.arc_pending, self.runs.previous = False, None
-        goal = _deep(self.expressions.here("P_CURR"), self.expressions.plain(distance))
+        goal = _along_tool(self.expressions.here("P_CURR"), self.expressions.plain(distance))
         return p.Move("linear", goal, self.motion(False, values))
 
     def motion(self, joint: bool, values: Values) -> p.Motion:
@@ -115,13 +115,13 @@ class Moves:
             value = self._worked_out(speed)
             pace = p.ComputedSpeed(None, joint=value) if joint else p.ComputedSpeed(value)
         else:
-            pace = speed_of(values, joint)
+            pace = move_speed(values, joint)
         if isinstance(blend, Computed):
             blend = p.ComputedBlend(self._worked_out(blend))
         elif isinstance(blend, Followed):
             corner = self._worked_out(blend)
             blend = p.ComputedBlend(corner, e.Binary("<", corner, e.Number(0)))
-        return p.Motion(pace, blend, named(values[TOOL]), named(values[FRAME]))
+        return p.Motion(pace, blend, mount_text(values[TOOL]), mount_text(values[FRAME]))
 
     def _worked_out(self, setting: Computed | Followed) -> e.Expression:
         if isinstance(setting, Followed):
@@ -141,7 +141,7 @@ class Moves:
         if via is not None:
             made = p.MoveCircular(via, goal, motion)
         before = [] if here else [self.to("Mvs", start, None, values)]
-        self.runs.arc_pending, self.runs.previous = False, stands(end, values)
+        self.runs.arc_pending, self.runs.previous = False, robot_place(end, values)
         return [*before, made]
 
     def circle(
@@ -149,12 +149,12 @@ class Moves:
     ) -> list[p.Statement]:
         """A whole circle: two arcs, between which the robot does not stop."""
         if not self.expressions.m.telling:
-            raise Unliftable(CIRCLE)
+            raise Unliftable(FULL_CIRCLE)
         start, motion = points[0], self.motion(False, values)
         around, half, home, corner = circle_of(points, self.expressions.m)
         here = self.runs.is_here(start, values)
         before = [] if here else [self.to("Mvs", start, None, values)]
-        self.runs.arc_pending, self.runs.previous = False, stands(start, values)
+        self.runs.arc_pending, self.runs.previous = False, robot_place(start, values)
         passing = motion if motion.blend != FINE else replace(motion, blend=corner)
         return [
             *before,
@@ -163,5 +163,5 @@ class Moves:
         ]
 
 
-def _deep(goal: e.Expression, distance: e.Expression) -> e.Expression:
+def _along_tool(goal: e.Expression, distance: e.Expression) -> e.Expression:
     return e.Apply("relative", (goal, e.Number(0), e.Number(0), distance))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Ints, Rows, Truths
 from assistant.base.diagnostics import Span, span_over
-from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
+from assistant.languages.melfa_basic.lift.settings.framed_targets import without_frame_product
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
@@ -38,17 +38,18 @@ Values = tuple[Any, ...]
 Place = tuple[str, Any, Any]
 """Where the robot stands: a position variable (upper case), the tool and the frame."""
 
-One = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
+SingleMove = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
 """Makes the statements of a move that is part of no path."""
 
 
 MOST_TAUGHT: Final = 2000
 """Positions of a stem that people may have taught: each keeps its name, as a target of its own.
 More were written by a program, and are rows of paths."""
-_PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
+_PLAIN_KINDS: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 """Kinds of rows of a path by those of moves."""
-_ROWS: Final = {
-    word: path_kinds(np.array([kind == MVR]), _PLAIN[[kind]]) for kind, word in enumerate(KEYWORDS)
+_KEYWORD_ROWS: Final = {
+    word: path_kinds(np.array([kind == MVR]), _PLAIN_KINDS[[kind]])
+    for kind, word in enumerate(KEYWORDS)
 }
 """Word of a move → the kinds of its rows."""
 
@@ -64,18 +65,18 @@ class _Chunk:
     """(rows, 2) where the line of each is, counted from the begin of the span; None: all of it."""
 
 
-def sayable(values: Values, joint: bool) -> bool:
+def are_known(values: Values, joint: bool) -> bool:
     """Whether every setting is known that a move of that kind depends on."""
     return all(v is not UNKNOWN for k, v in enumerate(values) if k != (TCP if joint else JOINT))
 
 
-def fixed(values: Values, joint: bool) -> bool:
+def are_fixed(values: Values, joint: bool) -> bool:
     """Whether every setting that such a move depends on is one value, as in a path."""
     used = (v for k, v in enumerate(values) if k != (TCP if joint else JOINT))
-    return sayable(values, joint) and not any(isinstance(v, Computed) for v in used)
+    return are_known(values, joint) and not any(isinstance(v, Computed) for v in used)
 
 
-def speed_of(values: Values, joint: bool) -> Speed:
+def move_speed(values: Values, joint: bool) -> Speed:
     """The speed of a move; that of the tool says nothing of a joint move."""
     return Speed(math.inf, joint=values[JOINT]) if joint else Speed(values[TCP])
 
@@ -88,7 +89,9 @@ class Runs:
     from the robot. range: row of the heading's ranges that the path's last position is in.
     """
 
-    def __init__(self, symbols: Symbols, single: Mapping[str, Ints], own: bool, one: One) -> None:
+    def __init__(
+        self, symbols: Symbols, single: Mapping[str, Ints], own: bool, one: SingleMove
+    ) -> None:
         self.symbols, self.own, self.one = symbols, own, one
         self.previous: Place | None = None
         self.arc_pending = False
@@ -108,7 +111,7 @@ class Runs:
     def rows(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         """Moves in columns: runs of consecutive numbers go to the path, the rest one by one."""
         self.at = rows.span
-        known = all(fixed(values, joint) for joint in set((rows.kinds == MOV).tolist()))
+        known = all(are_fixed(values, joint) for joint in set((rows.kinds == MOV).tolist()))
         arc = rows.kinds == MVR
         first = np.where(arc, rows.via, rows.end)
         alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
@@ -122,7 +125,7 @@ class Runs:
         breaks[1:] |= apart[1:] | (ranges[1:] != ranges[:-1])
         for low, high in itertools.pairwise([*np.flatnonzero(breaks).tolist(), len(rows)]):
             for at in range(low, high):
-                kinds = path_kinds(arc[at:high], _PLAIN[rows.kinds[at:high]])
+                kinds = path_kinds(arc[at:high], _PLAIN_KINDS[rows.kinds[at:high]])
                 start = s.Variable(f"{rows.stem}{rows.start[at]}")
                 part = row_slice(rows, at, high)
                 self.at = part.span
@@ -145,16 +148,16 @@ class Runs:
         self, node: s.Motion, values: Values, span: Span | None, made: list[p.Statement]
     ) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
-        node, values = unframed(node, values, self.symbols.header)
-        if node.type or node.append or node.keyword not in _ROWS:
+        node, values = without_frame_product(node, values, self.symbols.header)
+        if node.type or node.append or node.keyword not in _KEYWORD_ROWS:
             return False
-        kinds, targets = _ROWS[node.keyword], node.arguments
+        kinds, targets = _KEYWORD_ROWS[node.keyword], node.arguments
         names = [name for name in map(split_name, targets[-len(kinds) :]) if name is not None]
         arc = len(kinds) == 2
         if len(targets) != 1 + 2 * arc or len(names) != len(kinds):
             return False
         (stem, first), (other, last) = names[0], names[-1]
-        if stem != other or last != first + arc or not fixed(values, kinds[0] == Kind.JOINT):
+        if stem != other or last != first + arc or not are_fixed(values, kinds[0] == Kind.JOINT):
             return False
         if arc and not self.own and not (self.chunks and first == self.last + 1):
             return False
@@ -164,7 +167,7 @@ class Runs:
 
     def is_here(self, start: s.Expression | None, values: Values) -> bool:
         """Whether the robot stands at the start of an arc."""
-        here = stands(start, values)
+        here = robot_place(start, values)
         if here is not None and here[0] == ARC_START and self.arc_pending:
             return True
         return here is not None and self.previous == here
@@ -194,7 +197,7 @@ class Runs:
         self.arc_pending = False
         self.last, self.range = last, ends
         self.chunks.append(_Chunk(kinds, values, span))
-        self.previous = place(f"{stem}{last}", values)
+        self.previous = place_at(f"{stem}{last}", values)
         return True
 
     # -------------------------------------------------------------------------- limits
@@ -240,7 +243,7 @@ class Runs:
 
         def motion(part: int, joint: bool) -> p.Motion:
             given = chunks[part].settings  # the percentage counts for joint moves only
-            return p.Motion(speed_of(given, joint), *given[2:])
+            return p.Motion(move_speed(given, joint), *given[2:])
 
         values, flags, _ = symbols.positions.find(self.stem, numbers)
         width = (
@@ -260,7 +263,7 @@ class Runs:
         if not self.own:
             path = replace(path, original=(self.stem, self.first))
         span = span_over(chunks[0].span, chunks[-1].span)
-        made.append(p.Follow(replace(path, places=_places(chunks)), span=span))
+        made.append(p.Follow(replace(path, places=_row_spans(chunks)), span=span))
 
     def name(self) -> str:
         (at,) = self.ranges_of(self.stem, np.array([self.first])).tolist()
@@ -278,7 +281,7 @@ class Runs:
         return made
 
 
-def _places(chunks: Sequence[_Chunk]) -> Rows | None:
+def _row_spans(chunks: Sequence[_Chunk]) -> Rows | None:
     """Spans of the rows of chunks, counted from the start of the first."""
     first, parts = chunks[0].span, list[Rows]()
     for chunk in chunks:
@@ -291,19 +294,19 @@ def _places(chunks: Sequence[_Chunk]) -> Rows | None:
     return np.concatenate(parts)
 
 
-def stands(at: s.Expression | None, values: Values) -> Place | None:
+def robot_place(at: s.Expression | None, values: Values) -> Place | None:
     """Where the robot stands at a position, None if that is no plain variable."""
     match at:
         case s.Variable(arguments=None):
-            return place(at.key, values)
+            return place_at(at.key, values)
     return None
 
 
-def place(name: str, values: Values) -> Place:
+def place_at(name: str, values: Values) -> Place:
     return name.upper(), values[TOOL], values[FRAME]
 
 
-def used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
+def positions_used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
     """By stem, the numbers of positions that the code mentions in one place only."""
     seen: dict[str, list[Ints]] = {}
     for item in code:
@@ -313,7 +316,7 @@ def used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
             parts = [item.end, item.via[arc], item.start[apart]]
             seen.setdefault(item.stem.upper(), []).append(np.concatenate(parts))
         elif isinstance(item, s.Line) and item.statement is not None:
-            for stem, number in _mentions(item.statement):
+            for stem, number in _mentioned_numbers(item.statement):
                 seen.setdefault(stem.upper(), []).append(np.array([number]))
     single: dict[str, Ints] = {}
     for stem, found in seen.items():
@@ -322,7 +325,7 @@ def used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
     return single
 
 
-def _mentions(node: Any) -> list[tuple[str, int]]:
+def _mentioned_numbers(node: Any) -> list[tuple[str, int]]:
     """Numbered variables of a statement; an arc's start is one with the end before it."""
     found: list[tuple[str, int]] = []
     if isinstance(node, s.Motion) and node.keyword == "Mvr" and len(node.arguments) == 3:

@@ -7,10 +7,17 @@ from typing import Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages import vendor_statements
-from assistant.languages.melfa_basic.lift.settings.followed import followed, named
-from assistant.languages.melfa_basic.lift.settings.held import FRAME, TCP, TOOL, set_by
+from assistant.languages.melfa_basic.lift.settings.followed import (
+    mount_text,
+    with_followed_settings,
+)
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, TCP, TOOL, setting_number
 from assistant.languages.melfa_basic.lift.statements import waits
-from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
+from assistant.languages.melfa_basic.lift.statements.control import (
+    COMMAND_LIFTS,
+    STATEMENT_LIFTS,
+    Control,
+)
 from assistant.languages.melfa_basic.lift.statements.paths import Values
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.tables.words import ARC_START
@@ -31,7 +38,7 @@ class Reader(Control):
     own_labels: those of the lines that are read, upper case → name.
     """
 
-    lifts, commands = LIFTS, COMMANDS
+    lifts, commands = STATEMENT_LIFTS, COMMAND_LIFTS
     names: PassLabels | None = None
     own_labels: Mapping[str, str]
 
@@ -80,7 +87,7 @@ class Reader(Control):
             high = one.places[-1] + 1
             made += self.statements(one.places[0], high)
             self.names.taken.update(self.label_names.values())
-            if _leaves(made) or one.falls is below:
+            if _never_continues(made) or one.falls is below:
                 continue
             if one.falls is not None:
                 made.append(p.Goto(self._label_at(one.falls)))
@@ -103,7 +110,7 @@ class Reader(Control):
     def ending(self, region: Region) -> list[p.Statement]:
         """What stands behind a body: the comment of its last word, a result that was kept."""
         made: list[p.Statement] = []
-        if region.high < len(self.code) and self.code[region.high].statement in ENDS:
+        if region.high < len(self.code) and self.code[region.high].statement in BODY_ENDS:
             made += self.note(region.high)
         for at in range(*region.behind):
             made += self.note(at)
@@ -140,9 +147,9 @@ class Reader(Control):
         self.at = at
         values = self.values
         self.symbols.placing = values[TOOL], values[FRAME]
-        told = followed(values, self.followed)
-        self.symbols.placing_told = named(told[TOOL]), named(told[FRAME])
-        self.symbols.speed = named(told[TCP])
+        told = with_followed_settings(values, self.followed)
+        self.symbols.placing_told = mount_text(told[TOOL]), mount_text(told[FRAME])
+        self.symbols.speed = mount_text(told[TCP])
         assert self.form is not None
         called = self.form.called.get(at, {}).items()
         functions = ((self.regions[callee].function, made.name) for callee, made in called)
@@ -163,10 +170,10 @@ class Reader(Control):
         if item.comment is not None:
             self.runs.flush(made)
             made.append(p.Comment(waits.comment_text(item.comment), span=item.span))
-        found = waits.waited(self.code, at, high, self.expressions, self.named)
+        found = waits.wait_at(self.code, at, high, self.expressions, self.named)
         if found is not None:
             self.runs.flush(made)
-            made.append(waits.spanned(found[0], item.span))
+            made.append(waits.with_span(found[0], item.span))
             return found[1]
         if item.label is not None:
             self.runs.flush(made)
@@ -198,14 +205,14 @@ class Reader(Control):
         """A statement that is no block, or its text."""
         if at in self.kept and not isinstance(node, s.If):
             told = self.expressions.told(lambda: self.simple(node))
-            lost = told is None and set_by(node) in self.followed
+            lost = told is None and setting_number(node) in self.followed
             reason = None if lost else vendor_statements.DEPENDED_ON
             lifted: list[p.Statement] = [self.opaque(node, reason, told or ())]
         else:
             lifted = self.or_text(node, lambda: self.simple(node), self.refused.get(at))
-        if not isinstance(node, s.Motion) and _has_verbatim(lifted):
+        if not isinstance(node, s.Motion) and _has_vendor_expression(lifted):
             self.note_dependence(node)
-        return [waits.spanned(statement, span) for statement in lifted]
+        return [waits.with_span(statement, span) for statement in lifted]
 
     # ------------------------------------------------------------------------- functions
 
@@ -229,14 +236,14 @@ class Reader(Control):
         return after
 
 
-ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
+BODY_ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
 
 
-def _has_verbatim(statements: list[p.Statement]) -> bool:
+def _has_vendor_expression(statements: list[p.Statement]) -> bool:
     return any(isinstance(part, e.Verbatim) for node in statements for part in records(head(node)))
 
 
-def _leaves(body: list[p.Statement]) -> bool:
+def _never_continues(body: list[p.Statement]) -> bool:
     """Whether nothing runs on below the last statement."""
     last = next((node for node in reversed(body) if not isinstance(node, p.Comment)), None)
     if isinstance(last, p.Opaque):

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.melfa_basic.lift.statements.data import assign
+from assistant.languages.melfa_basic.lift.statements.data import lift_assignment
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
-from assistant.languages.melfa_basic.tables.triggers import PLACES
+from assistant.languages.melfa_basic.tables.triggers import TRIGGER_MEASURES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.trigger_positions import is_steady
 
-_PLACES: Final = {name.upper(): place for name, place in PLACES.items()}
-_TURNED: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}
+_MEASURES: Final = {name.upper(): place for name, place in TRIGGER_MEASURES.items()}
+_TURNED_COMPARISONS: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}
 
 
-def triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
+def lift_triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
     """What a move sets on its way; raises Unliftable for anything but a number given to outputs."""
     if append is None:
         return ()
     if not isinstance(append.statement, s.Assign):
         raise Unliftable
-    measure, amount = _place(append.condition, lift)
-    match assign(append.statement, lift, runs):
+    measure, amount = _trigger_place(append.condition, lift)
+    match lift_assignment(append.statement, lift, runs):
         case [p.SetSignal(signal, e.Number() as value, (None | e.Number()) as pulse)] if (
             pulse is None or append.condition is None
         ):
@@ -34,14 +34,20 @@ def triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.
     raise Unliftable
 
 
-def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure, e.Expression]:
+def _trigger_place(
+    condition: s.Expression | None, lift: Expressions
+) -> tuple[p.Measure, e.Expression]:
     match condition:
         case None:
             return "start", e.Number(0)
-        case s.Binary(operator, left, place) if _is_place(place) and not _is_place(left):
-            return _place(s.Binary(_TURNED.get(operator, ""), place, left), lift)
+        case s.Binary(operator, left, place) if _is_measured_place(
+            place
+        ) and not _is_measured_place(left):
+            return _trigger_place(
+                s.Binary(_TURNED_COMPARISONS.get(operator, ""), place, left), lift
+            )
         case s.Binary(operator, s.Variable(arguments=None, component="") as place, bound):
-            measure, reached = _PLACES.get(place.key, (None, ""))
+            measure, reached = _MEASURES.get(place.key, (None, ""))
             amount = lift.of(bound)
             if measure is not None and operator[:1] == reached[:1] and _is_steady(bound, amount):
                 return measure, amount
@@ -54,5 +60,5 @@ def _is_steady(bound: s.Expression, amount: e.Expression) -> bool:
     return is_steady(amount) and not any(key.startswith("M_") for key in read)
 
 
-def _is_place(x: s.Expression) -> bool:
-    return isinstance(x, s.Variable) and x.key in _PLACES
+def _is_measured_place(x: s.Expression) -> bool:
+    return isinstance(x, s.Variable) and x.key in _MEASURES

@@ -13,17 +13,17 @@ from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import seconds_of
 from assistant.languages.melfa_basic.tree import jumping
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.timers import timer_of
+from assistant.languages.melfa_basic.tree.timers import timer_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
 T = TypeVar("T", bound=p.Spanned)
 
-TIMED_OUT: Final = 9100
+TIMEOUT_ERROR: Final = 9100
 """The error of a wait that took too long."""
 
 
-def spanned(statement: T, span: Span | None) -> T:
+def with_span(statement: T, span: Span | None) -> T:
     """The statement as one that stood there, if it does not know where it stood."""
     return statement if statement.span is not None else replace(statement, span=span)
 
@@ -33,7 +33,7 @@ def comment_text(comment: str) -> str:
     return comment[1:].strip() if comment.startswith("'") else comment[3:].strip()
 
 
-def waited(
+def wait_at(
     code: Code, at: int, high: int, lift: Expressions, named: Mapping[str, int]
 ) -> tuple[p.Statement, int] | None:
     """A wait that begins at a line, and the line after it; None for anything else.
@@ -42,7 +42,7 @@ def waited(
     """
     if not isinstance(first := code[at], s.Line) or not _may_wait(first):
         return None
-    for count, wait in ((6, _timed), (3, _endless)):
+    for count, wait in ((6, _timed_wait), (3, _endless_wait)):
         lines = code[at : min(at + count, high)]
         if any(line.comment is not None for line in lines):
             continue  # a comment among them has its place
@@ -59,16 +59,16 @@ def waited(
 
 
 def _may_wait(line: s.Line) -> bool:
-    timer = isinstance(line.statement, s.Assign) and timer_of(line.statement.target) is not None
-    return timer or (line.label is not None and bool(jumping.WAIT.fullmatch(line.label)))
+    timer = isinstance(line.statement, s.Assign) and timer_number(line.statement.target) is not None
+    return timer or (line.label is not None and bool(jumping.WAIT_LABEL.fullmatch(line.label)))
 
 
-def _endless(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
-    found = jumping.waited(lines)
-    return None if found is None else awaited(found[1], lift)
+def _endless_wait(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
+    found = jumping.read_waiting_loop(lines)
+    return None if found is None else wait_for(found[1], lift)
 
 
-def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
+def _timed_wait(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
     """`M_TIMER(1)=0`, `*W1`, `If condition Then *W1Z`, `If M_TIMER(1)<ms Then *W1`,
     `Error 9100`, `*W1Z`.
     """
@@ -84,18 +84,18 @@ def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
             s.Line(label=None, statement=s.Command("Error", (s.Number(number),))),
             s.Line(label=str() as last, statement=None),
         ) if (
-            jumping.WAIT.fullmatch(name)
+            jumping.WAIT_LABEL.fullmatch(name)
             and again == name
             and out == last == name + "Z"
-            and number == TIMED_OUT
-            and timer_of(timer)
-            and timer_of(timer) == timer_of(clock)
+            and number == TIMEOUT_ERROR
+            and timer_number(timer)
+            and timer_number(timer) == timer_number(clock)
         ):
-            return awaited(condition, lift, _seconds(most, lift))
+            return wait_for(condition, lift, _timeout_seconds(most, lift))
     return None
 
 
-def _seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:
+def _timeout_seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:
     match milliseconds:
         case s.Number(value=value):
             return seconds_of(value)
@@ -104,7 +104,7 @@ def _seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:
     raise Unliftable
 
 
-def awaited(
+def wait_for(
     condition: s.Expression, lift: Expressions, timeout: e.Expression | None = None
 ) -> p.Statement:
     """Until a signal has a value, or until any other condition holds."""

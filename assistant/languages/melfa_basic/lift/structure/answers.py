@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.languages.melfa_basic.lift.structure.regions import place_name
+from assistant.languages.melfa_basic.lift.structure.regions import target_name
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 
@@ -19,10 +19,12 @@ _BACK: Final = s.Command("Return", (s.Number(0),))
 _END: Final = s.Command("End")
 
 
-def without_answers(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
+def without_trampolines(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
     """The lines of a program that was written here without those, and what they call."""
     wanted = {
-        place_name(node.target) for item in code if isinstance(node := statement_of(item), s.DefAct)
+        target_name(node.target)
+        for item in code
+        if isinstance(node := statement_of(item), s.DefAct)
     }
     if not wanted:
         return code, {}
@@ -31,19 +33,21 @@ def without_answers(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
     at = 0
     while at < len(code):
         label = code[at].label
-        after, answer = _answer(code, at + 1) if label and label.upper() in wanted else (0, None)
+        after, answer = (
+            _trampoline(code, at + 1) if label and label.upper() in wanted else (0, None)
+        )
         if label is None or answer is None:
             left.append(code[at])
             at += 1
             continue
         found[label.upper()] = answer
         at = after
-        if at < len(code) and statement_of(code[at]) == s.Command("FEnd") and _ends(left):
+        if at < len(code) and statement_of(code[at]) == s.Command("FEnd") and _ends_program(left):
             left.pop()
     return left, found
 
 
-def _answer(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
+def _trampoline(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
     """The call of the lines below a label, and the place behind them."""
     lines = [statement_of(item) for item in code[at : at + 5]]
     shut = bool(lines) and lines[0] == _SHUT
@@ -63,5 +67,5 @@ def _answer(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
     return (end + 1, (call, ends)) if rest and rest[0] == _BACK else (0, None)
 
 
-def _ends(code: list[s.Entry]) -> bool:
+def _ends_program(code: list[s.Entry]) -> bool:
     return bool(code) and code[-1].label is None and statement_of(code[-1]) == _END

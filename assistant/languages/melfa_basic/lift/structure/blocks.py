@@ -29,7 +29,8 @@ class Structure:
         self.places = {
             at: places
             for at, (name, places) in jumping
-            if getattr(code[at], "comment", None) is None and _is_closed(name, places, named)
+            if getattr(code[at], "comment", None) is None
+            and _has_no_other_jumps(name, places, named)
         } | {
             block.first: block.words
             for block in self.blocks.all
@@ -42,7 +43,7 @@ class Structure:
         self.depth = list(itertools.accumulate(change[:-1]))
 
 
-def _is_closed(name: str, places: Sequence[int], named: Mapping[str, int]) -> bool:
+def _has_no_other_jumps(name: str, places: Sequence[int], named: Mapping[str, int]) -> bool:
     """Whether no other jumps lead into an `If` of jumps. named: how often labels are, by label."""
     branches = len(places) // 3
     numbers = range(1, branches + 1)
@@ -50,7 +51,7 @@ def _is_closed(name: str, places: Sequence[int], named: Mapping[str, int]) -> bo
     return all(named[label] == 1 for label in inner) and named[name + "Z"] == branches
 
 
-def is_command(item: s.Entry, keyword: str) -> bool:
+def is_lone_command(item: s.Entry, keyword: str) -> bool:
     """Whether a line is that word alone."""
     return item.label is None and item.statement == s.Command(keyword)
 

@@ -13,12 +13,12 @@ from typing import Final
 
 from assistant.languages.melfa_basic.lift.structure.blocks import Structure
 from assistant.languages.melfa_basic.lift.structure.regions import (
-    called,
+    called_labels,
     goes_on_above,
-    handlers,
+    interrupt_handlers,
     is_note,
-    jumps,
-    regions,
+    jump_targets,
+    procedure_regions,
     unused_subroutines,
 )
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -36,13 +36,13 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     """
     if any(isinstance(statement_of(item), s.Function) for item in code):
         return code
-    edges = _edges(code)
+    edges = _run_edges(code)
     spans = list(itertools.starmap(range, itertools.pairwise(edges)))
-    whole = _joined(code, spans)
+    whole = _joined_runs(code, spans)
     main = whole[0]
     if [k for k, part in enumerate(whole) if part == main] == list(range(whole.count(main))):
         return code
-    wanted = called(code) | set(handlers(code))
+    wanted = called_labels(code) | set(interrupt_handlers(code))
     calls = [not wanted.isdisjoint(labels_of(code, span)) for span in spans]
     subroutines = {part for part, is_called in zip(whole, calls, strict=True) if is_called}
 
@@ -55,22 +55,22 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     return [code[at] for k in ordered for at in spans[k]]
 
 
-def _edges(code: list[s.Entry]) -> list[int]:
+def _run_edges(code: list[s.Entry]) -> list[int]:
     """Where runs of lines begin that nothing runs into from above, and the end."""
     depth = Structure(code).depth
-    inner = (at for at in range(1, len(code)) if not depth[at] and _begins(code, at))
+    inner = (at for at in range(1, len(code)) if not depth[at] and _run_begin(code, at))
     return [0, *inner, len(code)]
 
 
-def _begins(code: list[s.Entry], at: int) -> bool:
+def _run_begin(code: list[s.Entry], at: int) -> bool:
     """Comments stay with the lines below them."""
     return statement_of(code[at - 1]) is not None and not goes_on_above(code, at)
 
 
-def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
+def _joined_runs(code: list[s.Entry], spans: list[range]) -> list[int]:
     """By run, the first of those that jumps join with it."""
     home = {name: k for k, span in enumerate(spans) for name in labels_of(code, span)}
-    joined, answering = list(range(len(spans))), handlers(code)
+    joined, answering = list(range(len(spans))), interrupt_handlers(code)
 
     def first(k: int) -> int:
         while joined[k] != k:
@@ -79,7 +79,7 @@ def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
         return k
 
     for k, span in enumerate(spans):
-        for name in jumps(code, span, answering):
+        for name in jump_targets(code, span, answering):
             if name in home:
                 one, two = sorted((first(k), first(home[name])))
                 joined[two] = one
@@ -94,9 +94,9 @@ def separated(code: list[s.Entry]) -> list[s.Entry]:
     """
     if any(isinstance(statement_of(item), s.Function) for item in code):
         return code
-    wanted = called(code)
+    wanted = called_labels(code)
     structure = Structure(code)
-    found = regions(code, structure.depth, {}, False)
+    found = procedure_regions(code, structure.depth, {}, False)
     if not wanted - {region.label for region in found}:
         return code
     return _Separating(code, structure, wanted).lines()
@@ -109,7 +109,7 @@ class _Separating:
         self.code, self.blocks = code, structure.blocks
         self.graph = graph_of(code, range(len(code)), structure.blocks)
         places = labels_of(code)
-        answering = {name for name, word in handlers(code).items() if word == "GoSub"}
+        answering = {name for name, word in interrupt_handlers(code).items() if word == "GoSub"}
         unused = unused_subroutines(code, structure.depth)
         begun = wanted | answering | unused
         starts = sorted({places[name] for name in begun if name in places} - {0})
@@ -225,11 +225,11 @@ class _Separating:
         if not isinstance(item, s.Line):
             return item
         label = item.label and names.get(item.label.upper(), item.label)
-        statement = item.statement and _led(item.statement, names)
+        statement = item.statement and _with_new_labels(item.statement, names)
         return replace(item, label=label, statement=statement)
 
 
-def _led(node: s.Statement, names: dict[str, str]) -> s.Statement:
+def _with_new_labels(node: s.Statement, names: dict[str, str]) -> s.Statement:
     """A statement with its jumps to the new names of labels; what it calls has kept its own."""
 
     def to(target: s.Target) -> s.Target:
@@ -242,7 +242,7 @@ def _led(node: s.Statement, names: dict[str, str]) -> s.Statement:
             return replace(node, targets=tuple(one and to(one) for one in targets))
         case s.If(then=then, otherwise=otherwise):
             made = (
-                to(x) if isinstance(x, s.Target) else x and _led(x, names)
+                to(x) if isinstance(x, s.Target) else x and _with_new_labels(x, names)
                 for x in (then, otherwise)
             )
             yes, no = made

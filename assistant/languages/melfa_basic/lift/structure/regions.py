@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from assistant.languages.line_blocks import Exits
-from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
+from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_lone_command
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of, statement_of
 from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
@@ -50,81 +50,90 @@ NOWHERE = (-1, -1)
 """`before` of a function that is not the main one."""
 
 
-def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: bool) -> list[Region]:
+def procedure_regions(
+    code: Code, depth: Sequence[int], named: Mapping[str, str], own: bool
+) -> list[Region]:
     """The procedures of a file, the one that runs first before the others."""
-    found = _functions(code)
+    found = _function_regions(code)
     if found is not None:
         return found
-    answering = {} if own else handlers(code)
+    answering = {} if own else interrupt_handlers(code)
     unused = set() if own else unused_subroutines(code, depth)
-    starts = _starts(code, depth, named, own, answering, unused)
+    starts = _procedure_starts(code, depth, named, own, answering, unused)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
     made = []
     for i, (start, label) in enumerate(edges):
         stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
-        if label is None or label in set(jumps(code, range(start, stop))):
-            made.append(_trimmed(code, start, stop, label))
+        if label is None or label in set(jump_targets(code, range(start, stop))):
+            made.append(_without_end(code, start, stop, label))
         else:
-            made.append(replace(_trimmed(code, start + 1, stop, label), notes=(start, start + 1)))
+            made.append(
+                replace(_without_end(code, start + 1, stop, label), notes=(start, start + 1))
+            )
     return [
         replace(one, answers=answering.get(one.label or "", ""), unused=one.label in unused)
         for one in made
     ]
 
 
-def _trimmed(code: Code, low: int, high: int, label: str | None) -> Region:
+def _without_end(code: Code, low: int, high: int, label: str | None) -> Region:
     """Without the `End` or `Return` that it ends with."""
     stop = high
     while stop > low and is_blank(code[stop - 1]):
         stop -= 1
-    if stop > low and is_command(code[stop - 1], "End" if label is None else "Return"):
+    if stop > low and is_lone_command(code[stop - 1], "End" if label is None else "Return"):
         stop -= 1
     return Region(low, stop, label)
 
 
-BACK: Final = s.Command("Return", (s.Number(0),))
+RETURN_TO_PROGRAM: Final = s.Command("Return", (s.Number(0),))
 """Goes on with what an interrupt came in."""
 _END: Final = s.Command("End")
 
 
-def handlers(code: Code) -> dict[str, str]:
+def interrupt_handlers(code: Code) -> dict[str, str]:
     """What interrupts lead to, by label, with their word: lines that only they lead to.
 
     What they call goes back to where it came by `Return 0` alone; what they go to ends the program.
     """
-    calls, found = called(code), dict[str, str]()
+    calls, found = called_labels(code), dict[str, str]()
     for item in code:
-        if isinstance(node := statement_of(item), s.DefAct) and node.stop.upper() in STOPS:
-            label = place_name(node.target)
+        if isinstance(node := statement_of(item), s.DefAct) and node.stop.upper() in STOP_WORDS:
+            label = target_name(node.target)
             found[label] = node.keyword if found.get(label, node.keyword) == node.keyword else ""
     labels = labels_of(code)
     return {
         label: word
         for label, word in found.items()
-        if word and label in labels and label not in calls and _leaves(code, labels[label], word)
+        if word
+        and label in labels
+        and label not in calls
+        and _ends_as_handler(code, labels[label], word)
     }
 
 
-FATAL: Final = range(9000, 9200)
+FATAL_ERRORS: Final = range(9000, 9200)
 """Errors of the program's own that end it (COSIROP: ERROR)."""
-STOPS: Final = ("", "S", "F")
+STOP_WORDS: Final = ("", "S", "F")
 """Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT; F of the force sensor)."""
 
 
-def _leaves(code: Code, at: int, word: str) -> bool:
+def _ends_as_handler(code: Code, at: int, word: str) -> bool:
     """Whether the lines from a label on end as what an interrupt leads to has to."""
-    last = BACK if word == "GoSub" else _END
+    last = RETURN_TO_PROGRAM if word == "GoSub" else _END
     for item in code[at:]:
         node = statement_of(item)
         match node:
             case s.Command("Return" | "End"):
                 return node == last
-            case s.Command("Error", (s.Number(number),)) if FATAL.start <= number < FATAL.stop:
+            case s.Command("Error", (s.Number(number),)) if (
+                FATAL_ERRORS.start <= number < FATAL_ERRORS.stop
+            ):
                 return word == "GoTo"
     return False
 
 
-def _functions(code: Code) -> list[Region] | None:
+def _function_regions(code: Code) -> list[Region] | None:
     """Functions and the lines above them; None if there are none, or not in order."""
     spans: list[tuple[int, int, s.Function]] = []
     head: tuple[int, s.Function] | None = None
@@ -148,9 +157,9 @@ def _functions(code: Code) -> list[Region] | None:
             return None
         notes.append((above, start))
         above = end + 1
-    if not all(is_note(item) or is_command(item, "End") for item in code[above:]):
+    if not all(is_note(item) or is_lone_command(item, "End") for item in code[above:]):
         return None
-    prefix = _prefix(code, spans[0][0])
+    prefix = _comments_above(code, spans[0][0])
     notes[0] = prefix, spans[0][0]
     main = next((k for k, (_, _, f) in enumerate(spans) if f.name.upper() == "MAIN"), None)
     made = [
@@ -167,7 +176,7 @@ def is_note(item: object) -> bool:
     return isinstance(item, s.Line) and item.statement is None and item.label is None
 
 
-def _prefix(code: Code, first: int) -> int:
+def _comments_above(code: Code, first: int) -> int:
     """Where the comments begin that stand right above the first function."""
     while first and is_note(code[first - 1]):
         first -= 1
@@ -177,7 +186,7 @@ def _prefix(code: Code, first: int) -> int:
 # ------------------------------------------------------------------------------ subroutines
 
 
-def _starts(
+def _procedure_starts(
     code: Code,
     depth: Sequence[int],
     named: Mapping[str, str],
@@ -190,7 +199,7 @@ def _starts(
     Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
     runs into it from above, and no jump leads in or out. unused: see `unused_subroutines`.
     """
-    wanted = set(named) if own else called(code) | set(answering) | unused
+    wanted = set(named) if own else called_labels(code) | set(answering) | unused
     starts: list[tuple[int, str]] = []
     for at, item in enumerate(code):
         if item.label is None or depth[at]:
@@ -219,7 +228,7 @@ def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
     above = set[str]()  # what lines above jump to
     for at, item in enumerate(code):
         if at:
-            above.update(jumps(code, (at - 1,)))
+            above.update(jump_targets(code, (at - 1,)))
         label = "" if item.label is None else item.label.upper()
         if not label or depth[at] or at in live or label.startswith(_CALLED_FROM_ELSEWHERE):
             continue
@@ -242,7 +251,7 @@ def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
         inside = [labels_of(code, span) for span in spans]
         bad: set[int] = set()
         for k, span in enumerate(spans):
-            for name in (place_name(to) for at in span for to in _exits(code, at).jumps):
+            for name in (target_name(to) for at in span for to in _exits(code, at).jumps):
                 other = next((j for j, labels in enumerate(inside) if name in labels), k)
                 if other != k:
                     bad |= {j for j in (other, k) if j}
@@ -256,33 +265,33 @@ def _exits(code: Code, at: int) -> Exits[s.Target]:
     return exits_of(statement_of(code[at]))
 
 
-def called(code: Code) -> set[str]:
+def called_labels(code: Code) -> set[str]:
     """What `GoSub` statements name."""
-    return {place_name(to) for item in code for to in exits_of(statement_of(item)).calls}
+    return {target_name(to) for item in code for to in exits_of(statement_of(item)).calls}
 
 
-def jumps(code: Code, places: Iterable[int], besides: Collection[str] = ()) -> Iterator[str]:
+def jump_targets(code: Code, places: Iterable[int], besides: Collection[str] = ()) -> Iterator[str]:
     """What statements of some lines go to, and interrupts because of them.
 
     besides: labels that interrupts may lead to.
     """
     for at in places:
         exits = exits_of(statement_of(code[at]))
-        yield from map(place_name, exits.jumps)
+        yield from map(target_name, exits.jumps)
         yield from (
-            to for to in (place_name(one) for one, _ in exits.handlers) if to not in besides
+            to for to in (target_name(one) for one, _ in exits.handlers) if to not in besides
         )
 
 
 def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
     """Labels that are reached by interrupts, or by calls of what is no procedure."""
     interrupts = (to for item in code for to, _ in exits_of(statement_of(item)).handlers)
-    odd = called(code) - {region.label for region in regions if region.label is not None}
+    odd = called_labels(code) - {region.label for region in regions if region.label is not None}
     answering = {region.label for region in regions if region.answers}
-    return odd | (set(map(place_name, interrupts)) - answering)
+    return odd | (set(map(target_name, interrupts)) - answering)
 
 
-def place_name(target: s.Target) -> str:
+def target_name(target: s.Target) -> str:
     """How a jump's target is told from others: the label in upper case, or `#` and the step."""
     place = target.place
     return place.upper() if isinstance(place, str) else f"#{place}"

@@ -6,13 +6,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.tables.variables import MARKED, VALUES
+from assistant.languages.melfa_basic.tables.variables import MARK_VALUE_TYPES, VALUE_TYPES
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import declarations, nodes
 from assistant.program.program import ValueType
 
-LETTERS: Final[dict[str, ValueType]] = {"P": "position", "J": "joints", "C": "text", "M": "number"}
+LETTER_TYPES: Final[dict[str, ValueType]] = {
+    "P": "position",
+    "J": "joints",
+    "C": "text",
+    "M": "number",
+}
 """Types by the first letter of a name; any other letter is a number's."""
 
 
@@ -39,27 +44,27 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
     for item in items:
         if item.statement is None:
             continue
-        _declare(scope, item.statement)
+        _declare_variables(scope, item.statement)
         for node in nodes(item.statement):
             if isinstance(node, s.Variable) and node.key not in own and is_variable(node):
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:
-                    marked.setdefault(node.key, MARKED[node.suffix])
+                    marked.setdefault(node.key, MARK_VALUE_TYPES[node.suffix])
     scope.types = {**marked, **scope.types}
     return scope
 
 
-def _declare(scope: Scope, statement: s.Statement) -> None:
+def _declare_variables(scope: Scope, statement: s.Statement) -> None:
     for variable, word in declarations(statement):
-        if word in VALUES:
-            scope.types[variable.key] = VALUES[word]
-        if word in VALUES or not word:
-            _size(scope, variable)
+        if word in VALUE_TYPES:
+            scope.types[variable.key] = VALUE_TYPES[word]
+        if word in VALUE_TYPES or not word:
+            _set_size(scope, variable)
         if isinstance(statement, s.Static):
             scope.static.add(variable.key)
 
 
-def _size(scope: Scope, variable: s.Variable) -> None:
+def _set_size(scope: Scope, variable: s.Variable) -> None:
     size = tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
     if size and len(size) == len(variable.arguments or ()):
         scope.sizes[variable.key] = size
@@ -76,10 +81,10 @@ def letter_type(key: str) -> ValueType:
     """The type of a variable that is declared nowhere; texts have a `$`, but for external ones."""
     if key[:1] == "C" and key[1:2] != "_":
         return "number"
-    return LETTERS.get(key[:1], "number")
+    return LETTER_TYPES.get(key[:1], "number")
 
 
-def all_keys(items: Sequence[s.Entry]) -> Iterator[str]:
+def variable_keys(items: Sequence[s.Entry]) -> Iterator[str]:
     """Upper-case names of all variables in some lines."""
     for item in items:
         statement: Any = item.statement if isinstance(item, s.Line) else None

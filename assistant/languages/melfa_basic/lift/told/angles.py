@@ -48,13 +48,13 @@ from assistant.program.rewriting import (
 )
 from assistant.program.statement_index import records_in_procedures
 
-SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
+ANGLE_SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
 """What a number beside a position is called behind the position's name."""
-NEAR: Final = 1e-9
-Key = tuple[str, str]
+SAME_ANGLE: Final = 1e-9
+PositionKey = tuple[str, str]
 """A position variable: the procedure whose own it is, empty for the program's, and its name, both
 in lower case."""
-Three = tuple[e.Expression, e.Expression, e.Expression]
+ThreeAngles = tuple[e.Expression, e.Expression, e.Expression]
 
 
 def with_angles_beside(program: Program, findings: Findings) -> Program:
@@ -63,17 +63,17 @@ def with_angles_beside(program: Program, findings: Findings) -> Program:
         one.function == "oriented" for one in records_in_procedures(program, e.Apply)
     ):
         return program
-    work = _Work(program, findings)
+    work = _AngleNumbers(program, findings)
     work.find()
     return work.done()
 
 
 def _is_angle(record: Any) -> bool:
-    return isinstance(record, e.Member) and record.field.lower() in SUFFIXES
+    return isinstance(record, e.Member) and record.field.lower() in ANGLE_SUFFIXES
 
 
 @dataclass
-class _Work:
+class _AngleNumbers:
     """beside: by position the names of its three numbers. taken: names that are not free.
 
     indices: variables of indices that are worked out once.
@@ -81,7 +81,7 @@ class _Work:
 
     program: Program
     findings: Findings
-    beside: dict[Key, tuple[str, str, str]] = field(default_factory=dict)
+    beside: dict[PositionKey, tuple[str, str, str]] = field(default_factory=dict)
     owner: Procedure | None = None
     taken: TakenNames = field(default_factory=TakenNames)
     indices: list[str] = field(default_factory=list)
@@ -94,11 +94,11 @@ class _Work:
 
     def find(self) -> None:
         """Notes the positions whose angles count, and those whose angles these take over."""
-        wanted: set[Key] = set()
-        copied: dict[Key, set[Key]] = {}
+        wanted: set[PositionKey] = set()
+        copied: dict[PositionKey, set[PositionKey]] = {}
         for procedure in self.program.procedures:
             self.owner = procedure
-            for group in _groups(procedure.body):
+            for group in _angle_groups(procedure.body):
                 wanted |= self._strong(group)
             for node in walk(procedure.body):
                 if isinstance(node, p.Assign) and (key := self.key(node.target)) is not None:
@@ -114,22 +114,24 @@ class _Work:
         self.taken = TakenNames(declared(self.program))
         for key in sorted(wanted):
             name = self.variable(key)[0]
-            three = [identifier(f"{name}_{letter}", self.taken) for letter in SUFFIXES.values()]
+            three = [
+                identifier(f"{name}_{letter}", self.taken) for letter in ANGLE_SUFFIXES.values()
+            ]
             self.taken.update(three)
             self.beside[key] = (three[0], three[1], three[2])
 
-    def _strong(self, group: tuple[p.Statement, ...]) -> set[Key]:
+    def _strong(self, group: tuple[p.Statement, ...]) -> set[PositionKey]:
         """Positions whose angles a statement, or sets that stand together, read or need."""
         sets = [node for node in group if isinstance(node, p.Assign)]
         fields = {node.target.field.lower() for node in sets if isinstance(node.target, e.Member)}
-        whole = fields == set(SUFFIXES)
-        found: set[Key] = set()
+        whole = fields == set(ANGLE_SUFFIXES)
+        found: set[PositionKey] = set()
         for node in group:
             skipped: list[e.Expression] = []
-            if len(group) > 1 or _is_set(node):
+            if len(group) > 1 or _sets_angle(node):
                 assert isinstance(node, p.Assign)
                 key = self.key(node.target)
-                turns = _turned_on(node)
+                turns = _turning(node)
                 if turns is not None:
                     skipped = [node.target, turns]
                 elif whole:
@@ -142,7 +144,7 @@ class _Work:
                         found.add(key)
         return found
 
-    def _sources(self, value: e.Expression) -> Iterator[Key | None]:
+    def _sources(self, value: e.Expression) -> Iterator[PositionKey | None]:
         match value:
             case e.Apply("offset", (inner, *_)):
                 yield from self._sources(inner)
@@ -153,7 +155,7 @@ class _Work:
 
     # --------------------------------------------------------------------------- variables
 
-    def key(self, place: Any) -> Key | None:
+    def key(self, place: Any) -> PositionKey | None:
         """The position variable or target that a place is, or is a component of."""
         name = base_variable(place)
         if not name:
@@ -166,10 +168,10 @@ class _Work:
             return owner.name.lower(), name
         return "", name
 
-    def is_variable(self, key: Key) -> bool:
+    def is_variable(self, key: PositionKey) -> bool:
         return key[0] != "" or any(key[1] == name.lower() for name in self.program.variables)
 
-    def variable(self, key: Key) -> tuple[str, Variable | None]:
+    def variable(self, key: PositionKey) -> tuple[str, Variable | None]:
         """A position variable as it is spelled and declared; None for a parameter."""
         tables: list[Mapping[str, Variable]] = [self.program.variables]
         if key[0]:
@@ -211,7 +213,7 @@ class _Work:
                 )
         return found
 
-    def _first(self, name: str, variable: Variable) -> Three | None:
+    def _first(self, name: str, variable: Variable) -> ThreeAngles | None:
         """The first values of the numbers beside a variable."""
         match variable.initial:
             case None:
@@ -224,7 +226,7 @@ class _Work:
         self.refuse(name, "the values that it begins with are not known one by one")
         return None
 
-    def _element(self, name: str, at: int, value: e.Expression) -> Three:
+    def _element(self, name: str, at: int, value: e.Expression) -> ThreeAngles:
         if isinstance(value, e.TargetValue):
             return self.raw(value.target.pose, name, (at,))
         return (e.Number(0), e.Number(0), e.Number(0))  # nothing was taught there
@@ -240,17 +242,17 @@ class _Work:
         if isinstance(node, p.Assign):
             indices, node = self.indexed_once(node)
             yield from indices
-        node = map_head(node, self.read) if not _is_set(node) else node
+        node = map_head(node, self.read) if not _sets_angle(node) else node
         match node:
-            case p.Assign(e.Member(place, part), value) if _is_set(node):
+            case p.Assign(e.Member(place, part), value) if _sets_angle(node):
                 key = self.key(place)
                 value = map_expressions(value, self.read)
                 if key is None or key not in self.beside:
                     yield replace(node, value=value)
                     return
-                own = dict(zip(SUFFIXES, self.numbers(place, key), strict=True))
+                own = dict(zip(ANGLE_SUFFIXES, self.numbers(place, key), strict=True))
                 yield p.Assign(own[part.lower()], value, span=node.span)
-                if _place(after) != place:
+                if _position_set(after) != place:
                     angles = {**own, part.lower(): _within_turn(value, own[part.lower()])}
                     turned = e.Apply("oriented", (place, *angles.values()))
                     yield p.Assign(place, turned, span=node.span)
@@ -279,7 +281,7 @@ class _Work:
             if one != angle:
                 yield p.Assign(one, angle, span=node.span)
 
-    def angles(self, value: e.Expression, place: e.Expression) -> Three | None:
+    def angles(self, value: e.Expression, place: e.Expression) -> ThreeAngles | None:
         """The angles of a value as they are stored, once it is assigned to a place."""
         match value:
             case e.Apply("offset", (inner, *_)):
@@ -309,7 +311,7 @@ class _Work:
                 if sign in e.RELATIONS and unit == other == e.Number(DEGREE):
                     return e.Binary(sign, one, two)  # degrees are compared as radian are
             case e.Member(place, part) if _is_angle(x):
-                at = list(SUFFIXES).index(part.lower())
+                at = list(ANGLE_SUFFIXES).index(part.lower())
                 key = self.key(place)
                 if key in self.beside:
                     return self.numbers(place, key)[at]
@@ -321,7 +323,7 @@ class _Work:
                     return self.raw(place.target.pose)[at]
         return x
 
-    def numbers(self, place: e.Expression, key: Any) -> Three:
+    def numbers(self, place: e.Expression, key: Any) -> ThreeAngles:
         """The numbers beside a place, with its indices."""
         one, two, three = (e.Name(name) for name in self.beside[key])
         if isinstance(place, e.Index):
@@ -354,7 +356,7 @@ class _Work:
             self.taken.add(self.indices[-1])
         return self.indices[number]
 
-    def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[Key]:
+    def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[PositionKey]:
         for procedure in self.program.procedures:
             if procedure.name.lower() == name.lower():
                 for one in handed_over(procedure, arguments):
@@ -367,10 +369,10 @@ class _Work:
 
     # --------------------------------------------------------------------------- raw angles
 
-    def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> Three:
+    def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> ThreeAngles:
         """The angles of a position as the source writes them."""
         for values in self._written(name, indices):
-            if _alike(plain_pose(values), pose):
+            if _have_same_angles(plain_pose(values), pose):
                 x, y, z = ((value or 0.0) + 0.0 for value in (*values, *(0.0,) * 6)[3:6])
                 return e.number_of(x), e.number_of(y), e.number_of(z)
         found = rotations.to_euler(np.array(pose.quaternion), "ZYX")[::-1]
@@ -391,17 +393,17 @@ class _Work:
             for tree in trees:
                 for line in tree.items:
                     if isinstance(line, s.Line):
-                        yield from _constants(line)
+                        yield from _constant_of(line)
 
 
-def _constants(line: s.Line) -> Iterator[tuple[float | None, ...]]:
+def _constant_of(line: s.Line) -> Iterator[tuple[float | None, ...]]:
     yield from (node.values for node in nodes(line.statement) if isinstance(node, s.Constant))
 
 
-def _alike(one: Pose, other: Pose) -> bool:
+def _have_same_angles(one: Pose, other: Pose) -> bool:
     return bool(
         np.allclose(one.position, other.position, atol=1e-6)
-        and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= NEAR
+        and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= SAME_ANGLE
     )
 
 
@@ -413,20 +415,20 @@ def _within_turn(value: e.Expression, beside: e.Expression) -> e.Expression:
     )
 
 
-def _is_set(node: p.Statement | None) -> bool:
+def _sets_angle(node: p.Statement | None) -> bool:
     """Whether a statement sets one angle of a position."""
     return isinstance(node, p.Assign) and _is_angle(node.target)
 
 
-def _place(node: p.Statement | None) -> e.Expression | None:
+def _position_set(node: p.Statement | None) -> e.Expression | None:
     """The position that a statement sets one angle of."""
     match node:
-        case p.Assign(e.Member(place)) if _is_set(node):
+        case p.Assign(e.Member(place)) if _sets_angle(node):
             return place
     return None
 
 
-def _turned_on(node: p.Assign) -> e.Expression | None:
+def _turning(node: p.Assign) -> e.Expression | None:
     """The reading in `P.C=P.C+…`, which turns a position on about z, or about its own x by A."""
     match node:
         case p.Assign(e.Member(_, part) as own, e.Binary("+" | "-", left, right)):
@@ -436,18 +438,18 @@ def _turned_on(node: p.Assign) -> e.Expression | None:
     return None
 
 
-def _groups(body: Iterable[p.Statement]) -> Iterator[tuple[p.Statement, ...]]:
+def _angle_groups(body: Iterable[p.Statement]) -> Iterator[tuple[p.Statement, ...]]:
     """Statements of a body and those inside them: sets of angles of one place together."""
     group: list[p.Statement] = []
     for node in body:
-        if group and _place(node) != _place(group[0]):
+        if group and _position_set(node) != _position_set(group[0]):
             yield tuple(group)
             group = []
-        if _is_set(node):
+        if _sets_angle(node):
             group.append(node)
             continue
         yield (node,)
         for inner in bodies(node):
-            yield from _groups(inner)
+            yield from _angle_groups(inner)
     if group:
         yield tuple(group)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from assistant.languages.melfa_basic.lift.values.symbols import ENDED
+from assistant.languages.melfa_basic.lift.values.symbols import VENDOR_ONLY_END
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
@@ -20,10 +20,10 @@ from assistant.program.vendor_statements import effect_of
 
 def with_endings(program: Program) -> Program:
     """The program with flags for each `End` in a subroutine."""
-    ending = {q.name for q in program.procedures if any(map(_ends, walk(q.body)))}
+    ending = {q.name for q in program.procedures if any(map(_is_end, walk(q.body)))}
     if not ending:
         return program
-    firsts = _firsts(program)
+    firsts = _first_procedures(program)
     unit_of = {q.name: q.unit for q in program.procedures}
     callers: dict[str, set[str]] = {}
     for procedure in program.procedures:
@@ -47,14 +47,14 @@ def with_endings(program: Program) -> Program:
         flags[unit] = identifier("cycle_ended" if unit is None else f"{unit}_ended", taken)
         taken.add(flags[unit])
     made = [
-        _told(q, flags[q.unit], reached, q.name in firsts) if q.unit in flags else q
+        _with_end_flag(q, flags[q.unit], reached, q.name in firsts) if q.unit in flags else q
         for q in program.procedures
     ]
     variables = {name: Variable("truth", e.Truth(False)) for name in flags.values()}
     return replace(program, procedures=tuple(made), variables={**program.variables, **variables})
 
 
-def _firsts(program: Program) -> set[str]:
+def _first_procedures(program: Program) -> set[str]:
     """The procedures that programs of the controller begin with."""
     called = (x for q in program.procedures for x in walk(q.body) if isinstance(x, p.Call))
     found = {x.procedure for x in called if x.unit is not None}
@@ -66,9 +66,9 @@ def _firsts(program: Program) -> set[str]:
     return found
 
 
-def _ends(node: p.Statement) -> bool:
+def _is_end(node: p.Statement) -> bool:
     return isinstance(node, p.Opaque) and any(
-        isinstance(one, p.Call) and one.procedure == ENDED for one in node.told
+        isinstance(one, p.Call) and one.procedure == VENDOR_ONLY_END for one in node.told
     )
 
 
@@ -82,12 +82,12 @@ def _called_otherwise(program: Program) -> set[str]:
             case p.Interrupt():
                 found |= {x.procedure.lower() for x in records(record) if isinstance(x, p.Call)}
     for text in records_in_procedures(program, p.Opaque):
-        if not _ends(text):
+        if not _is_end(text):
             found |= {name.lower() for name in effect_of(text).names}
     return found
 
 
-def _told(procedure: Procedure, flag: str, reached: set[str], first: bool) -> Procedure:
+def _with_end_flag(procedure: Procedure, flag: str, reached: set[str], first: bool) -> Procedure:
     """A procedure of a program that has the flag. first: the program begins with it."""
     asked = e.Name(flag)
 
@@ -95,7 +95,7 @@ def _told(procedure: Procedure, flag: str, reached: set[str], first: bool) -> Pr
         return tuple(made for one in statements for made in told(map_bodies(one, body)))
 
     def told(node: p.Statement) -> Body:
-        if _ends(node):
+        if _is_end(node):
             ended = p.Assign(asked, e.Truth(True), span=node.span)
             return ended, p.Return(span=node.span)
         if isinstance(node, p.Call) and node.procedure in reached:

@@ -20,24 +20,30 @@ from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.statement_index import records_in_procedures
 
-_FLAGS: Final = re.compile(r"(\w+)\.FL([12])\s*=\s*(\w+)\.FL([12])", re.IGNORECASE)
-_PLACE: Final = ("x", "y", "z", "about_x", "about_y", "about_z")
+_FLAG_ASSIGNMENT: Final = re.compile(r"(\w+)\.FL([12])\s*=\s*(\w+)\.FL([12])", re.IGNORECASE)
+_POSE_COMPONENTS: Final = ("x", "y", "z", "about_x", "about_y", "about_z")
 """Components that a position keeps."""
-KEPT: Final = "configured"
+CONFIGURED_POSITION: Final = "configured"
 """The variable that stands between both positions, if that is free."""
 
 
 def with_flags(program: Program) -> Program:
     """The program in which both flags of a position are assigned as its configuration."""
-    if not any(_FLAGS.match(one.text) for one in records_in_procedures(program, p.Opaque)):
+    if not any(
+        _FLAG_ASSIGNMENT.match(one.text) for one in records_in_procedures(program, p.Opaque)
+    ):
         return program
     if any(
         isinstance(one, Target) and not np.isnan(one.external).all() for one in records(program)
     ):
         return program  # the places of additional axes would be taken over as well
     taken = {one.name.lower() for one in records(program) if isinstance(one, e.Name)}
-    held = next(name for name in _numbered(KEPT) if name not in taken | _declared(program))
-    changed = [_configured(procedure, program, held) for procedure in program.procedures]
+    held = next(
+        name
+        for name in _numbered(CONFIGURED_POSITION)
+        if name not in taken | _declared_positions(program)
+    )
+    changed = [_with_configurations(procedure, program, held) for procedure in program.procedures]
     if changed == list(program.procedures):
         return program
     variables = {**program.variables, held: Variable("position")}
@@ -52,12 +58,12 @@ def _numbered(name: str) -> Iterator[str]:
         number += 1
 
 
-def _declared(program: Program) -> set[str]:
+def _declared_positions(program: Program) -> set[str]:
     own = (name for one in program.procedures for name in one.variables)
     return {name.lower() for name in (*program.variables, *program.targets, *own)}
 
 
-def _configured(procedure: Procedure, program: Program, held: str) -> Procedure:
+def _with_configurations(procedure: Procedure, program: Program, held: str) -> Procedure:
     names = {name.upper(): name for name in (*program.targets, *program.variables)}
     names |= {name.upper(): name for name in procedure.variables}
     positions = {**program.variables, **procedure.variables}
@@ -68,7 +74,7 @@ def _configured(procedure: Procedure, program: Program, held: str) -> Procedure:
     def pairs(statements: Body) -> Iterator[Body]:
         at = 0
         while at < len(statements):
-            whole = _whole(statements[at : at + 2], names, positions, held)
+            whole = _configuration_assigned(statements[at : at + 2], names, positions, held)
             yield whole or (map_bodies(statements[at], body),)
             at += 2 if whole else 1
 
@@ -76,11 +82,13 @@ def _configured(procedure: Procedure, program: Program, held: str) -> Procedure:
     return procedure if made == procedure.body else replace(procedure, body=made)
 
 
-def _whole(
+def _configuration_assigned(
     pair: Body, names: Mapping[str, str], positions: Mapping[str, Variable], held: str
 ) -> Body:
     """What two statements are together, nothing if they do not set both flags of one position."""
-    found = [_FLAGS.fullmatch(one.text.strip()) for one in pair if isinstance(one, p.Opaque)]
+    found = [
+        _FLAG_ASSIGNMENT.fullmatch(one.text.strip()) for one in pair if isinstance(one, p.Opaque)
+    ]
     if len(found) != len(pair) or len(pair) != 2 or not all(found):
         return ()
     parts = [one.groups() for one in found if one is not None]
@@ -95,6 +103,6 @@ def _whole(
     span = pair[0].span
     return (
         p.Assign(between, other, span=span),
-        *(p.Assign(e.Member(between, c), e.Member(target, c), span=span) for c in _PLACE),
+        *(p.Assign(e.Member(between, c), e.Member(target, c), span=span) for c in _POSE_COMPONENTS),
         p.Assign(target, between, span=pair[1].span),
     )

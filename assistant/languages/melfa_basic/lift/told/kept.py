@@ -9,18 +9,22 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lift.told.signals import HANDS, AnyNumber, Numbered
-from assistant.languages.melfa_basic.lift.told.supplied import Supplied
-from assistant.languages.melfa_basic.lift.told.turned import with_turned_places
-from assistant.languages.melfa_basic.lift.values.pallets import DIVIDING
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, TOLD
+from assistant.languages.melfa_basic.lift.told.signals import (
+    HAND_STATEMENTS,
+    AnyNumber,
+    NumberedSignals,
+)
+from assistant.languages.melfa_basic.lift.told.supplied import LibraryProcedures
+from assistant.languages.melfa_basic.lift.told.turned import with_turned_positions
+from assistant.languages.melfa_basic.lift.values.pallets import ANGLE_DIVIDING
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNAL_VARIABLES, VENDOR_ONLY_NAME
 from assistant.languages.melfa_basic.tables.library import library
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, head, map_bodies, map_expressions, map_head, records
 
-STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
+STATE_EQUIVALENTS: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     "M_SVO": (
         "M_Svo", e.Number(1),
         "the motors are taken to be on, as a program of the other controller only runs then",
@@ -33,13 +37,13 @@ STATES: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     ),
 }  # fmt: skip
 """States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
-OVERRIDE: Final = "M_OVRD"
+OVERRIDE_STATUS: Final = "M_OVRD"
 """The percentage of speed that `Ovrd` has set."""
-_DIVIDED: Final = (
+_DIVIDED_ANGLES: Final = (
     "the angles of its places are divided between its corners, as the manual CR1D states alone"
 )
-_UNDIVIDED: Final = "teach all corners with one posture, or give direction 11, 12 or 13"
-_MARK: Final = TOLD.format("")
+_UNDIVIDED_CURE: Final = "teach all corners with one posture, or give direction 11, 12 or 13"
+_VENDOR_ONLY_PREFIX: Final = VENDOR_ONLY_NAME.format("")
 
 
 def with_told(program: Program, findings: Findings) -> Program:
@@ -48,7 +52,7 @@ def with_told(program: Program, findings: Findings) -> Program:
         isinstance(one, e.Verbatim | p.Opaque) and one.told for one in records(program.procedures)
     ):
         return program
-    telling = _Telling(Numbered(program, findings), findings)
+    telling = _VendorLowering(NumberedSignals(program, findings), findings)
     procedures = tuple(map(telling.procedure, program.procedures))
     program = telling.numbered.added(replace(program, procedures=procedures))
     if telling.override:
@@ -80,12 +84,12 @@ def _with_override(program: Program, name: str) -> Program:
     return replace(program, procedures=procedures, variables=variables)
 
 
-class _Telling:
+class _VendorLowering:
     """The procedures of a program."""
 
-    def __init__(self, numbered: Numbered, findings: Findings) -> None:
+    def __init__(self, numbered: NumberedSignals, findings: Findings) -> None:
         self.numbered, self.findings = numbered, findings
-        self.supplied = Supplied(numbered.free)
+        self.supplied = LibraryProcedures(numbered.free)
         self.held = self.override = ""
         self.divided = False
 
@@ -97,8 +101,8 @@ class _Telling:
                         return map_expressions(meant, told)
                     except AnyNumber:
                         return x
-                case e.Apply(function, given) if function.startswith(_MARK):
-                    return self._state(function.removeprefix(_MARK), given, procedure)
+                case e.Apply(function, given) if function.startswith(_VENDOR_ONLY_PREFIX):
+                    return self._state(function.removeprefix(_VENDOR_ONLY_PREFIX), given, procedure)
             return x
 
         def body(statements: Body) -> Body:
@@ -116,7 +120,7 @@ class _Telling:
         def said(node: p.Statement) -> Body:
             with self.findings.at(node.span):
                 made = node.told if isinstance(node, p.Opaque) and node.told else (node,)
-                if made != (node,) and (loss := _lost(node, made)) is not None:
+                if made != (node,) and (loss := _lost_effects(node, made)) is not None:
                     what, cure = loss
                     text = getattr(node, "text", "").strip()
                     self.findings.append(rules.LEFT_OUT(what=text, loss=what, cure=cure))
@@ -124,7 +128,7 @@ class _Telling:
                     made = tuple(whole(one, node, told) for one in made)
                 except AnyNumber:
                     made = (node,)
-                turned = with_turned_places(made, self._held)
+                turned = with_turned_positions(made, self._held)
                 made = (node,) if turned is None else turned
                 if any(map(_counts_axis, made)):
                     self.findings.append(rules.SLIDES())
@@ -135,13 +139,15 @@ class _Telling:
         ) -> p.Statement:
             node = map_head(replace(node, span=origin.span), change)
             match node:
-                case p.Call(name, (hand,)) if name.removeprefix(_MARK) in HANDS:
-                    key = name.removeprefix(_MARK)
+                case p.Call(name, (hand,)) if (
+                    name.removeprefix(_VENDOR_ONLY_PREFIX) in HAND_STATEMENTS
+                ):
+                    key = name.removeprefix(_VENDOR_ONLY_PREFIX)
                     gripped = self.numbered.gripped(key, hand, procedure, origin)
                     return replace(gripped, span=origin.span)
-                case p.Call(name, given) if name.startswith(_MARK):
+                case p.Call(name, given) if name.startswith(_VENDOR_ONLY_PREFIX):
                     made = self.numbered.switched(
-                        name.removeprefix(_MARK), given, procedure, origin
+                        name.removeprefix(_VENDOR_ONLY_PREFIX), given, procedure, origin
                     )
                     return replace(made, span=origin.span)
             return node
@@ -162,25 +168,27 @@ class _Telling:
     def _state(
         self, key: str, given: tuple[e.Expression, ...], procedure: Procedure
     ) -> e.Expression:
-        if key in SIGNALS:
+        if key in SIGNAL_VARIABLES:
             return self.numbered.read(key, given[0], procedure)
-        if key in DIVIDING and not self.divided:
+        if key in ANGLE_DIVIDING and not self.divided:
             self.divided = True
-            self.findings.append(rules.LEFT_OUT(what="Plt", loss=_DIVIDED, cure=_UNDIVIDED))
+            self.findings.append(
+                rules.LEFT_OUT(what="Plt", loss=_DIVIDED_ANGLES, cure=_UNDIVIDED_CURE)
+            )
         if key in library():
             return e.Apply(self.supplied.name(key), given)
-        if key == OVERRIDE:
+        if key == OVERRIDE_STATUS:
             return e.Name(self._override())
-        what, value, loss, cure = STATES[key]
+        what, value, loss, cure = STATE_EQUIVALENTS[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value
 
 
-_FORCE: Final = re.compile(r"HOpen\s+[^,]+,", re.IGNORECASE)
+_FORCED_HAND: Final = re.compile(r"HOpen\s+[^,]+,", re.IGNORECASE)
 _OPEN_CORNER: Final = re.compile(r"Cnt\s+1", re.IGNORECASE)
 
 
-def _lost(node: p.Statement, made: Body) -> tuple[str, str] | None:
+def _lost_effects(node: p.Statement, made: Body) -> tuple[str, str] | None:
     """Effects that the replacement of a text loses, with their cures."""
     text = getattr(node, "text", "").strip()
     if text.upper() == "RETURN":
@@ -188,7 +196,7 @@ def _lost(node: p.Statement, made: Body) -> tuple[str, str] | None:
             "the program ends there for good, and no error (3840) is on the controller",
             "end the lines above the subroutine with End",
         )
-    if _FORCE.match(text):
+    if _FORCED_HAND.match(text):
         return (
             "the hand is opened, with no force and no time of its own",
             "set both on the gripper, and wait for it below",

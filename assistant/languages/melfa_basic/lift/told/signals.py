@@ -14,7 +14,7 @@ from typing import Any, Final, Literal
 
 from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNAL_VARIABLES
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.io_use import AddressedSignals
@@ -39,7 +39,7 @@ from assistant.program.rewriting import Body, records
 from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
-HANDS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
+HAND_STATEMENTS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
     "HOPEN": ("HOpen", "open"),
     "HCLOSE": ("HClose", "close"),
 }
@@ -47,7 +47,7 @@ HANDS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
 NUMBER: Final = "number"
 VALUE: Final = "value"
 """Parameters of the procedures."""
-MOST_TOLD: Final = 6
+MOST_LISTED_NUMBERS: Final = 6
 """Numbers that a finding lists; of more it says how many there are."""
 
 
@@ -56,7 +56,7 @@ class AnyNumber(Exception):
 
 
 @dataclass(slots=True)
-class _Chooser:
+class _SignalChooser:
     """A procedure that reads or sets the signal of a number. numbers: those that it knows."""
 
     name: str
@@ -65,7 +65,7 @@ class _Chooser:
     numbers: set[int] = field(default_factory=set)
 
 
-class Numbered:
+class NumberedSignals:
     """Signals by worked-out numbers in a program, and the procedures that choose among them."""
 
     def __init__(self, program: Program, findings: Findings) -> None:
@@ -74,13 +74,13 @@ class Numbered:
         self.signals = dict(program.signals)
         self.taken = TakenNames(declared(program))
         self.addressed = AddressedSignals(self.signals, self.free)
-        self.choosers: dict[Any, _Chooser] = {}
+        self.choosers: dict[Any, _SignalChooser] = {}
         self.counting: tuple[p.For, ...] = ()
         """The loops around the statement at hand, the outer one first."""
 
     def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
         """The value of a signal. key: of SIGNALS. Raises AnyNumber."""
-        signal, numbers = _of(key), self._numbers(number, procedure)
+        signal, numbers = _signal_status(key), self._numbers(number, procedure)
         if len(numbers) == 1:
             return e.Name(self._name(signal, *numbers))
         name = self._chooser(f"{signal.direction}_value", signal, None, numbers)
@@ -93,7 +93,7 @@ class Numbered:
 
         origin: the statement that says so. Raises AnyNumber.
         """
-        signal, numbers = _of(key), self._numbers(given[0], procedure, origin)
+        signal, numbers = _signal_status(key), self._numbers(given[0], procedure, origin)
         rest = [self._plain(one, procedure) for one in given[1:]]
         if len(numbers) == 1:
             return p.SetSignal(self._name(signal, *numbers), *rest)
@@ -117,9 +117,9 @@ class Numbered:
             raise AnyNumber
         listed = ", ".join(map(str, sorted(numbers)))
         self.findings.append(
-            rules.NUMBERED(what="hand", name=HANDS[key][0], numbers=listed, which=which)
+            rules.NUMBERED(what="hand", name=HAND_STATEMENTS[key][0], numbers=listed, which=which)
         )
-        action = HANDS[key][1]
+        action = HAND_STATEMENTS[key][1]
         cases = tuple(p.Case((e.Number(n),), (p.Gripper(action, n),)) for n in sorted(numbers))
         return p.Switch(given, cases, (p.Stop(end=True),))
 
@@ -196,7 +196,7 @@ class Numbered:
         key = signal, write
         if key not in self.choosers:
             width = f"_{signal.bits}" if signal.kind == "group" else ""
-            self.choosers[key] = _Chooser(self.free(stem + width), signal, write)
+            self.choosers[key] = _SignalChooser(self.free(stem + width), signal, write)
         chooser = self.choosers[key]
         known = {
             one.number
@@ -205,8 +205,12 @@ class Numbered:
         }
         chooser.numbers |= numbers or known
         among = sorted(numbers or known)
-        listed = ", ".join(map(str, among[:MOST_TOLD])) or "none"
-        more = f" and {len(among) - MOST_TOLD} more" if len(among) > MOST_TOLD else ""
+        listed = ", ".join(map(str, among[:MOST_LISTED_NUMBERS])) or "none"
+        more = (
+            f" and {len(among) - MOST_LISTED_NUMBERS} more"
+            if len(among) > MOST_LISTED_NUMBERS
+            else ""
+        )
         found = rules.NUMBERED(
             what=signal.direction, name=chooser.name, numbers=listed + more,
             which="that it may come to" if numbers else "that the program names elsewhere",
@@ -214,7 +218,7 @@ class Numbered:
         self.findings.append(found)
         return chooser.name
 
-    def _procedure(self, chooser: _Chooser) -> Procedure:
+    def _procedure(self, chooser: _SignalChooser) -> Procedure:
         number, numbers = e.Name(NUMBER), sorted(chooser.numbers)
         end: Body = (p.Stop(end=True),)
         cases = tuple(p.Case((e.Number(one),), (self._act(chooser, one),)) for one in numbers)
@@ -230,13 +234,13 @@ class Numbered:
             parameters.append(Parameter(VALUE, kind))
         return Procedure(chooser.name, body, tuple(parameters))
 
-    def _act(self, chooser: _Chooser, number: int) -> p.Statement:
+    def _act(self, chooser: _SignalChooser, number: int) -> p.Statement:
         name = self._name(chooser.signal, number)
         if chooser.write is None:
             return p.Return(e.Name(name))
         return p.SetSignal(name, *chooser.write)
 
 
-def _of(key: str) -> Signal:
-    kind, direction, bits = SIGNALS[key]
+def _signal_status(key: str) -> Signal:
+    kind, direction, bits = SIGNAL_VARIABLES[key]
     return Signal(kind, direction, 0, bits)  # type: ignore[arg-type]

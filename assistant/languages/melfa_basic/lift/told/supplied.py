@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from assistant.languages.melfa_basic.tables.library import called_by, library
+from assistant.languages.melfa_basic.tables.library import library, library_calls
 from assistant.program import expressions as e
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
 
-class Supplied:
+class LibraryProcedures:
     """The procedures of the library that a program calls, under names that it has free.
 
     free: gives a name that nothing has yet.
@@ -26,7 +26,7 @@ class Supplied:
         """What a procedure of the library is called in the program, which it is added to."""
         if key not in self._names:
             self._names[key] = self._free(key)
-            for other in sorted(called_by(library()[key])):
+            for other in sorted(library_calls(library()[key])):
                 self.name(other)
         return self._names[key]
 

@@ -15,7 +15,7 @@ from assistant.program import statements as p
 from assistant.program.rewriting import Body, head, map_head, records
 
 
-def with_turned_places(
+def with_turned_positions(
     statements: Sequence[p.Statement], held: Callable[[], e.Name]
 ) -> Body | None:
     """The statements with such positions in assignments.
@@ -31,20 +31,20 @@ def with_turned_places(
         elif len(turned) > 1 or not isinstance(one, p.Assign | p.Move | p.MoveCircular):
             return None
         else:
-            made += _apart(one, turned[0], held)
+            made += _in_two_statements(one, turned[0], held)
     return tuple(made)
 
 
-def _apart(
+def _in_two_statements(
     one: p.Assign | p.Move | p.MoveCircular, turned: e.Apply, held: Callable[[], e.Name]
 ) -> list[p.Statement]:
     place, *angles = turned.arguments
     if isinstance(one, p.Assign) and one.value == turned:
         base = place.arguments[0] if isinstance(place, e.Apply) else place
-        if base == one.target and _names(tuple(angles)) <= _names(base):
+        if base == one.target and _names_in(tuple(angles)) <= _names_in(base):
             moved = [] if place == one.target else [replace(one, value=place)]
             return [*moved, replace(one, value=e.Apply("oriented", (one.target, *angles)))]
-        if _names(one.target).isdisjoint(_names(turned)):
+        if _names_in(one.target).isdisjoint(_names_in(turned)):
             turned = e.Apply("oriented", (one.target, *angles))
             return [replace(one, value=place), replace(one, value=turned)]
     name = held()
@@ -59,7 +59,7 @@ def _apart(
     ]
 
 
-def _names(value: object) -> set[str]:
+def _names_in(value: object) -> set[str]:
     return {x.name.lower() for x in records(value) if isinstance(x, e.Name)}
 
 

@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 Value = float | str
 
 
-INITIAL: Final = {"M_NOVRD": 100.0, "M_NJOVRD": 100.0}
+INITIAL_STATUS: Final = {"M_NOVRD": 100.0, "M_NJOVRD": 100.0}
 """Status variables that never change: the percentages that hold when a program starts."""
 
 
@@ -27,10 +27,10 @@ class Constants:
 
     def __init__(self, code: Sequence[s.Entry]) -> None:
         count: Counter[str] = Counter()
-        self.kept = kept = keeping(code)
+        self.kept = kept = kept_arguments(code)
         for item in code:
             if item.statement is not None:
-                count.update(changed(item.statement, kept))
+                count.update(changed_variables(item.statement, kept))
         self.assigned = frozenset(count)
         self.values: dict[str, Value] = {}
         self.placed: dict[str, s.Constant] = {}
@@ -75,7 +75,7 @@ class Constants:
             case s.String(value=text):
                 return text
             case s.Variable(arguments=None, component=""):
-                return INITIAL.get(node.key) or self.values.get(node.key)
+                return INITIAL_STATUS.get(node.key) or self.values.get(node.key)
             case s.Unary(operator=("-" | "+") as sign, operand=operand):
                 inner = self.value(operand)
                 if not isinstance(inner, float):
@@ -96,11 +96,11 @@ def _leads_away(statement: s.Statement | None) -> bool:
     return bool(block_word(statement).opens) or isinstance(statement, s.Next | s.OnCom)
 
 
-Keeping = Mapping[str, Sequence[bool]]
+KeptArguments = Mapping[str, Sequence[bool]]
 """By upper-case name of a function or array, which arguments it leaves alone."""
 
 
-def keeping(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
+def kept_arguments(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
     """What is known of the functions and arrays of a file."""
     found: dict[str, Sequence[bool]] = {}
     for item in code:
@@ -114,7 +114,7 @@ def keeping(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
     return found
 
 
-def changed(statement: s.Statement, kept: Keeping) -> Iterator[str]:
+def changed_variables(statement: s.Statement, kept: KeptArguments) -> Iterator[str]:
     """Upper-case names of the variables that a statement may give a new value."""
     for part in nodes(statement):
         match part:
@@ -125,12 +125,14 @@ def changed(statement: s.Statement, kept: Keeping) -> Iterator[str]:
             case s.Input(variables=variables) | s.FPrm(variables=variables):
                 yield from (v.key for v in variables)
             case s.Command(keyword, arguments) if keyword not in commands("reads"):
-                yield from _given(arguments)
+                yield from _changed_arguments(arguments)
             case s.Variable(arguments=tuple(given)) if status(part.key) is None:
-                yield from _given(given, _left_alone(part.key, kept))  # a function may change it
+                yield from _changed_arguments(
+                    given, _unchanged_arguments(part.key, kept)
+                )  # a function may change it
 
 
-def _left_alone(key: str, kept: Keeping) -> Sequence[bool]:
+def _unchanged_arguments(key: str, kept: KeptArguments) -> Sequence[bool]:
     known = function(key)
     if known is not None and key not in kept:
         last = [not argument.assigned for argument in known.arguments]
@@ -138,7 +140,7 @@ def _left_alone(key: str, kept: Keeping) -> Sequence[bool]:
     return kept.get(key, ())
 
 
-def _given(arguments: Sequence[Any], kept: Sequence[bool] = ()) -> Iterator[str]:
+def _changed_arguments(arguments: Sequence[Any], kept: Sequence[bool] = ()) -> Iterator[str]:
     """Variables among arguments, but for those that are left alone."""
     for at, argument in enumerate(arguments):
         if isinstance(argument, s.Variable) and not (at < len(kept) and kept[at]):

@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, Protocol
 
-from assistant.languages.melfa_basic.lift.values.pallets import unchanged
+from assistant.languages.melfa_basic.lift.values.pallets import unchanged_position
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program import expressions as e
 from assistant.program.program import ValueType
 
-LENGTHS: Final = ("x", "y", "z")
-FIELDS: Final = (*LENGTHS, "about_x", "about_y", "about_z")
+LENGTH_FIELDS: Final = ("x", "y", "z")
+POSE_FIELDS: Final = (*LENGTH_FIELDS, "about_x", "about_y", "about_z")
 ZERO: Final = e.Number(0)
 
 
-class Lifting(Protocol):
+class ElementReader(Protocol):
     """Lift of the expressions of a file."""
 
     m: Symbols
@@ -39,66 +39,66 @@ class Lifting(Protocol):
         """Its type."""
 
 
-def elementwise(node: s.Binary, lift: Lifting) -> e.Expression:
+def elementwise_position(node: s.Binary, lift: ElementReader) -> e.Expression:
     """A sum of positions, or a multiple of one; raises Unliftable for anything else."""
-    if _slides(lift.m):
+    if _has_sliding_axis(lift.m):
         raise Unliftable
-    if (fixed := _fixed(node, lift.m)) is not None and _is_kept(fixed[0]):
+    if (fixed := _constant_sum(node, lift.m)) is not None and _reads_back(fixed[0]):
         values, flags = fixed
         return lift.m.value_of(s.Constant(values, flags), "position")
-    base = _first(node, lift)
-    elements = [_element(node, at, lift) for at in range(len(FIELDS))]
-    moved = [_besides(elements[at], _member(base, at)) for at in range(3)]
+    base = _leftmost_position(node, lift)
+    elements = [_position_element(node, at, lift) for at in range(len(POSE_FIELDS))]
+    moved = [_element_difference(elements[at], _pose_member(base, at)) for at in range(3)]
     place = base if moved == [ZERO] * 3 else e.Apply("offset", (base, *moved))
     turned = elements[3:]
-    if turned == [_member(base, at) for at in range(3, 6)]:
+    if turned == [_pose_member(base, at) for at in range(3, 6)]:
         return place
     return e.Apply("oriented", (place, *turned))
 
 
-def product(left: e.Expression, right: s.Expression, lift: Lifting) -> e.Expression:
+def position_product(left: e.Expression, right: s.Expression, lift: ElementReader) -> e.Expression:
     """A position moved by another one that the program works out."""
     by = lift.plain(right)
-    if not isinstance(by, e.Name | e.Index) or _slides(lift.m):
+    if not isinstance(by, e.Name | e.Index) or _has_sliding_axis(lift.m):
         raise Unliftable
-    x, y, z, a, b, c = (_member(by, at) for at in range(6))
+    x, y, z, a, b, c = (_pose_member(by, at) for at in range(6))
     moved = e.Apply("relative", (left, x, y, z, ZERO, ZERO, c))
     tilted = e.Apply("relative", (moved, ZERO, ZERO, ZERO, ZERO, b))
     return e.Apply("relative", (tilted, ZERO, ZERO, ZERO, a))
 
 
-Fixed = tuple[tuple[float, ...], tuple[int | None, int | None]]
+ConstantSum = tuple[tuple[float, ...], tuple[int | None, int | None]]
 """Elements of a position and its flags."""
 
 
-def _fixed(node: s.Expression, symbols: Symbols) -> Fixed | None:
+def _constant_sum(node: s.Expression, symbols: Symbols) -> ConstantSum | None:
     """Value of a sum of positions that no line changes."""
     match node:
         case s.Binary(("+" | "-") as sign, left, right):
-            one, two = _fixed(left, symbols), _fixed(right, symbols)
+            one, two = _constant_sum(left, symbols), _constant_sum(right, symbols)
             if one is None or two is None:
                 return None
             way = 1.0 if sign == "+" else -1.0
             return tuple(a + way * b for a, b in zip(one[0], two[0], strict=True)), one[1]
         case s.Binary(("*" | "/") as sign, left, right) if (by := literal(right)) is not None:
-            inner = _fixed(left, symbols)
+            inner = _constant_sum(left, symbols)
             if inner is None or by == 0.0:
                 return None
             return tuple(v * by if sign == "*" else v / by for v in inner[0]), inner[1]
-    constant = node if isinstance(node, s.Constant) else unchanged(node, symbols)
+    constant = node if isinstance(node, s.Constant) else unchanged_position(node, symbols)
     if constant is None or None in constant.values[:6]:
         return None
     values = [v or 0.0 for v in constant.values[:6]]
     return (*values, *[0.0] * (6 - len(values))), constant.flags or (None, None)
 
 
-def _is_kept(values: tuple[float, ...]) -> bool:
+def _reads_back(values: tuple[float, ...]) -> bool:
     """True if the angles of an orientation read back as they were written."""
     a, b, c = values[3:6]
     return abs(a) <= 180.0 and abs(b) < 90.0 and abs(c) <= 180.0
 
 
-def _first(node: s.Expression, lift: Lifting) -> e.Expression:
+def _leftmost_position(node: s.Expression, lift: ElementReader) -> e.Expression:
     """The position whose flags a sum has: its left one."""
     while isinstance(node, s.Binary) and node.operator in ("+", "-", "*", "/"):
         node = node.left
@@ -108,13 +108,15 @@ def _first(node: s.Expression, lift: Lifting) -> e.Expression:
     return made
 
 
-def _element(node: s.Expression, at: int, lift: Lifting) -> e.Expression:
+def _position_element(node: s.Expression, at: int, lift: ElementReader) -> e.Expression:
     """One element of a position that is worked out, in mm or degrees."""
     match node:
         case s.Binary(("+" | "-") as sign, left, right):
-            return _sum(sign, _element(left, at, lift), _element(right, at, lift))
+            return _element_sum(
+                sign, _position_element(left, at, lift), _position_element(right, at, lift)
+            )
         case s.Binary(("*" | "/") as sign, left, right) if _is_factor(right, lift):
-            return e.Binary(sign, _element(left, at, lift), lift.number(right))
+            return e.Binary(sign, _position_element(left, at, lift), lift.number(right))
         case s.Binary():
             raise Unliftable  # of positions, as `P1/P2`
         case s.Constant(values=values):
@@ -125,25 +127,25 @@ def _element(node: s.Expression, at: int, lift: Lifting) -> e.Expression:
     made = lift.plain(node)
     if not isinstance(made, e.Name | e.Index):
         raise Unliftable
-    return _member(made, at)
+    return _pose_member(made, at)
 
 
-def _sum(sign: str, one: e.Expression, other: e.Expression) -> e.Expression:
+def _element_sum(sign: str, one: e.Expression, other: e.Expression) -> e.Expression:
     if other == ZERO:
         return one
     if isinstance(other, e.Number) and other.value < 0:
-        return _sum("-" if sign == "+" else "+", one, e.Number(-other.value))
+        return _element_sum("-" if sign == "+" else "+", one, e.Number(-other.value))
     return e.Binary(sign, one, other)  # type: ignore[arg-type]
 
 
-def _is_factor(node: s.Expression, lift: Lifting) -> bool:
+def _is_factor(node: s.Expression, lift: ElementReader) -> bool:
     known = literal(node)
     if known is not None:
         return True
     return not isinstance(node, s.Constant) and lift.type_of(node) in ("number", "integer")
 
 
-def _besides(value: e.Expression, start: e.Expression) -> e.Expression:
+def _element_difference(value: e.Expression, start: e.Expression) -> e.Expression:
     """Largest difference between two values."""
     match value:
         case e.Binary("+", one, rest) if one == start:
@@ -155,11 +157,11 @@ def _besides(value: e.Expression, start: e.Expression) -> e.Expression:
     return ZERO if value == start else e.Binary("-", value, start)
 
 
-def _member(place: e.Expression, at: int) -> e.Expression:
-    return e.Member(place, FIELDS[at])
+def _pose_member(place: e.Expression, at: int) -> e.Expression:
+    return e.Member(place, POSE_FIELDS[at])
 
 
-def _slides(symbols: Symbols) -> bool:
+def _has_sliding_axis(symbols: Symbols) -> bool:
     """True if positions of the file have additional axes, which would count as well."""
     return symbols.positions.slides or symbols.own
 
@@ -167,7 +169,7 @@ def _slides(symbols: Symbols) -> bool:
 # ---------------------------------------------------------------------------- built of numbers
 
 
-def built(given: Sequence[s.Expression], lift: Lifting) -> tuple[float, ...] | None:
+def built_joints(given: Sequence[s.Expression], lift: ElementReader) -> tuple[float, ...] | None:
     """The elements of `SetJnt` in degrees, None where the program works one out."""
     found = [lift.degrees(value) for value in given]
     plain = [e.plain_number(value) for value in found]
@@ -175,13 +177,13 @@ def built(given: Sequence[s.Expression], lift: Lifting) -> tuple[float, ...] | N
     return known if len(known) == len(plain) else None
 
 
-def worked_out_place(given: Sequence[s.Expression], lift: Lifting) -> e.Expression:
+def computed_position(given: Sequence[s.Expression], lift: ElementReader) -> e.Expression:
     """The position of `SetPos`, of six numbers that the program works out."""
-    if _slides(lift.m) or len(given) != len(FIELDS):
+    if _has_sliding_axis(lift.m) or len(given) != len(POSE_FIELDS):
         raise Unliftable
     places = [lift.number(value) for value in given[:3]]
-    turned = built(given[3:], lift)
-    known = turned is not None and _is_kept((0.0, 0.0, 0.0, *turned))
+    turned = built_joints(given[3:], lift)
+    known = turned is not None and _reads_back((0.0, 0.0, 0.0, *turned))
     angles = turned if turned is not None and known else (0.0, 0.0, 0.0)
     start = lift.m.value_of(s.Constant((0.0, 0.0, 0.0, *angles), (None, None)), "position")
     place = e.Apply("offset", (start, *places))
@@ -190,9 +192,9 @@ def worked_out_place(given: Sequence[s.Expression], lift: Lifting) -> e.Expressi
     return e.Apply("oriented", (place, *(lift.degrees(value) for value in given[3:])))
 
 
-def built_place(given: Sequence[s.Expression], lift: Lifting) -> tuple[float, ...] | None:
+def built_position(given: Sequence[s.Expression], lift: ElementReader) -> tuple[float, ...] | None:
     """The same of `SetPos`, of which the first three are mm."""
     first = [e.plain_number(lift.number(value)) for value in given[:3]]
     known = tuple(value for value in first if value is not None)
-    turned = built(given[3:], lift)
+    turned = built_joints(given[3:], lift)
     return None if turned is None or len(known) != 3 else (*known, *turned)

@@ -6,40 +6,49 @@ import math
 from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
-from assistant.languages.melfa_basic.lift.values.constants import INITIAL
+from assistant.languages.melfa_basic.lift.values.constants import INITIAL_STATUS
 from assistant.languages.melfa_basic.lift.values.elementwise import (
-    built,
-    built_place,
-    elementwise,
-    product,
-    worked_out_place,
+    built_joints,
+    built_position,
+    computed_position,
+    elementwise_position,
+    position_product,
 )
 from assistant.languages.melfa_basic.lift.values.moved_targets import (
-    amounts,
-    fixed,
+    constant_pose,
+    constant_shift,
     is_inverse,
-    shift,
+    shift_amounts,
 )
 from assistant.languages.melfa_basic.lift.values.operators import (
-    WHOLE,
-    are_truths,
+    INTEGER_OPERATORS,
+    are_truth_operands,
     is_comparison,
     operator_name,
 )
-from assistant.languages.melfa_basic.lift.values.pallets import declared, placed
-from assistant.languages.melfa_basic.lift.values.reasons import BUILT, NUMBERED, SLIDING
-from assistant.languages.melfa_basic.lift.values.supplied import supplied
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, STATES, TOLD, Unliftable
-from assistant.languages.melfa_basic.lift.values.timers import elapsed
+from assistant.languages.melfa_basic.lift.values.pallets import pallet_array, pallet_position
+from assistant.languages.melfa_basic.lift.values.reasons import (
+    BUILT_POSITION,
+    COMPUTED_SIGNAL,
+    SLIDING_AXIS,
+)
+from assistant.languages.melfa_basic.lift.values.supplied import library_function
+from assistant.languages.melfa_basic.lift.values.symbols import (
+    CONTROLLER_STATES,
+    SIGNAL_VARIABLES,
+    VENDOR_ONLY_NAME,
+    Unliftable,
+)
+from assistant.languages.melfa_basic.lift.values.timers import elapsed_timer
 from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.channels import CONNECTED, NUMBERS
+from assistant.languages.melfa_basic.tables.channels import CONNECTION_STATUS, FILE_NUMBERS
 from assistant.languages.melfa_basic.tables.functions import (
-    OF_ANGLE,
-    OF_ARM,
-    OF_CONTROLLER,
-    PLAIN,
-    TO_ANGLE,
+    ARM_FUNCTIONS,
+    FUNCTIONS_OF_ANGLES,
+    FUNCTIONS_TO_ANGLES,
+    SAME_UNIT_FUNCTIONS,
+    STATUS_FUNCTIONS,
 )
 from assistant.languages.melfa_basic.tables.poses import (
     ANGLES,
@@ -49,7 +58,7 @@ from assistant.languages.melfa_basic.tables.poses import (
     is_units,
 )
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
-from assistant.languages.melfa_basic.tables.words import OPTIMUM
+from assistant.languages.melfa_basic.tables.words import OPTIMUM_SPEED
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
@@ -63,25 +72,27 @@ from assistant.program.undeclared_names import name_of_channel, timer_in_seconds
 T = TypeVar("T")
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
-_PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
-_OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
-_OF_ARM: Final = {melfa.upper(): name for name, melfa in OF_ARM.items()}
-_TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
-_CLOCK: Final = {melfa.upper(): name for name, melfa in OF_CONTROLLER.items() if melfa != "J_Curr"}
-_PLACES: Final = frozenset(("position", "pose"))
+_SAME_UNIT_NAMES: Final = {melfa.upper(): name for name, melfa in SAME_UNIT_FUNCTIONS.items()}
+_NAMES_OF_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_OF_ANGLES.items()}
+_ARM_NAMES: Final = {melfa.upper(): name for name, melfa in ARM_FUNCTIONS.items()}
+_NAMES_TO_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_TO_ANGLES.items()}
+_CLOCK: Final = {
+    melfa.upper(): name for name, melfa in STATUS_FUNCTIONS.items() if melfa != "J_Curr"
+}
+_PLACE_TYPES: Final = frozenset(("position", "pose"))
 """Types of what stands somewhere, of which a product is one that stands in another."""
 _ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
 ADDITIONAL: Final = {melfa: name for name, written in poses.ADDITIONAL.items() for melfa in written}
-_NUMBERS: Final = {
+_STATUS_NUMBERS: Final = {
     "M_ON": e.Number(1),
     "M_OFF": e.Number(0),
     "M_PI": e.Number(math.pi),
-    **{key: e.Number(round(value)) for key, value in INITIAL.items()},
+    **{key: e.Number(round(value)) for key, value in INITIAL_STATUS.items()},
 }
 """What status variables that never change are."""
-NOWHERE: Final = s.Constant((0.0,) * 6, (0, 0))
+ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
 """Value of `P_Zero`."""
-_HERE: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
+_ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
 """Status variables of where the robot stands, as commanded or as measured."""
 DEGREE: Final = math.pi / 180.0
 
@@ -134,7 +145,7 @@ class Expressions(Types):
             return None
         finally:
             self.m.telling = False
-        return made if all(map(_is_plain, records(made))) else None
+        return made if all(map(_is_translated, records(made))) else None
 
     def plain(self, node: s.Expression) -> e.Expression:
         match node:
@@ -160,9 +171,9 @@ class Expressions(Types):
                 known = self.m.value(number)
                 told = self.m.grids or self.m.telling
                 if told and isinstance(known, float) and round(known) in self.m.pallets:
-                    return e.Index(declared(round(known), self.m), (self.rounded(point),))
+                    return e.Index(pallet_array(round(known), self.m), (self.rounded(point),))
                 if isinstance(known, float):
-                    return placed(round(known), point, self)
+                    return pallet_position(round(known), point, self)
         raise Unliftable
 
     def number(self, node: s.Expression) -> e.Expression:
@@ -179,23 +190,25 @@ class Expressions(Types):
         if operator == "/" and self.is_unit(right):
             return self.plain(left)
         kinds = self.type_of(left), self.type_of(right)
-        if not _PLACES.isdisjoint(kinds) or isinstance(right, s.Constant):
+        if not _PLACE_TYPES.isdisjoint(kinds) or isinstance(right, s.Constant):
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
         if operator in e.LOGICAL:
             if self.joins_bits(left, right):
                 return e.Apply(f"bit{operator}", (self.rounded(left), self.rounded(right)))
-            if not (self.m.own and are_truths(left, right)):
+            if not (self.m.own and are_truth_operands(left, right)):
                 raise Unliftable  # logic of truths is no number
-        operand = self.rounded if operator in WHOLE else self.number
+        operand = self.rounded if operator in INTEGER_OPERATORS else self.number
         return timer_in_seconds(operator, operand(left), operand(right), MILLISECONDS)
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
         """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
         match operator, left, right:
-            case "and", s.Variable(arguments=(first,)), s.Number(value=mask) if left.key in SIGNALS:
-                kind, direction, width = SIGNALS[left.key]
+            case "and", s.Variable(arguments=(first,)), s.Number(value=mask) if (
+                left.key in SIGNAL_VARIABLES
+            ):
+                kind, direction, width = SIGNAL_VARIABLES[left.key]
                 number, bits = self.m.value(first), int(mask).bit_length()
                 plain = mask == (1 << bits) - 1 and 0 < bits < width
                 if kind == "group" and plain and isinstance(number, float):
@@ -272,23 +285,23 @@ class Expressions(Types):
             return self.applied(node)
         if node.arguments is not None:
             return self.called(node, key)
-        if key in _HERE:
+        if key in _ROBOT_POSITIONS:
             return self.here(key)
         if key in _CLOCK and node.arguments is None:
             return e.Apply(_CLOCK[key])
         if key == "M_NSPD" and self.m.telling:
-            return e.number_of(OPTIMUM)
+            return e.number_of(OPTIMUM_SPEED)
         if key == "M_SPD" and self.m.telling:
             return self.speed()
         if key == "P_ZERO" and self.m.telling:
-            return self.m.value_of(NOWHERE, "position")
-        return _NUMBERS.get(key) or self.m.name(node)
+            return self.m.value_of(ZERO_POSITION, "position")
+        return _STATUS_NUMBERS.get(key) or self.m.name(node)
 
     def speed(self) -> e.Expression:
         """The speed that `Spd` has set last, in mm/s."""
         match self.m.speed:
             case float(value) | int(value):
-                return e.number_of(OPTIMUM if math.isinf(value) else float(value))
+                return e.number_of(OPTIMUM_SPEED if math.isinf(value) else float(value))
             case str(name):
                 return e.Name(name)
         raise Unliftable(SETTINGS_DIFFER)
@@ -336,7 +349,7 @@ class Expressions(Types):
         whole = s.Variable(node.name, node.suffix, node.arguments)
         if node.component in ADDITIONAL:
             if not (self.m.own or self.m.telling):
-                raise Unliftable(SLIDING)
+                raise Unliftable(SLIDING_AXIS)
             return e.Member(self.variable(whole), ADDITIONAL[node.component])
         if is_length(node.component, self.m.robot):
             return e.Member(self.variable(whole), node.component.lower())
@@ -354,39 +367,41 @@ class Expressions(Types):
             indices = tuple(self.rounded(v) for v in values)
             whole = self.m.name(s.Variable(node.name, node.suffix))
             return e.Index(whole, indices)
-        if key in SIGNALS and len(values) == 1:
+        if key in SIGNAL_VARIABLES and len(values) == 1:
             number = self.m.value(values[0])
             if isinstance(number, float):
                 return e.Name(self.m.signal(key, round(number)))
             if self.m.telling:
-                return e.Apply(TOLD.format(key), (self.rounded(values[0]),))
-            raise Unliftable(NUMBERED)
-        if key in STATES and len(values) == 1:
+                return e.Apply(VENDOR_ONLY_NAME.format(key), (self.rounded(values[0]),))
+            raise Unliftable(COMPUTED_SIGNAL)
+        if key in CONTROLLER_STATES and len(values) == 1:
             return self.m.state(key)
-        if key == CONNECTED.upper() and len(values) == 1:
+        if key == CONNECTION_STATUS.upper() and len(values) == 1:
             number = self.m.value(values[0])
-            if not isinstance(number, float) or round(number) not in NUMBERS:
+            if not isinstance(number, float) or round(number) not in FILE_NUMBERS:
                 raise Unliftable
             return e.Apply("connected", (e.Text(name_of_channel(round(number))),))
-        if (timer := elapsed(node, self.m.timers)) is not None:
+        if (timer := elapsed_timer(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
-        if key in _HERE and values == [s.Number(1)]:
+        if key in _ROBOT_POSITIONS and values == [s.Number(1)]:
             return self.here(key)
-        if key in _OF_ANGLE and len(values) == 1:
-            return e.Apply(_OF_ANGLE[key], (self.degrees(values[0]),))
+        if key in _NAMES_OF_ANGLES and len(values) == 1:
+            return e.Apply(_NAMES_OF_ANGLES[key], (self.degrees(values[0]),))
         if key == "DEG" and len(values) == 1:
             return self.degrees(values[0])
-        if (key in _TO_ANGLE or key == "RAD") and not self.m.own:
+        if (key in _NAMES_TO_ANGLES or key == "RAD") and not self.m.own:
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         if key in ("SETJNT", "SETPOS") and self.m.telling:
             return self.built(key, values)
-        if key == "INV" and (pose := fixed(node, self.m)) is not None:
+        if key == "INV" and (pose := constant_pose(node, self.m)) is not None:
             return e.TargetValue(Target(pose))
         bare = self.m.own or (self.m.telling and self.m.placing == (FLANGE, BASE))
-        if (name := _PLAIN.get(key) or (_OF_ARM.get(key) if bare else None)) is not None:
+        if (
+            name := _SAME_UNIT_NAMES.get(key) or (_ARM_NAMES.get(key) if bare else None)
+        ) is not None:
             return e.Apply(name, tuple(self.number(v) for v in values))
         if self.m.telling:
-            return supplied(key, values, self)
+            return library_function(key, values, self)
         raise Unliftable
 
     def built(self, key: str, given: list[s.Expression]) -> e.Expression:
@@ -395,14 +410,14 @@ class Expressions(Types):
         Joints of numbers that are known; further elements of a position may be 0.
         """
         if self.five_axis:
-            raise Unliftable(BUILT)
+            raise Unliftable(BUILT_POSITION)
         if key == "SETPOS" and all(value == s.Number(0) for value in given[len(JOINTS) :]):
             given = given[: len(JOINTS)]
-        made = built(given, self) if key == "SETJNT" else built_place(given, self)
+        made = built_joints(given, self) if key == "SETJNT" else built_position(given, self)
         if made is None and key == "SETPOS" and len(given) == len(JOINTS):
-            return worked_out_place(given, self)
+            return computed_position(given, self)
         if made is None or len(given) != len(JOINTS):
-            raise Unliftable(BUILT)
+            raise Unliftable(BUILT_POSITION)
         constant = s.Constant(made, None if key == "SETJNT" else (None, None))
         return self.m.value_of(constant, "joints" if key == "SETJNT" else "position")
 
@@ -433,9 +448,11 @@ class Expressions(Types):
                 if component not in (*JOINTS, *_ANGLES):
                     raise Unliftable
                 return e.Member(self.variable(whole), _ANGLES.get(component, component.lower()))
-            case s.Variable(arguments=tuple(given)) if node.key in _TO_ANGLE and not node.component:
+            case s.Variable(arguments=tuple(given)) if (
+                node.key in _NAMES_TO_ANGLES and not node.component
+            ):
                 values = tuple(self.number(a) for a in given if a is not None)
-                return e.Apply(_TO_ANGLE[node.key], values)
+                return e.Apply(_NAMES_TO_ANGLES[node.key], values)
         if self.m.own:
             raise Unliftable
         match node:
@@ -460,30 +477,30 @@ class Expressions(Types):
             return False
         if is_angle(node.component, self.m.robot):
             return True
-        return node.key == "RAD" or node.key in _TO_ANGLE
+        return node.key == "RAD" or node.key in _NAMES_TO_ANGLES
 
     # --------------------------------------------------------------------------- positions
 
     def placed(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
         """A position moved by a constant; a product of positions."""
         if operator == "*" and (is_inverse(left) or is_inverse(right)):
-            if (pose := fixed(s.Binary("*", left, right), self.m)) is not None:
+            if (pose := constant_pose(s.Binary("*", left, right), self.m)) is not None:
                 return e.TargetValue(Target(pose))
-        constant = shift(right, self.m)
+        constant = constant_shift(right, self.m)
         if operator in "+-*" and constant is not None and self.type_of(left) == "position":
             turns = operator != "*" and any(constant.values[3:6])
             if not (turns and self.m.telling):
-                given = amounts(operator, constant, self.m)
+                given = shift_amounts(operator, constant, self.m)
                 name = "relative" if operator == "*" else "offset"
                 return e.Apply(name, (self.plain(left), *map(e.Number, given)))
-        positions = {self.type_of(left), self.type_of(right)} <= _PLACES
+        positions = {self.type_of(left), self.type_of(right)} <= _PLACE_TYPES
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
         if self.m.telling and not self.five_axis:
             if operator == "*" and positions:
-                return product(self.plain(left), right, self)
+                return position_product(self.plain(left), right, self)
             if operator in ("+", "-", "*", "/") and self.type_of(left) == "position":
-                return elementwise(s.Binary(operator, left, right), self)
+                return elementwise_position(s.Binary(operator, left, right), self)
         raise Unliftable
 
     @property
@@ -491,9 +508,9 @@ class Expressions(Types):
         return self.m.robot is not None and self.m.robot.five_axis
 
 
-def _is_plain(record: Any) -> bool:
+def _is_translated(record: Any) -> bool:
     """Whether a record keeps no text, and calls nothing of the user's: its name may yet change."""
     match record:
         case e.Apply(function):
-            return function in e.FUNCTIONS or function.startswith(TOLD.format(""))
+            return function in e.FUNCTIONS or function.startswith(VENDOR_ONLY_NAME.format(""))
     return not isinstance(record, e.Verbatim)

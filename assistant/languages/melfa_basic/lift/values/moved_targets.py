@@ -11,38 +11,42 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Pose
 
 
-def shift(node: s.Expression, symbols: Symbols) -> s.Constant | None:
+def constant_shift(node: s.Expression, symbols: Symbols) -> s.Constant | None:
     """The constant that a position is moved by, also by the name of one that never changes."""
     if isinstance(node, s.Constant):
         return node
     if isinstance(node, s.Variable) and node.arguments is None and not node.component:
         if not symbols.own and node.key not in symbols.constants.assigned:
             return symbols.positions.constant(node.key)
-    if isinstance(node, s.Variable) and node.key == "INV" and (pose := fixed(node, symbols)):
+    if (
+        isinstance(node, s.Variable)
+        and node.key == "INV"
+        and (pose := constant_pose(node, symbols))
+    ):
         return s.Constant(plain_values(pose))
     return None
 
 
-def fixed(node: s.Expression | None, symbols: Symbols) -> Pose | None:
+def constant_pose(node: s.Expression | None, symbols: Symbols) -> Pose | None:
     """Where a constant, or the inverse or product of such, is; None if that is not known."""
     if symbols.own or (symbols.robot is not None and symbols.robot.five_axis):
         return None
     match node:
         case s.Variable(key="INV", arguments=(inner,), component=""):
-            pose = fixed(inner, symbols)
+            pose = constant_pose(inner, symbols)
             return None if pose is None else pose.inverse()
         case s.Binary(operator="*", left=left, right=right):
-            one, two = fixed(left, symbols), fixed(right, symbols)
+            one, two = constant_pose(left, symbols), constant_pose(right, symbols)
             return None if one is None or two is None else one @ two
         case None:
             return None
-    constant = shift(node, symbols)
+    constant = constant_shift(node, symbols)
     if constant is None or any(constant.values[6:]) or None in constant.values:
         return None
     return plain_pose(constant.values)
 
 
-def amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list[float]:
+def shift_amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list[float]:
     """How far: mm along x, y, z, and degrees about x, the new y, the new z if it turns at all.
 
     operator: `+`, `-` or `*`. Raises Unliftable for what the pseudo-program has no words for.

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.melfa_basic.tables.operators import READ
+from assistant.languages.melfa_basic.tables.operators import OPERATOR_NAMES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 
 _TRUTHS: Final = (*e.RELATIONS, *e.LOGICAL)
-WHOLE: Final = ("div", "mod")
+INTEGER_OPERATORS: Final = ("div", "mod")
 """Operators that round their operands first."""
 
 
 def operator_name(written: str) -> str:
-    return READ.get(written, written)
+    return OPERATOR_NAMES.get(written, written)
 
 
 def is_comparison(node: s.Expression) -> bool:
@@ -30,7 +30,7 @@ def is_comparison(node: s.Expression) -> bool:
     return False
 
 
-def are_truths(*operands: s.Expression) -> bool:
+def are_truth_operands(*operands: s.Expression) -> bool:
     """Whether logic that was written here may be of truths; else it is vendor text, of bits."""
     for node in operands:
         match node:

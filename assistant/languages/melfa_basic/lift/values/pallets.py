@@ -17,10 +17,10 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from assistant.languages.melfa_basic.lift.values.symbols import (
-    TOLD,
+    VENDOR_ONLY_NAME,
+    ComputedPallet,
     Symbols,
     Unliftable,
-    WorkedOut,
 )
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
@@ -33,15 +33,15 @@ from assistant.program.rewriting import records
 
 MOST_POINTS: Final = 999
 """Elements that an array may have."""
-ZIGZAG, SAME_WAY, ARC = 1, 2, 3
+ZIGZAG, SAME_WAY, ARC_DIRECTION = 1, 2, 3
 """Directions: every other row runs backwards, or none does; places on an arc."""
-FIXED: Final = 10
+FIXED_POSTURE: Final = 10
 """Added to a direction whose places all have the posture of the start (CR1D 4-190)."""
-KEPT: Final = p.Reason(
+COMPUTED_POINTS: Final = p.Reason(
     "the points of the pallet are not known beforehand, turn, or stand in no plain grid",
     "give corners of one orientation that the program never sets",
 )
-_MENTIONED: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
+_PALLET_WORD: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
 
 
 def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, tuple[Target, ...]]]:
@@ -55,20 +55,20 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
             found.setdefault(round(number), []).append(item.statement)
     made = {}
     for key, definitions in found.items():
-        points = grid(definitions[0], symbols) if len(definitions) == 1 else None
+        points = pallet_grid(definitions[0], symbols) if len(definitions) == 1 else None
         if points is not None:
-            made[key] = symbols.free(array_name(key)), points
+            made[key] = symbols.free(pallet_array_name(key)), points
         elif all(len(one.arguments) == 8 for one in definitions) and not symbols.positions.slides:
-            symbols.worked_out[key] = _worked_out(key, definitions, symbols)
+            symbols.worked_out[key] = _computed_pallet(key, definitions, symbols)
     return made
 
 
-def array_name(number: float) -> str:
+def pallet_array_name(number: float) -> str:
     """What the array of a pallet is called, if nothing else has that name."""
     return f"pallet_{number:g}"
 
 
-def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
+def pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     """The targets of a pallet in their order; None if they are not known or turn.
 
     Start S, end of the first row A, end of the first column B, and the corner D across, which
@@ -79,22 +79,27 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
         return None
     _, start, along, across, diagonal, *counts = node.arguments
     numbers = [symbols.constants.value(count) for count in counts]
-    corners = [unchanged(point, symbols) for point in (start, along, across)]
-    arc = symbols.constants.value(counts[-1]) in (ARC, ARC + FIXED)
+    corners = [unchanged_position(point, symbols) for point in (start, along, across)]
+    arc = symbols.constants.value(counts[-1]) in (ARC_DIRECTION, ARC_DIRECTION + FIXED_POSTURE)
     if diagonal is not None and not arc:
-        corners.append(unchanged(diagonal, symbols))
+        corners.append(unchanged_position(diagonal, symbols))
     known = [corner for corner in corners if corner is not None]
     if len(known) != len(corners) or not all(isinstance(n, float) for n in numbers):
         return None
     columns, rows, given = (round(n) for n in numbers if isinstance(n, float))
-    direction, rows = given % FIXED, 1 if arc else rows
-    if given // FIXED > 1 or direction not in (ZIGZAG, SAME_WAY, ARC) or columns < 1 or rows < 1:
+    direction, rows = given % FIXED_POSTURE, 1 if arc else rows
+    if (
+        given // FIXED_POSTURE > 1
+        or direction not in (ZIGZAG, SAME_WAY, ARC_DIRECTION)
+        or columns < 1
+        or rows < 1
+    ):
         return None
     if columns * rows > MOST_POINTS or known[0].flags is None:
         return None
     if any(any(corner.values[6:]) for corner in known):
         return None
-    if given // FIXED == 0 and not _alike(known):
+    if given // FIXED_POSTURE == 0 and not _have_same_angles(known):
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
     points = points_of_grid(places, columns, rows, direction == ZIGZAG)
@@ -107,7 +112,7 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     return tuple(made)
 
 
-def unchanged(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
+def unchanged_position(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
     """The value of a position that no line changes; other programs change shared ones."""
     if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
         return None
@@ -119,21 +124,21 @@ def unchanged(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
     return constant
 
 
-def _alike(corners: Sequence[s.Constant]) -> bool:
+def _have_same_angles(corners: Sequence[s.Constant]) -> bool:
     """True if all have the angles of the first one."""
     return all(corner.values[3:6] == corners[0].values[3:6] for corner in corners)
 
 
 # --------------------------------------------------------------------------- worked out
 
-SHIFT: Final = "pallet_shift"
-STEP: Final = "pallet_step"
-TURN: Final = "pallet_turn"
-FAILS: Final = "pallet_fails"
-ON_ARC: Final = "pallet_arc"
-SHARE: Final = "pallet_arc_share"
+PALLET_SHIFT: Final = "pallet_shift"
+PALLET_STEP: Final = "pallet_step"
+PALLET_TURN: Final = "pallet_turn"
+PALLET_FAILS: Final = "pallet_fails"
+PALLET_ON_ARC: Final = "pallet_arc"
+PALLET_ARC_SHARE: Final = "pallet_arc_share"
 """Functions of the library."""
-DIVIDING: Final = (TURN, SHARE)
+ANGLE_DIVIDING: Final = (PALLET_TURN, PALLET_ARC_SHARE)
 """Those that divide the angles of the corners."""
 CORNERS: Final = ("start", "first", "second", "opposite")
 COUNTS: Final = ("columns", "rows", "direction")
@@ -141,7 +146,7 @@ _LENGTHS: Final = ("x", "y", "z")
 _ANGLES: Final = ("about_x", "about_y", "about_z")
 
 
-class Lifting(Protocol):
+class PalletReader(Protocol):
     """Lift of the expressions of a file."""
 
     m: Symbols
@@ -153,32 +158,39 @@ class Lifting(Protocol):
         """One that is whole."""
 
 
-def _worked_out(number: int, definitions: Sequence[s.DefOther], symbols: Symbols) -> WorkedOut:
+def _computed_pallet(
+    number: int, definitions: Sequence[s.DefOther], symbols: Symbols
+) -> ComputedPallet:
     """Properties that all definitions of a pallet share."""
     values = [symbols.constants.value(one.arguments[7]) for one in definitions]
     known = {round(value) if isinstance(value, float) else None for value in values}
-    arcs = {value is not None and value % FIXED == ARC for value in known}
+    arcs = {value is not None and value % FIXED_POSTURE == ARC_DIRECTION for value in known}
     fourth = {one.arguments[4] is not None for one in definitions}
     direction = next(iter(known)) if len(known) == 1 else None
     turned = any(
-        (value is None or value < FIXED) and not _unturned(one, arcs == {True}, symbols)
+        (value is None or value < FIXED_POSTURE)
+        and not _has_one_posture(one, arcs == {True}, symbols)
         for one, value in zip(
             definitions, (round(v) if isinstance(v, float) else None for v in values), strict=True
         )
     )
-    names = {part: symbols.free(f"{array_name(number)}_{part}") for part in (*CORNERS, *COUNTS)}
-    return WorkedOut(names, arcs == {True}, True in fourth, turned, direction)
+    names = {
+        part: symbols.free(f"{pallet_array_name(number)}_{part}") for part in (*CORNERS, *COUNTS)
+    }
+    return ComputedPallet(names, arcs == {True}, True in fourth, turned, direction)
 
 
-def _unturned(node: s.DefOther, arc: bool, symbols: Symbols) -> bool:
+def _has_one_posture(node: s.DefOther, arc: bool, symbols: Symbols) -> bool:
     """True if the corners are known and have the same angles."""
     given = [one for one in node.arguments[1 : 4 if arc else 5] if one is not None]
-    corners = [unchanged(one, symbols) for one in given]
+    corners = [unchanged_position(one, symbols) for one in given]
     known = [one for one in corners if one is not None]
-    return len(known) == len(corners) and _alike(known)
+    return len(known) == len(corners) and _have_same_angles(known)
 
 
-def _defined(node: s.DefOther, pallet: WorkedOut, lift: Lifting) -> list[p.Statement]:
+def _defined_variables(
+    node: s.DefOther, pallet: ComputedPallet, lift: PalletReader
+) -> list[p.Statement]:
     """The variables of a pallet as a definition sets them."""
     names, made = pallet.names, list[p.Statement]()
     corners = dict(zip(CORNERS, node.arguments[1:5], strict=True))
@@ -187,27 +199,27 @@ def _defined(node: s.DefOther, pallet: WorkedOut, lift: Lifting) -> list[p.State
     for part, corner in corners.items():
         if corner is None and part == "opposite":
             if pallet.opposite and not pallet.arc:
-                _declare(names[part], Variable("position"), lift.m)
-                made.append(_across(pallet))
+                _declare_variable(names[part], Variable("position"), lift.m)
+                made.append(_opposite_corner(pallet))
             continue
         if corner is None:
-            raise Unliftable(KEPT)
+            raise Unliftable(COMPUTED_POINTS)
         value = lift.plain(corner)
-        _declare(names[part], Variable("position"), lift.m)
+        _declare_variable(names[part], Variable("position"), lift.m)
         made.append(p.Assign(e.Name(names[part]), value))
     for part, count in zip(COUNTS, node.arguments[5:], strict=True):
         if count is None:
-            raise Unliftable(KEPT)
-        _declare(names[part], Variable("integer"), lift.m)
+            raise Unliftable(COMPUTED_POINTS)
+        _declare_variable(names[part], Variable("integer"), lift.m)
         made.append(p.Assign(e.Name(names[part]), lift.rounded(count)))
     counts = tuple(e.Name(names[part]) for part in COUNTS)
     if not all(isinstance(lift.m.constants.value(one), float) for one in node.arguments[5:]):
-        failed = e.Binary("=", e.Apply(TOLD.format(FAILS), counts), e.Number(1))
+        failed = e.Binary("=", e.Apply(VENDOR_ONLY_NAME.format(PALLET_FAILS), counts), e.Number(1))
         made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
     return made
 
 
-def _across(pallet: WorkedOut) -> p.Assign:
+def _opposite_corner(pallet: ComputedPallet) -> p.Assign:
     """The fourth corner of a parallelogram, where other definitions state one."""
     start, first, second, opposite = (e.Name(pallet.names[part]) for part in CORNERS)
 
@@ -221,11 +233,11 @@ def _across(pallet: WorkedOut) -> p.Assign:
     return p.Assign(opposite, place)
 
 
-def _declare(name: str, variable: Variable, symbols: Symbols) -> None:
+def _declare_variable(name: str, variable: Variable, symbols: Symbols) -> None:
     symbols.variables.setdefault(name, variable)
 
 
-def placed(number: int, point: s.Expression, lift: Lifting) -> e.Expression:
+def pallet_position(number: int, point: s.Expression, lift: PalletReader) -> e.Expression:
     """A place of a pallet that is worked out, by its number; raises Unliftable."""
     pallet = lift.m.worked_out.get(number)
     if pallet is None or not lift.m.telling:
@@ -236,25 +248,27 @@ def placed(number: int, point: s.Expression, lift: Lifting) -> e.Expression:
 
     ends = tuple(corner[part] for part in CORNERS[:3])
 
-    def grid_shift(field: str, function: str = SHIFT) -> e.Expression:
+    def grid_shift(field: str, function: str = PALLET_SHIFT) -> e.Expression:
         one, two, three = (e.Member(end, field) for end in ends)
         four: e.Expression = e.Binary("-", e.Binary("+", two, three), one)
         if pallet.opposite:
             four = e.Member(corner["opposite"], field)
-        if function == SHIFT and pallet.direction is None:
+        if function == PALLET_SHIFT and pallet.direction is None:
             axis = e.Number(_LENGTHS.index(field))
-            return e.Apply(TOLD.format(STEP), (axis, *ends, four, *counts, at))
-        return e.Apply(TOLD.format(function), (one, two, three, four, *counts, at))
+            return e.Apply(VENDOR_ONLY_NAME.format(PALLET_STEP), (axis, *ends, four, *counts, at))
+        return e.Apply(VENDOR_ONLY_NAME.format(function), (one, two, three, four, *counts, at))
 
     def arc_shift(axis: int) -> e.Expression:
-        return e.Apply(TOLD.format(ON_ARC), (e.Number(axis), *ends, counts[0], at))
+        return e.Apply(
+            VENDOR_ONLY_NAME.format(PALLET_ON_ARC), (e.Number(axis), *ends, counts[0], at)
+        )
 
     def turned(field: str) -> e.Expression:
         start, end = (e.Member(corner[part], field) for part in ("start", "second"))
         if pallet.arc:
-            share = e.Apply(TOLD.format(SHARE), (counts[0], counts[2], at))
+            share = e.Apply(VENDOR_ONLY_NAME.format(PALLET_ARC_SHARE), (counts[0], counts[2], at))
             return e.Binary("+", start, e.Binary("*", share, e.Binary("-", end, start)))
-        return e.Binary("+", start, grid_shift(field, TURN))
+        return e.Binary("+", start, grid_shift(field, PALLET_TURN))
 
     shifts = [
         arc_shift(axis) if pallet.arc else grid_shift(field) for axis, field in enumerate(_LENGTHS)
@@ -263,7 +277,7 @@ def placed(number: int, point: s.Expression, lift: Lifting) -> e.Expression:
     return e.Apply("oriented", (place, *map(turned, _ANGLES))) if pallet.turned else place
 
 
-def define(node: s.DefOther, lift: Lifting) -> list[p.Statement]:
+def define_pallet(node: s.DefOther, lift: PalletReader) -> list[p.Statement]:
     """`Def Plt`, which is no statement where the points are known."""
     symbols = lift.m
     if node.kind == "MoTrg" and symbols.telling and symbols.mo_triggers:
@@ -273,14 +287,14 @@ def define(node: s.DefOther, lift: Lifting) -> list[p.Statement]:
         raise Unliftable
     pallet = symbols.worked_out.get(round(number))
     if pallet is not None and symbols.telling:
-        return _defined(node, pallet, lift)
+        return _defined_variables(node, pallet, lift)
     if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
-        raise Unliftable(KEPT)
-    declared(round(number), symbols)
+        raise Unliftable(COMPUTED_POINTS)
+    pallet_array(round(number), symbols)
     return []
 
 
-def declared(number: int, symbols: Symbols) -> e.Name:
+def pallet_array(number: int, symbols: Symbols) -> e.Name:
     """The array of a pallet, declared where it is first met."""
     name, points = symbols.pallets[number]
     values = e.Aggregate(tuple(e.TargetValue(point) for point in points))
@@ -290,9 +304,9 @@ def declared(number: int, symbols: Symbols) -> e.Name:
     return e.Name(name)
 
 
-def still_mentioned(parts: Any) -> bool:
+def mentions_pallet(parts: Any) -> bool:
     """Whether a text that was kept needs the definitions of pallets."""
     return any(
-        isinstance(part, e.Verbatim | p.Opaque) and _MENTIONED.search(part.text) is not None
+        isinstance(part, e.Verbatim | p.Opaque) and _PALLET_WORD.search(part.text) is not None
         for part in records(parts)
     )

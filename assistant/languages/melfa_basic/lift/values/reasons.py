@@ -9,18 +9,18 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.statements import Reason
 
-TYPE: Final = Reason(
+MOVE_TYPE: Final = Reason(
     "the move's `Type` asks for another way than usual", "leave `Type` out, or set points between"
 )
 COMPUTED_PROGRAM: Final = Reason(
     "which program runs is worked out while it runs",
     "choose with Select Case among CallP statements with names in quotes",
 )
-CIRCLE: Final = Reason(
+FULL_CIRCLE: Final = Reason(
     "a full circle is no statement elsewhere, and its points are set by the program, or on a line",
     "write two arcs with Mvr",
 )
-BUILT: Final = Reason(
+BUILT_POSITION: Final = Reason(
     "the place is put together of numbers that the program works out, or of less than six",
     "give a variable the numbers one by one, and name that",
 )
@@ -36,18 +36,20 @@ NO_SUBROUTINE: Final = Reason(
     "it returns from lines that are no subroutine",
     "begin the subroutine with a label that GoSub calls, behind End, Return or GoTo",
 )
-NUMBERED: Final = Reason(
+COMPUTED_SIGNAL: Final = Reason(
     "which input or output it is is worked out while the program runs", "write its number"
 )
-SLIDING: Final = Reason(
+SLIDING_AXIS: Final = Reason(
     "no program tells whether an additional axis turns or slides",
     "copy its place from another position, or state it in the position's own line",
 )
-PARTS: Final = Reason(
+FRACTIONAL_STEP: Final = Reason(
     "a variable of whole numbers counts by what is no whole number",
     "count with a variable of other numbers",
 )
-DELAYED: Final = Reason("the assignment comes late, by `Dly`", "put Dly above a plain assignment")
+DELAYED_ASSIGNMENT: Final = Reason(
+    "the assignment comes late, by `Dly`", "put Dly above a plain assignment"
+)
 _HANDS: Final = Reason(
     "it drives a hand of the maker's with its own motor",
     "open and close with HOpen and HClose, or by signals",
@@ -77,7 +79,7 @@ _WORDS: Final = {
 
 _BY_WORD: Final = {
     **{word: reason for reason, words in _WORDS.items() for word in words.split()},
-    "Mvc": CIRCLE,
+    "Mvc": FULL_CIRCLE,
     "Mvr2": Reason("an arc beside a point has no other words", "write the arc with Mvr"),
     "Mvr3": Reason("an arc about a centre has no other words", "write the arc with Mvr"),
     "Mva": Reason("the move jumps over an arch of the controller's", "write its three moves"),
@@ -134,6 +136,6 @@ def reason_for(node: s.Statement, found: Reason | None) -> Reason:
     return _NODES.get(type(node), kept.NO_EQUIVALENT)
 
 
-def text_of(statement: s.Statement, dialect: str) -> str:
+def statement_text(statement: s.Statement, dialect: str) -> str:
     """A statement as its dialect writes it."""
     return printer.statement(statement, dialect.endswith("-4"))

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from assistant.languages.melfa_basic.lift.values.elementwise import FIELDS
-from assistant.languages.melfa_basic.lift.values.symbols import TOLD, Symbols, Unliftable
-from assistant.languages.melfa_basic.tables.functions import CHECKS, FIRST_CHECK
-from assistant.languages.melfa_basic.tables.library import NAMES, library
+from assistant.languages.melfa_basic.lift.values.elementwise import POSE_FIELDS
+from assistant.languages.melfa_basic.lift.values.symbols import (
+    VENDOR_ONLY_NAME,
+    Symbols,
+    Unliftable,
+)
+from assistant.languages.melfa_basic.tables.functions import FIRST_HAND_CHECK, HAND_CHECKS
+from assistant.languages.melfa_basic.tables.library import LIBRARY_FUNCTIONS, library
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program.program import ValueType
 
 
-class Lifting(Protocol):
+class ArgumentReader(Protocol):
     """What lifts the expressions of a file."""
 
     m: Symbols
@@ -32,7 +36,7 @@ class Lifting(Protocol):
         """Its type."""
 
 
-def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expression:
+def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentReader) -> e.Expression:
     """What says a function: plain words, an input, or mostly a procedure of the library.
 
     key: in upper case. Raises Unliftable where there is nothing.
@@ -45,12 +49,16 @@ def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expres
             first = e.Binary("-", e.Apply("length", (text,)), e.Number(last - 1))
             return e.Apply("part", (text, first, e.Number(last)))
         case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
-            if 1 <= round(known) <= CHECKS:
-                return e.Name(lift.m.signal("M_IN", FIRST_CHECK - 1 + round(known)))
+            if 1 <= round(known) <= HAND_CHECKS:
+                return e.Name(lift.m.signal("M_IN", FIRST_HAND_CHECK - 1 + round(known)))
         case "ZONE", (_, _, _):
-            elements = (e.Member(_place(one, lift), field) for one in given for field in FIELDS)
-            return e.Apply(TOLD.format("in_box"), tuple(elements))
-    name = NAMES.get(key, {}).get(len(given))
+            elements = (
+                e.Member(_position_with_elements(one, lift), field)
+                for one in given
+                for field in POSE_FIELDS
+            )
+            return e.Apply(VENDOR_ONLY_NAME.format("in_box"), tuple(elements))
+    name = LIBRARY_FUNCTIONS.get(key, {}).get(len(given))
     if name is None:
         raise Unliftable
     kinds = [one.type for one in library()[name].parameters]
@@ -63,10 +71,10 @@ def supplied(key: str, given: Sequence[s.Expression], lift: Lifting) -> e.Expres
         lift.rounded(value) if kind == "integer" else lift.number(value)
         for kind, value in zip(kinds, given, strict=True)
     )
-    return e.Apply(TOLD.format(name), tuple(values))
+    return e.Apply(VENDOR_ONLY_NAME.format(name), tuple(values))
 
 
-def _place(node: s.Expression, lift: Lifting) -> e.Expression:
+def _position_with_elements(node: s.Expression, lift: ArgumentReader) -> e.Expression:
     """A position whose elements can be named."""
     made = lift.plain(node)
     if lift.type_of(node) != "position" or not isinstance(made, e.Name | e.Index | e.Here):

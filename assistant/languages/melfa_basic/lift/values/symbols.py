@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables.poses import plain_pose
-from assistant.languages.melfa_basic.tables.variables import TAUGHT
+from assistant.languages.melfa_basic.tables.variables import TAUGHT_STATUS
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -24,7 +24,7 @@ from assistant.program.statements import Reason
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-SIGNALS: Final[dict[str, tuple[str, str, int]]] = {
+SIGNAL_VARIABLES: Final[dict[str, tuple[str, str, int]]] = {
     "M_IN": ("digital", "input", 1), "M_OUT": ("digital", "output", 1),
     "M_INB": ("group", "input", 8), "M_IN8": ("group", "input", 8),
     "M_OUTB": ("group", "output", 8), "M_OUT8": ("group", "output", 8),
@@ -42,11 +42,11 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Bits of a name that `Def Io` gives to inputs and outputs."""
 
 
-TOLD: Final = "told {}"
+VENDOR_ONLY_NAME: Final = "told {}"
 """Name of a function that stands for a status variable until other languages are told of it."""
-ENDED: Final = TOLD.format("END")
+VENDOR_ONLY_END: Final = VENDOR_ONLY_NAME.format("END")
 """Name of a call that stands for `End` in a subroutine until then, see `told.endings`."""
-STATES: Final = ("M_SVO", "M_OPOVRD", "M_OVRD")
+CONTROLLER_STATES: Final = ("M_SVO", "M_OPOVRD", "M_OVRD")
 """States of the controller that other languages are told."""
 
 
@@ -72,7 +72,7 @@ class Routine:
 
 
 @dataclass(frozen=True, slots=True)
-class WorkedOut:
+class ComputedPallet:
     """A pallet that the program defines as it runs.
 
     names: of the variables, by CORNERS and COUNTS of `pallets`. arc: its places are on an arc.
@@ -113,7 +113,7 @@ class Symbols:
         self.addressed = AddressedSignals(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
-        self.worked_out: dict[int, WorkedOut] = {}
+        self.worked_out: dict[int, ComputedPallet] = {}
         """Pallets that are worked out as the program runs, by number."""
         self.mo_triggers: dict[int, tuple[str, s.Expression]] = {}
         """Conditions of Mo triggers, and the variables that say whether they are watched."""
@@ -175,7 +175,7 @@ class Symbols:
             return e.Name(self.header.variables[key].name)
         if (mounted := self.mounted(key)) is not None:
             return mounted
-        taught = key in TAUGHT and self.positions.constant(key) is not None
+        taught = key in TAUGHT_STATUS and self.positions.constant(key) is not None
         if status(key) is not None and not taught:
             return self.state(key)
         if key not in self.constants.assigned and self.positions.constant(key) is not None:
@@ -185,9 +185,9 @@ class Symbols:
 
     def state(self, key: str) -> e.Expression:
         """A state of the controller; what others are told of it is worked out later."""
-        if not self.telling or key not in STATES:
+        if not self.telling or key not in CONTROLLER_STATES:
             raise Unliftable(CONTROLLER_STATE)
-        return e.Apply(TOLD.format(key))
+        return e.Apply(VENDOR_ONLY_NAME.format(key))
 
     def mounted(self, key: str) -> e.Expression | None:
         """The pose of a tool or frame of a heading that a variable is, None for any other.
@@ -286,7 +286,7 @@ class Symbols:
 
     def signal(self, key: str, number: int) -> str:
         """The name of a signal by its address. key: of SIGNALS."""
-        kind, direction, bits = SIGNALS[key]
+        kind, direction, bits = SIGNAL_VARIABLES[key]
         return self.signal_at(kind, direction, bits, number)
 
     def signal_at(self, kind: Any, direction: Any, bits: int, number: int, wanted: str = "") -> str:

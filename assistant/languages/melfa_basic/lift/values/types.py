@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from assistant.languages.melfa_basic.lift.structure.scopes import LETTERS
+from assistant.languages.melfa_basic.lift.structure.scopes import LETTER_TYPES
 from assistant.languages.melfa_basic.lift.values.operators import (
-    are_truths,
+    are_truth_operands,
     is_comparison,
     operator_name,
 )
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Symbols
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNAL_VARIABLES, Symbols
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -50,10 +50,10 @@ class Types:
         if node.arguments is not None and (known := function(key)) is not None:
             if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
                 return "integer"
-            return LETTERS[known.result[0]]
+            return LETTER_TYPES[known.result[0]]
         if (known_status := status(key)) is not None:
-            bits = key in SIGNALS and SIGNALS[key][0] != "analog"
-            return "integer" if bits else LETTERS[known_status.type]
+            bits = key in SIGNAL_VARIABLES and SIGNAL_VARIABLES[key][0] != "analog"
+            return "integer" if bits else LETTER_TYPES[known_status.type]
         if key in self.m.io and not self.m.is_shadowed(key):
             return "integer"  # of inputs, whatever letter their name begins with
         return self.m.type_of_key(key)
@@ -75,7 +75,7 @@ class Types:
     def is_bit(self, node: s.Expression) -> bool:
         if not isinstance(node, s.Variable) or node.component:
             return False
-        known = SIGNALS.get(node.key) if node.arguments else None
+        known = SIGNAL_VARIABLES.get(node.key) if node.arguments else None
         if known is not None:
             return known[0] == "digital"
         return node.key in self.m.io and self.m.io[node.key][0] == 1
@@ -94,7 +94,7 @@ class Types:
         kinds = [self.type_of(side) for side in sides]
         if not all(kind in ("number", "integer") for kind in kinds):
             return False
-        return not self.m.own or not are_truths(*sides) or any(map(self._is_number, sides))
+        return not self.m.own or not are_truth_operands(*sides) or any(map(self._is_number, sides))
 
     def _is_plain_number(self, node: s.Expression) -> bool:
         """Whether it is a number's own variable, or what is worked out of numbers."""

@@ -10,9 +10,9 @@ from typing import ClassVar
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.channels import (
-    ETHERNET,
-    LONGEST_FILE,
-    NUMBERS,
+    ETHERNET_LINES,
+    FILE_NUMBERS,
+    LONGEST_FILE_NAME,
     line_name,
 )
 from assistant.program import expressions as e
@@ -29,22 +29,22 @@ def with_channels(job: Legalisation) -> Program:
     program = job.program
     if not undeclared_names.channels(program):
         return program
-    reworded = _Channels(job)
+    reworded = _NumberedChannels(job)
     procedures = tuple(map(reworded.procedure, program.procedures))
     made = replace(program, procedures=procedures)
-    numbers = undeclared_names.numbered_channels(made, NUMBERS, channels_open_together)
+    numbers = undeclared_names.numbered_channels(made, FILE_NUMBERS, channels_open_together)
     return undeclared_names.with_channels_renamed(
         made, {n: undeclared_names.name_of_channel(k) for n, k in numbers.items()}
     )
 
 
-class _Channels(Rewording):
+class _NumberedChannels(Rewording):
     """lines: those of channels that no line was stated for, by the channel's lower-case name."""
 
     def __init__(self, job: Legalisation) -> None:
         super().__init__(job)
         self.numbers = undeclared_names.numbered_channels(
-            job.program, NUMBERS, channels_open_together
+            job.program, FILE_NUMBERS, channels_open_together
         )
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
@@ -57,7 +57,7 @@ class _Channels(Rewording):
 
     def attach(self, node: p.Attach) -> Iterator[p.Statement]:
         if node.channel.lower() not in self.numbers:
-            self.job.cannot(f"more than {len(NUMBERS)} channels at once", "open fewer of them")
+            self.job.cannot(f"more than {len(FILE_NUMBERS)} channels at once", "open fewer of them")
         match node.kind, node.place:
             case "file", (place,):
                 yield p.Attach(node.channel, "file", (self.file(place),), node.mode)
@@ -81,8 +81,10 @@ class _Channels(Rewording):
             self.told_once(rules.FILE_NAMED(given=expression_text(place), name="that text"))
             return place
         name = place.value.replace("\\", "/").rpartition("/")[2].rpartition(":")[2].upper()
-        if not 0 < len(name) <= LONGEST_FILE:
-            what = f"a file named `{place.value}`, whose name has not 1 to {LONGEST_FILE} letters"
+        if not 0 < len(name) <= LONGEST_FILE_NAME:
+            what = (
+                f"a file named `{place.value}`, whose name has not 1 to {LONGEST_FILE_NAME} letters"
+            )
             self.job.cannot(what, "give it a shorter name")
         if name != place.value:
             self.told_once(rules.FILE_NAMED(given=place.value, name=f"`{name}`"))
@@ -92,10 +94,10 @@ class _Channels(Rewording):
         """A communication line for a port, with the parameters that make it one."""
         key = node.channel.lower()
         if key not in self.lines:
-            free = (n for n in ETHERNET if n not in {*self.taken, *self.lines.values()})
+            free = (n for n in ETHERNET_LINES if n not in {*self.taken, *self.lines.values()})
             number = next(free, None)
             if number is None:
-                self.job.cannot(f"more than {len(ETHERNET)} ports", "open fewer of them")
+                self.job.cannot(f"more than {len(ETHERNET_LINES)} ports", "open fewer of them")
                 return node
             self.lines[key] = number
         number = self.lines[key]

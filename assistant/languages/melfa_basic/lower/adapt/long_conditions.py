@@ -19,10 +19,10 @@ from assistant.program.rewriting import Body, map_bodies, records
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-ROOM: Final = 30
+VARIABLE_ROOM: Final = 30
 """Bytes of a step that are left for the variable which the parts of a condition go to."""
 
-FEW: Final = 6
+FEW_RECORDS: Final = 6
 """Records of a condition, its names and numbers among them: of two comparisons there are 7."""
 
 
@@ -46,7 +46,7 @@ def with_short_conditions(
     def fits(value: e.Expression, target: e.Name | None = None, /) -> bool:
         try:
             step: s.Statement = s.If(said.of(value), None)
-            room = ROOM
+            room = VARIABLE_ROOM
             if target is not None:
                 step, room = s.Assign(said.place(target), said.of(value)), 0
         except Unsayable:
@@ -56,7 +56,7 @@ def with_short_conditions(
     procedures = []
     for procedure in program.procedures:
         said.procedure = procedure
-        procedures.append(_Shortening(procedure, fits, taken).procedure())
+        procedures.append(_ConditionShortening(procedure, fits, taken).procedure())
     same = all(a is b for a, b in zip(procedures, program.procedures, strict=True))
     return program if same else replace(program, procedures=tuple(procedures))
 
@@ -65,20 +65,20 @@ def _may_be_long(node: p.Statement) -> bool:
     """Whether a statement asks so much that it is worth a look at its length."""
     match node:
         case p.If((p.Branch(asked), *_)) | p.Return(asked) | p.Assign(_, asked):
-            return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW
+            return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW_RECORDS
     return False
 
 
-class Fits(Protocol):
+class FitsStep(Protocol):
     """True if a condition fits into a step: as that of an `If`, or assigned to a variable."""
 
     def __call__(self, value: e.Expression, target: e.Name | None = None, /) -> bool: ...
 
 
-class _Shortening:
+class _ConditionShortening:
     """One procedure. taken: names, with those made here."""
 
-    def __init__(self, owner: Procedure, fits: Fits, taken: TakenNames) -> None:
+    def __init__(self, owner: Procedure, fits: FitsStep, taken: TakenNames) -> None:
         self.owner, self.fits, self.taken = owner, fits, taken
         self.new: dict[str, Variable] = {}
 
@@ -112,7 +112,7 @@ class _Shortening:
         """The variable that is asked instead of what is too long; None where nothing is to do."""
         match whole:
             case e.Binary("and" | "or" as word) if not self.fits(whole):
-                parts = [*_chain(whole, word)]
+                parts = [*_chain_operands(whole, word)]
             case _:
                 return None
         if not all(map(self.fits, parts)):
@@ -127,13 +127,13 @@ class _Shortening:
             if self.fits(longer):
                 value = longer
                 continue
-            made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
+            made.append(p.Assign(e.Name(name), _joined_chain(word, before, value), span=node.span))
             before, value = e.Name(name), part
-        made.append(p.Assign(e.Name(name), _joined(word, before, value), span=node.span))
+        made.append(p.Assign(e.Name(name), _joined_chain(word, before, value), span=node.span))
         return e.Name(name)
 
 
-def _joined(
+def _joined_chain(
     word: Literal["and", "or"], before: e.Expression | None, value: e.Expression
 ) -> e.Expression:
     """A chain of one operator behind what it goes on from."""
@@ -141,15 +141,15 @@ def _joined(
         case _ if before is None:
             return value
         case e.Binary(operator, left, right) if operator == word:
-            return e.Binary(word, _joined(word, before, left), right)
+            return e.Binary(word, _joined_chain(word, before, left), right)
     return e.Binary(word, before, value)
 
 
-def _chain(value: e.Expression, word: str) -> Iterator[e.Expression]:
+def _chain_operands(value: e.Expression, word: str) -> Iterator[e.Expression]:
     """What one operator joins, in its order."""
     match value:
         case e.Binary(operator, left, right) if operator == word:
-            yield from _chain(left, word)
+            yield from _chain_operands(left, word)
             yield right
         case _:
             yield value

@@ -13,8 +13,8 @@ from assistant.languages.language_types import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.channels import with_channels
 from assistant.languages.melfa_basic.lower.adapt.long_conditions import with_short_conditions
-from assistant.languages.melfa_basic.lower.adapt.statements import Plain
-from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
+from assistant.languages.melfa_basic.lower.adapt.statements import PlainProgram
+from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_vendor_names
 from assistant.languages.melfa_basic.lower.names import Names, naming
 from assistant.languages.melfa_basic.lower.program import UnitLines
 from assistant.languages.melfa_basic.tables import poses
@@ -80,17 +80,17 @@ def adapt(
     job = Legalisation(program, capabilities(dialect, robot, most_targets), findings)
     comments = tuple(line for text in program.comments for line in comment_lines(text, job))
     job = replace(job, program=replace(program, comments=comments))
-    job = replace(job, program=legalise(job, FIRST))
-    plain = Plain(job, dialect, robot, products)
+    job = replace(job, program=legalise(job, FIRST_PASSES))
+    plain = PlainProgram(job, dialect, robot, products)
     job = replace(job, program=traced("sayable", plain.program()))
-    adapted = legalise(job, LAST)
+    adapted = legalise(job, LAST_PASSES)
     adapted = with_short_conditions(adapted, dialect, robot, products=products)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
-    findings += _own_variables(adapted)
-    findings += _long(adapted, dialect)
+    findings += _unshared_variables(adapted)
+    findings += _too_long_names(adapted, dialect)
     names = naming(adapted, dialect, products)
-    trees, wanting = _written(adapted, robot, dialect, names, findings)
+    trees, wanting = _written_units(adapted, robot, dialect, names, findings)
     if plain.written.unstated:
         findings.append(rules.NO_CONFIGURATION(count=plain.written.unstated))
     if plain.motions.named:
@@ -99,7 +99,7 @@ def adapt(
     return Adapted(adapted, tuple(findings), trees, tuple(wanting))
 
 
-FIRST: Final[tuple[Pass, ...]] = (
+FIRST_PASSES: Final[tuple[Pass, ...]] = (
     with_channels,
     pure(with_entry_first),
     with_kept_values,
@@ -125,7 +125,7 @@ FIRST: Final[tuple[Pass, ...]] = (
 )
 """Variables, arrays, loops, procedures, places and targets as the dialects have them, in order."""
 
-LAST: Final[tuple[Pass, ...]] = (
+LAST_PASSES: Final[tuple[Pass, ...]] = (
     split,
     pure(with_units_together),
     pure(with_comments_in_front),
@@ -134,7 +134,7 @@ LAST: Final[tuple[Pass, ...]] = (
 """Plain statements, which paths become, as they stood."""
 
 
-def _own_variables(program: Program) -> Iterator[Diagnostic]:
+def _unshared_variables(program: Program) -> Iterator[Diagnostic]:
     """Variables that several programs use, which each of them would have for itself."""
     for name in shared_between_units(program):
         variable = program.variables[name]
@@ -142,7 +142,7 @@ def _own_variables(program: Program) -> Iterator[Diagnostic]:
             yield rules.LOCAL_DATA(name=name, about=Declared(name, "variables"))
 
 
-def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
+def _too_long_names(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
     """External variables whose names, which stay, are longer than the controller takes."""
     for name, variable in program.variables.items():
         if is_external(name, variable) and len(name) > dialect.longest:
@@ -150,7 +150,7 @@ def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
             yield rules.LONG_NAME(name=name, most=dialect.longest, about=about, span=variable.span)
 
 
-def _written(
+def _written_units(
     program: Program, robot: Robot | None, dialect: Dialect, names: Names, findings: Findings
 ) -> tuple[dict[str | None, s.File], list[Diagnostic]]:
     """The units that can be written; what is found as they are is added to the findings.
@@ -159,7 +159,7 @@ def _written(
     """
     trees: dict[str | None, s.File] = {}
     wanting: list[Diagnostic] = []
-    check_names(program, names, findings)
+    check_vendor_names(program, names, findings)
     if names.products:
         flags = branches_by_frame(program, partial(poses.flags_of, robot=robot))
         for name, branches in flags.items():
@@ -171,7 +171,7 @@ def _written(
         code = writing.code()
         findings += writing.findings
         wanting += writing.wanting
-        findings += _too_long(code, dialect, writing.spans)
+        findings += _too_long_lines(code, dialect, writing.spans)
         if (count := steps_in(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
             about = Declared(name)
@@ -181,7 +181,7 @@ def _written(
     return trees, wanting
 
 
-def _too_long(
+def _too_long_lines(
     code: Iterable[s.Item], dialect: Dialect, spans: Mapping[int, Span]
 ) -> Iterator[Diagnostic]:
     """Lines that a step cannot hold, such as long conditions. spans: see Writer."""

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from assistant.languages.legalisation import PartLegaliser
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.vendor_text import plain_verbatim
-from assistant.languages.melfa_basic.lower.statements import opaque_line
+from assistant.languages.melfa_basic.lower.adapt.vendor_text import respelled_expression
+from assistant.languages.melfa_basic.lower.statements import vendor_line
 from assistant.languages.melfa_basic.tables.capabilities import motions, positions
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-class Plain(Rewording):
+class PlainProgram(Rewording):
     """The parts of a program. constants: numbers of those that the procedure at hand sees."""
 
     def __init__(
@@ -120,7 +120,7 @@ class Plain(Rewording):
             case e.Text(text):
                 return self.text(text)
             case e.Verbatim():
-                return plain_verbatim(x, self.dialect)
+                return respelled_expression(x, self.dialect)
             case e.TargetValue(target):
                 return e.TargetValue(self.written.target(target, "a target", "a target"))
             case e.JointValue(joints):
@@ -177,7 +177,7 @@ class Plain(Rewording):
 
     def opaque(self, node: p.Opaque) -> Iterator[p.Statement]:
         """The vendor text in its canonical layout, if this language has it."""
-        line = opaque_line(node, self.dialect)
+        line = vendor_line(node, self.dialect)
         if line is not None:
             text = printer.line(line, self.dialect.upper)
             node = replace(node, language=self.dialect.name, text=text)

@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.languages.melfa_basic.tree.syntax import File
 
-_PLAIN: Final = str.maketrans({
+_PLAIN_MARKS: Final = str.maketrans({
     **dict.fromkeys("‘’‚‛′´`＇", "'"),
     **dict.fromkeys("“”„‟″＂", '"'),
     **dict.fromkeys("，、", ","),
@@ -23,7 +23,7 @@ _PLAIN: Final = str.maketrans({
     **{chr(code): " " for code in range(0x2000, 0x200C)},
 })  # fmt: skip
 """The marks that findings of `rules.QUOTES` are about; each takes one character, as before."""
-CERTAIN: Final = (rules.QUOTES.code, rules.REMARK.code)
+CERTAIN_FINDINGS: Final = (rules.QUOTES.code, rules.REMARK.code)
 
 
 def mended(tree: File, dialect: str) -> File | None:
@@ -33,11 +33,11 @@ def mended(tree: File, dialect: str) -> File | None:
     """
     errors = [f for f in tree.findings if f.severity is Severity.ERROR]
     source = tree.source
-    if source is None or any(f.code not in CERTAIN or f.span is None for f in errors):
+    if source is None or any(f.code not in CERTAIN_FINDINGS or f.span is None for f in errors):
         return None
     text = source.text
     for finding in sorted(errors, key=lambda f: -f.span.start if f.span else 0):
-        text = _changed(text, finding)
+        text = _replaced(text, finding)
     again = parse(replace(source, text=text), dialect)
     if has_errors(again.findings):
         return None
@@ -45,13 +45,13 @@ def mended(tree: File, dialect: str) -> File | None:
     return replace(again, findings=tuple(told))
 
 
-def _changed(text: str, finding: Diagnostic) -> str:
+def _replaced(text: str, finding: Diagnostic) -> str:
     span = finding.span
     assert span is not None
     if finding.code == rules.REMARK.code:
         return f"{text[: span.start]}'{text[span.start :]}"
     inside = text[span.start : span.end]
-    plain = inside.translate(_PLAIN)
+    plain = inside.translate(_PLAIN_MARKS)
     if plain.startswith("'"):  # a comment, which keeps its own marks
         plain = f"'{inside[1:]}"
     return text[: span.start] + plain + text[span.end :]

@@ -128,7 +128,7 @@ MISTAKES: Final = (
 
 
 @cache
-def foreign() -> Mapping[str, tuple[str, str]]:
+def foreign_words() -> Mapping[str, tuple[str, str]]:
     """Words of other languages in lower case: what to write, and the cure."""
     text = files(__package__).joinpath("foreign.txt").read_text("utf-8")
     rows = (line.split("|") for line in text.splitlines() if line and not line.startswith("#"))

@@ -9,11 +9,11 @@ from typing import Final
 from assistant.languages.lalr import END
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.grammar import keywords
-from assistant.languages.melfa_basic.reading.line import line_grammar, parts, placed
+from assistant.languages.melfa_basic.reading.line import line_grammar, placed, split_step
 from assistant.languages.melfa_basic.reading.nodes import Nodes
-from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
+from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign_words
 from assistant.languages.melfa_basic.tables.vocabulary import statement
-from assistant.languages.melfa_basic.tables.words import spelled
+from assistant.languages.melfa_basic.tables.words import keyword_spelling
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.line_repairs import LineReader, LineSyntax, Missing, Phrase
 
@@ -38,13 +38,13 @@ MISSING: Final = {
     "POSITION": Missing("(0,0)", "a constant", "write the constant", _UNCLEAR),
 }
 
-_VALUE: Final = frozenset(("a value", "a statement"))
+_VALUE_PHRASES: Final = frozenset(("a value", "a statement"))
 PHRASES: Final = (
     Phrase(frozenset(("MOTION",)), "a statement"),
     Phrase(frozenset(("NUMBER",)), "a value"),
-    Phrase(frozenset(("POSITION", "NAME")), "a name", _VALUE),
-    Phrase(frozenset(("STRING",)), "a text", _VALUE),
-    Phrase(frozenset(("LABEL",)), "a label", _VALUE),
+    Phrase(frozenset(("POSITION", "NAME")), "a name", _VALUE_PHRASES),
+    Phrase(frozenset(("STRING",)), "a text", _VALUE_PHRASES),
+    Phrase(frozenset(("LABEL",)), "a label", _VALUE_PHRASES),
     Phrase(frozenset(("_THEN",)), "`Then`"),
     Phrase(frozenset(("_TO",)), "`To`"),
     Phrase(frozenset(("_AS",)), "`As`"),
@@ -54,8 +54,8 @@ PHRASES: Final = (
     Phrase(frozenset(("EQUALS",)), "`=`"),
     Phrase(frozenset(("COMMA",)), "`,`"),
     Phrase(frozenset(("RPAR",)), "`)`"),
-    Phrase(frozenset(("LPAR",)), "`(`", _VALUE),
-    Phrase(frozenset(("SIGN", "TIMES")), "an operator", _VALUE),
+    Phrase(frozenset(("LPAR",)), "`(`", _VALUE_PHRASES),
+    Phrase(frozenset(("SIGN", "TIMES")), "an operator", _VALUE_PHRASES),
     Phrase(frozenset((END,)), "the end of the line"),
 )
 
@@ -65,23 +65,23 @@ _OPERAND: Final = re.compile(r"\d|[PJMC]\w*\d|[PJ]\w{2}", re.IGNORECASE)
 
 
 @cache
-def reader() -> LineReader:
+def recovery_reader() -> LineReader:
     syntax = LineSyntax(
         title="MELFA-BASIC",
         comment="'",
         comments=frozenset(("COMMENT", "REM")),
         names=frozenset(("NAME", "FN_NAME")),
         grammar=line_grammar(),
-        parts=parts,
+        parts=split_step,
         line="line",
         nodes=Nodes,
         item=lambda node, number: placed(node, number, None),
         mistakes=MISTAKES,
-        foreign=foreign(),
+        foreign=foreign_words(),
         branch=_BRANCH,
         keywords=keywords(),
         words=tuple(word for word in keywords() if len(word) > 1),
-        spelled=spelled,
+        spelled=keyword_spelling,
         begins=lambda word: statement(word) is not None,
         parted=_parted,
         is_whole=lambda node: isinstance(node, s.Line) and node.statement is not None,

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-NUMBERS: Final = range(1, 9)
-ALL: Final = 0
+INTERRUPT_NUMBERS: Final = range(1, 9)
+ALL_INTERRUPTS: Final = 0
 """By which `Act` lets all of them come, or none."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-WORD: Final = "M_Timer"
+TIMER_WORD: Final = "M_Timer"
 MOST_TIMERS: Final = 8
 """Their count is that of the older controllers; nothing tells of more."""
 MILLISECONDS: Final = 1000

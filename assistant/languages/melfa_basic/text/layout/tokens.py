@@ -8,11 +8,11 @@ from functools import lru_cache
 from typing import Final
 
 from assistant.languages.melfa_basic.reading.line import lexemes
-from assistant.languages.melfa_basic.tables.words import spelled
+from assistant.languages.melfa_basic.tables.words import keyword_spelling
 from assistant.languages.texts.words import Word
 
-_BLANKS: Final = re.compile(r"[ \t\f]+")
-_MARKS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
+_BLANK_RUN: Final = re.compile(r"[ \t\f]+")
+_MARK_KINDS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
 """Kinds of tokens that may begin like a keyword and are none; all other words are keywords."""
 _TIGHT: Final = frozenset(("POSITION", "EMPTY", "LABEL"))
 """Kinds of tokens that lose the blanks within them."""
@@ -30,7 +30,7 @@ _HEADS: Final = frozenset(("MOTION", "COMMAND"))
 
 
 @lru_cache(maxsize=1 << 14)
-def tokens(line: str, start: str = "line") -> tuple[Word, ...]:
+def code_tokens(line: str, start: str = "line") -> tuple[Word, ...]:
     """The tokens of a line that the grammar takes, without step number.
 
     start: the grammar's rule, `line` or `data`.
@@ -38,7 +38,7 @@ def tokens(line: str, start: str = "line") -> tuple[Word, ...]:
     return tuple(Word(one.type, one.text, one.start) for one in lexemes(line, start))
 
 
-def code(listed: Sequence[Word], upper: bool) -> str:
+def code_text(listed: Sequence[Word], upper: bool) -> str:
     """Words with the blanks that belong between them, keywords spelt as the tools do.
 
     upper: keywords in upper case. Names, numbers, strings and comments stay as they are.
@@ -49,23 +49,23 @@ def code(listed: Sequence[Word], upper: bool) -> str:
 def _spaced(listed: Sequence[Word], upper: bool) -> Iterator[str]:
     for before, token, at in zip([None, *listed], listed, range(len(listed)), strict=False):
         within_is = at > 0 and "_IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
-        if before is not None and (within_is or _apart(before, token)):
+        if before is not None and (within_is or _are_apart(before, token)):
             yield " "
         yield _spelt(token, upper)
 
 
 def _spelt(token: Word, upper: bool) -> str:
     if _is_keyword(token):
-        word = spelled(token.text)
+        word = keyword_spelling(token.text)
         return word.upper() if upper else word
-    return _BLANKS.sub("", token.text) if token.kind in _TIGHT else token.text
+    return _BLANK_RUN.sub("", token.text) if token.kind in _TIGHT else token.text
 
 
 def _is_keyword(token: Word) -> bool:
-    return token.kind not in _MARKS and (token.text[0].isalpha() or token.text[0] == "#")
+    return token.kind not in _MARK_KINDS and (token.text[0].isalpha() or token.text[0] == "#")
 
 
-def _apart(before: Word, token: Word) -> bool:
+def _are_apart(before: Word, token: Word) -> bool:
     """Whether a blank stands between two neighbours."""
     if token.kind in _CLAUSES and before.kind != "COLON":
         return True
