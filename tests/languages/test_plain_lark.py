@@ -20,7 +20,7 @@ from lark.exceptions import UnexpectedInput
 from assistant import languages
 from assistant.base.diagnostics import has_errors
 from assistant.compiler import compile
-from assistant.languages.melfa_basic.reading.nodes import Nodes as MelfaNodes
+from assistant.languages.melfa_basic.reading.line import Nodes as MelfaNodes
 from assistant.languages.melfa_basic.reading.parser import parse as parse_melfa
 from assistant.languages.melfa_basic.tree import syntax as m
 from assistant.languages.rapid.reading.parser import Nodes as RapidNodes

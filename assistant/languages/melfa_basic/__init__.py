@@ -100,7 +100,7 @@ class MelfaBasic(Language["File"]):
         self.older = tuple(key for key, other in DIALECTS.items() if other.level < level)
 
     def outline(self) -> Outline:
-        from assistant.languages.melfa_basic.text.outline import OUTLINE
+        from assistant.languages.melfa_basic.text.header import OUTLINE
 
         return OUTLINE
 
@@ -145,7 +145,7 @@ class MelfaBasic(Language["File"]):
         return parse(source, self.name)
 
     def by_lark(self) -> Lark:
-        from assistant.languages.melfa_basic.reading.grammar import by_lark
+        from assistant.languages.melfa_basic.reading.line import by_lark
 
         return by_lark()
 
@@ -159,25 +159,25 @@ class MelfaBasic(Language["File"]):
                 yield item.places + item.span.start
 
     def mended(self, tree: File) -> File | None:
-        from assistant.languages.melfa_basic.reading.recovery.certain import mended
+        from assistant.languages.melfa_basic.reading.parser import mended
 
         return mended(tree, self.name)
 
     def render(self, tree: File) -> str:
-        from assistant.languages.melfa_basic.text.rendering import render
+        from assistant.languages.melfa_basic.text.layout import render
 
         return render(tree)
 
     def format(self, tree: File) -> str:
         """The tree's text in the one layout; the text of a broken file as it is."""
-        from assistant.languages.melfa_basic.text.layout.lines import lay_out
+        from assistant.languages.melfa_basic.text.layout import lay_out
 
         if tree.items is not tree.parsed:
             tree = self.parse(replace(tree.source or SourceText(""), text=self.render(tree)))
         return self.render(tree) if has_errors(tree.findings) else lay_out(tree)
 
     def renumber(self, tree: File, first: int, step: int) -> File:
-        from assistant.languages.melfa_basic.text.renumbering import renumbered
+        from assistant.languages.melfa_basic.text.merging import renumbered
 
         return renumbered(tree, first, step)
 
@@ -196,7 +196,7 @@ class MelfaBasic(Language["File"]):
         return EditableMelfaBasic(self.dialect)
 
     def parts(self, tree: File) -> Iterator[Part]:
-        from assistant.languages.melfa_basic.tree.parts import report_parts
+        from assistant.languages.melfa_basic.tree.walk import report_parts
 
         return report_parts(tree)
 
@@ -215,7 +215,7 @@ class MelfaBasic(Language["File"]):
 
     def wanted(self, trees: Sequence[File]) -> tuple[Wanted, ...]:
         from assistant.languages.melfa_basic.checks.wanted import wanted
-        from assistant.languages.melfa_basic.text.elsewhere import with_stated_parameters
+        from assistant.languages.melfa_basic.text.header import with_stated_parameters
 
         return wanted([with_stated_parameters(tree) for tree in trees])
 
@@ -229,13 +229,13 @@ class MelfaBasic(Language["File"]):
         yield from (one for one in kept(trees) if (one.kind, one.name.lower()) in values)
 
     def with_supplied(self, trees: Sequence[File], given: Supplied, path: str) -> list[File]:
-        from assistant.languages.melfa_basic.lower.supplied import with_supplied
+        from assistant.languages.melfa_basic.lower.supplied_values import with_supplied
 
         return with_supplied(trees, given, self.name, path)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
-        from assistant.languages.melfa_basic.lift.files.program import lift
-        from assistant.languages.melfa_basic.text.elsewhere import with_stated_parameters
+        from assistant.languages.melfa_basic.lift.program import lift
+        from assistant.languages.melfa_basic.text.header import with_stated_parameters
 
         return lift([with_stated_parameters(tree) for tree in trees], robot)
 
@@ -245,14 +245,14 @@ class MelfaBasic(Language["File"]):
         to: Language[Any],
         arm: Robot | None,  # noqa: ARG002
     ) -> Adapted:
-        from assistant.languages.melfa_basic.lift.exported import exported
+        from assistant.languages.melfa_basic.lift.for_other_vendor import exported
 
         return Adapted(program) if to.family == self.family else exported(program)
 
     def convert(self, program: Program, robot: Robot | None = None) -> Conversion[File] | None:
         """Between the dialects, on the trees: see `convert`."""
-        from assistant.languages.melfa_basic.convert.program import conversion
-        from assistant.languages.melfa_basic.lower.supplied import without_kept
+        from assistant.languages.melfa_basic.convert.conversion import conversion
+        from assistant.languages.melfa_basic.lower.supplied_values import without_kept
 
         if program.origin is not None and program.origin.language in DIALECTS:
             program = without_kept(program, MelfaBasic(program.origin.language).lift)
@@ -260,7 +260,7 @@ class MelfaBasic(Language["File"]):
         return conversion(program, self.name, names, robot)
 
     def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:
-        from assistant.languages.melfa_basic.lower.assumed import assumed
+        from assistant.languages.melfa_basic.lower.controller_defaults import assumed
 
         return assumed(program, to)
 
@@ -293,7 +293,7 @@ class MelfaBasic(Language["File"]):
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
-        from assistant.languages.melfa_basic.lower.adapt.program import adapt
+        from assistant.languages.melfa_basic.lower.adaptation import adapt
 
         return adapt(program, robot, self.name, most_targets, self._products)
 

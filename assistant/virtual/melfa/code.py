@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Span
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.control_flow import block_word
 from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
 from assistant.virtual.melfa.stops import Failed
 from assistant.virtual.melfa.values import Bare, Kind, Position, Value, eight

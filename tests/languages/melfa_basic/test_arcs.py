@@ -9,7 +9,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler.translating import translate
-from assistant.languages.melfa_basic.lift.statements import paths
+from assistant.languages.melfa_basic.lift import paths
 from assistant.program import expressions as e
 from assistant.program import statements as p
 

@@ -11,13 +11,16 @@ import numpy as np
 from hypothesis import HealthCheck, assume, example, given, settings
 
 from assistant import languages
-from assistant.languages.melfa_basic.convert import names, original_names
-from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.convert.program import COMPARISON_TOLERANCE, compared_programs
+from assistant.languages.melfa_basic.convert import dialect_words
+from assistant.languages.melfa_basic.convert.conversion import (
+    COMPARISON_TOLERANCE,
+    compared_programs,
+    convert,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.control_flow import with_labelled_jumps
 from assistant.languages.melfa_basic.tree.line_tables import gathered
-from assistant.languages.melfa_basic.tree.targets import with_labelled_jumps
 from assistant.program.comparison import compare
 from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
@@ -57,10 +60,10 @@ def sayable(tree: s.File, to: str) -> s.File:
 
 def normal(tree: s.File) -> list[s.Item]:
     """What every conversion keeps: not the steps, the case of names, labels beside statements."""
-    items, _ = original_names.take_original_names(tree.items)
+    items, _ = dialect_words.take_original_names(tree.items)
     items, _ = with_labelled_jumps(items)
     order = {label: f"LABEL{n}" for n, label in enumerate(_defined(items))}
-    items = names.with_names(items, names.Names(labelled=order), upper=True)
+    items = dialect_words.with_names(items, dialect_words.Names(labelled=order), upper=True)
     return [
         _without_step(i)
         for item in gathered(items)

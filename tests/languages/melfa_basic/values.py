@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.words import RESERVED_WORDS
+from assistant.languages.melfa_basic.tables.variables import RESERVED_WORDS
 from assistant.languages.melfa_basic.tree import syntax as s
 
 DEPTH: Final = 2

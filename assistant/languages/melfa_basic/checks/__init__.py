@@ -8,58 +8,43 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.checks.registry import Check, Needs, findings, undamaged_findings
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.checks import (
-    flow,
-    kinds,
-    left_out,
-    motions,
-    names,
-    programs,
-    shared_variables,
-    steps,
-    timing,
-    undefined,
-    unused,
-    values,
-    words,
-)
-from assistant.languages.melfa_basic.checks.damage import damage_of, spoiled
+from assistant.languages.melfa_basic.checks import flow, lines, motions, names, programs, values
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
-from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
+from assistant.languages.melfa_basic.checks.lines import damage_of, spoiled, with_single_rows
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 
 __all__ = ["CHECKS", "check", "missing"]
 
 CHECKS: Final[tuple[Check[Look], ...]] = (
-    Check(steps.step_order),
-    Check(steps.step_lengths),
-    Check(steps.jump_labels, Needs.NAMES),
+    Check(lines.step_order),
+    Check(lines.step_lengths),
+    Check(lines.jump_labels, Needs.NAMES),
     Check(names.name_forms),
     Check(names.program_name_form),
     Check(names.declared_twice, Needs.NAMES),
-    Check(undefined.undefined_variables, Needs.NAMES),
-    Check(undefined.undefined_calls, Needs.NAMES),
-    Check(unused.stored_twice),
+    Check(names.undefined_variables, Needs.NAMES),
+    Check(names.undefined_calls, Needs.NAMES),
+    Check(names.stored_twice),
     Check(flow.structure, Needs.ORDER),
     Check(flow.loops, Needs.ORDER),
     Check(flow.into_blocks, Needs.ORDER),
     Check(flow.subroutines, Needs.ORDER),
     Check(flow.unreachable, Needs.ORDER),
-    Check(words.missing_words),
-    Check(kinds.assigned_types, Needs.NAMES),
-    Check(kinds.operand_types, Needs.NAMES),
-    Check(kinds.type_marks, Needs.NAMES),
-    Check(kinds.array_dimensions, Needs.NAMES),
+    Check(names.missing_words),
+    Check(values.assigned_types, Needs.NAMES),
+    Check(values.operand_types, Needs.NAMES),
+    Check(values.type_marks, Needs.NAMES),
+    Check(values.array_dimensions, Needs.NAMES),
     Check(values.argument_ranges),
     Check(values.argument_counts),
     Check(values.argument_types, Needs.NAMES),
     Check(values.strange_arguments, Needs.NAMES),
     Check(values.status_access),
-    Check(timing.pulses_at_a_time),
-    Check(left_out.missing_coordinates),
-    Check(left_out.missing_arguments),
-    Check(left_out.misplaced_lines),
+    Check(motions.pulses_at_a_time),
+    Check(values.missing_coordinates),
+    Check(values.missing_arguments),
+    Check(values.misplaced_lines),
     Check(motions.never_taught),
     Check(motions.flags, Needs.ORDER),
     Check(motions.arcs, Needs.ORDER),
@@ -67,13 +52,13 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(programs.missing_programs),
     Check(programs.program_recursion),
     Check(programs.mechanism_requests, Needs.ORDER),
-    Check(shared_variables.started_early, Needs.ORDER),
-    Check(shared_variables.last_values, Needs.ORDER),
+    Check(programs.started_early, Needs.ORDER),
+    Check(programs.last_values, Needs.ORDER),
     Check(programs.interrupt_switches, Needs.ORDER),
     Check(programs.file_states, Needs.ORDER),
-    Check(unused.unused_names, Needs.WHOLE, advice=True),
-    Check(timing.corners_at_stops, Needs.ORDER, advice=True),
-    Check(timing.missing_tool, Needs.ORDER, advice=True),
+    Check(names.unused_names, Needs.WHOLE, advice=True),
+    Check(motions.corners_at_stops, Needs.ORDER, advice=True),
+    Check(motions.missing_tool, Needs.ORDER, advice=True),
     Check(values.argument_units, advice=True),
     Check(values.short_waits, advice=True),
 )

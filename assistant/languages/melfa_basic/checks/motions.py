@@ -1,4 +1,9 @@
-"""Rules of moves: positions that were never taught, flags, arcs, corners at a stop."""
+"""Moves: their rules and findings, with those of interrupts, communication lines and slots.
+
+The rules find positions that were never taught, changes of the structure flag on a linear move,
+arcs that are no arcs, corners that are left on at a stop, programs without a tool, and more pulses
+at a time than a controller runs. Distances are in mm.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +12,84 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints, Truths
-from assistant.base.diagnostics import Rule, Span
+from assistant.base.diagnostics import Rule, Span, error, info, warning
 from assistant.languages.checks.moves import Follower, Moves
 from assistant.languages.checks.registry import Found, like_it
-from assistant.languages.melfa_basic.checks import motion_rules as rules
-from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.variables_of import known_variables
+from assistant.languages.melfa_basic.checks import values
+from assistant.languages.melfa_basic.checks.file_view import Look, known_variables
+from assistant.languages.melfa_basic.tables.variables import MOST_PULSES
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
-from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
+from assistant.languages.melfa_basic.tree.control_flow import is_block_word
+from assistant.languages.melfa_basic.tree.line_tables import NO_FLAGS, Positions
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 from assistant.program.geometry import ArcMeasures
+
+NEVER_TAUGHT: Final = warning(
+    "MB701",
+    "the robot is moved to `{name}`, which was never taught: {what}{more}",
+    "teach it, or assign it before the move",
+)
+FLAGS: Final = error(
+    "MB702",
+    "`{word}` leads from the flag {before} to {after} of `{name}`{more} (controller error 2810)",
+    "use `Mov`, teach both with one posture, or write `Type 0,1` behind the move",
+)
+ARC_STRAIGHT: Final = warning(
+    "MB703",
+    "{what}: the controller moves straight to the end{more}",
+    "use `Mvs`, or put the second point beside the line",
+)
+ARC_START: Final = info(
+    "MB704",
+    "the arc starts at `{name}`, {distance:.1f} mm from where the move before ends{more}",
+    "let the arc start where the robot is; it moves straight to the start first",
+)
+FULL_CIRCLE: Final = warning(
+    "MB705",
+    "`Mvc` drives a full circle back to `{start}`, but the next move starts at `{name}`",
+    "write `Mvr` for an arc that ends at its third point",
+)
+CNT_LEFT: Final = info(
+    "MB706",
+    "`Cnt 1` is on, so `{word}` may run before the move in front of it has ended",
+    "write `Cnt 0` in front of that move",
+)
+NO_GETM: Final = error(
+    "MB707",
+    "`{name}` runs in slot {slot} and moves the robot without `GetM` (controller error 3280)",
+    "write `RelM` in the program of slot 1, and `GetM 1` in front of the first move of `{name}`",
+)
+NO_ACT: Final = warning(
+    "MB708",
+    "the interrupt {number} is switched, but no `Def Act {number}` defines it",
+    "define it first, or correct its number",
+)
+ACT_OFF: Final = warning(
+    "MB709", "the interrupt {number} is defined, but never switched on", "write `Act {number}=1`"
+)
+NO_TOOL: Final = info(
+    "MB710",
+    "the program moves with the tool that was set last: nothing here sets one",
+    "write `Tool` with a position, or `Tool P_NTool`, in front of the first move",
+)
+NOT_OPENED: Final = warning(
+    "MB711",
+    "`{word} #{number}` uses a file that nothing here opens",
+    "write `Open … As #{number}` in front",
+)
+NOT_CLOSED: Final = info(
+    "MB712",
+    "the file {number} is opened, but never closed",
+    "write `Close #{number}`; only `End` of the main program closes it otherwise",
+)
+OPENED_TWICE: Final = warning(
+    "MB713",
+    "the file {number} is opened again while it is open (controller error 3130)",
+    "close it first, or use another number",
+)
+
 
 SAME_POINT: Final = 0.05
 """mm: points that are nearer to each other are the same one."""
@@ -170,9 +241,7 @@ def never_taught(look: Look) -> Found:
                 if key not in seen and argument.arguments is None and not argument.component:
                     seen.add(key)
                     name = argument.name
-                    yield look.at(
-                        rules.NEVER_TAUGHT, line, name, name=name, what=zeros[key], more=""
-                    )
+                    yield look.at(NEVER_TAUGHT, line, name, name=name, what=zeros[key], more="")
 
 
 def _is_given_elsewhere(look: Look, key: str) -> bool:
@@ -191,7 +260,7 @@ def flags(look: Look) -> Found:
     words = np.array(KEYWORDS)[run.kinds]
     yield from _first_hit(
         look,
-        rules.FLAGS,
+        FLAGS,
         run,
         hits,
         most=MOST_LISTED,
@@ -251,11 +320,9 @@ def arcs(look: Look) -> Found:
         (arc & near, "two points of the arc are the same"),
         (arc & ~near & (beside < STRAIGHT_ARC), "the points of the arc lie in a line"),
     ):
-        yield from _first_hit(look, rules.ARC_STRAIGHT, run, hits, what=what)
+        yield from _first_hit(look, ARC_STRAIGHT, run, hits, what=what)
     gap = np.linalg.norm(run.starts - run.before, axis=1)
-    yield from _first_hit(
-        look, rules.ARC_START, run, arc & (gap > SAME_POINT), "start", distance=gap
-    )
+    yield from _first_hit(look, ARC_START, run, arc & (gap > SAME_POINT), "start", distance=gap)
 
 
 def circles(look: Look) -> Found:
@@ -266,6 +333,74 @@ def circles(look: Look) -> Found:
             start, third = last[1].arguments[0], last[1].arguments[-1]
             follows = motion.arguments[0] == third and third != start
             if follows and isinstance(third, s.Variable) and isinstance(start, s.Variable):
-                yield look.at(rules.FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name)
+                yield look.at(FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name)
         full = motion.keyword == "Mvc" and len(motion.arguments) >= ARC_POINTS
         last = (line, motion) if full else None
+
+
+STOPPING_COMMANDS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
+WAITING_COMMANDS: Final = frozenset({"Wait"})
+
+
+def corners_at_stops(look: Look) -> Found:
+    """Corners that are left on where the program stops or waits behind a move."""
+    rounded: bool | None = False
+    moved = False
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            moved = True
+            continue
+        statement = item.statement
+        if item.label is not None or is_block_word(statement):
+            rounded, moved = None, False
+        match statement:
+            case s.Motion():
+                moved = statement.append is None
+            case s.Command("Cnt", arguments):
+                value = literal(arguments[0]) if arguments else None
+                rounded = None if value is None else value != 0
+                moved = False
+            case s.Command(keyword=word) if word in STOPPING_COMMANDS or word in WAITING_COMMANDS:
+                if rounded and moved:
+                    yield look.at(CNT_LEFT, item, word, word=word)
+                moved = False
+                if word == "End":
+                    rounded = False
+            case s.Jump() | s.CallP() | s.Call() | s.OnJump():
+                rounded, moved = None, False
+
+
+def missing_tool(look: Look) -> Found:
+    """Programs that move and set no tool."""
+    if look.compiled or look.once(_sets_tool):
+        return
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            word = KEYWORDS[int(item.kinds[0])]
+            yield look.finding(NO_TOOL, look.row(item, 0, word))
+            return
+        if isinstance(item.statement, s.Motion):
+            yield look.at(NO_TOOL, item, item.statement.keyword)
+            return
+
+
+def _sets_tool(look: Look) -> bool:
+    return any(
+        command.keyword == "Tool"
+        for tree in look.calls.trees
+        for _, command in lines_with(tree.items, s.Command)
+    ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)
+
+
+def pulses_at_a_time(look: Look) -> Found:
+    """More pulses in a row than run beside each other, with nothing between that takes time."""
+    count = 0
+    for item in look.code:
+        statement = item.statement
+        other = statement is not None and not isinstance(statement, s.Assign)
+        if other or isinstance(item, MoveRows) or item.label is not None:
+            count = 0
+        if isinstance(statement, s.Assign) and statement.delay is not None:
+            count += 1
+            if count == MOST_PULSES + 1:
+                yield look.finding(values.MANY_PULSES, item, most=MOST_PULSES)

@@ -1,21 +1,338 @@
-"""Rules of arguments: how many, of what type, and which values they may have."""
+"""Types and values of arguments and positions: their rules and findings.
+
+A type is a letter: `M` (a number), `C` (a text), `P` (a position), `J` (joints). The rules compare
+types in assignments, operations and arguments, count arguments, check the range of plain numbers
+(angles in expressions are in radian), and find values that are missing: coordinates of positions,
+arguments, steps.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
-from assistant.base.diagnostics import Severity
+from assistant.base.diagnostics import Severity, error, info, warning
 from assistant.languages.checks.registry import Found, alternatives
 from assistant.languages.checks.values import Limits
-from assistant.languages.melfa_basic.checks import kinds
-from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.variables import TYPE_MARKS, TYPES, DataType
+from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import literal
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import split_name
+from assistant.languages.melfa_basic.tree.walk import declarations, literal, nodes
+
+OUT_OF_RANGE: Final = error(
+    "MB601", "{what} is {value}, not {range} (controller error {number})", "{cure}"
+)
+ARGUMENT_COUNT: Final = error(
+    "MB602",
+    "`{word}` takes {wanted}, not {given} (controller error {number})",
+    "write what it takes",
+)
+ARGUMENT_TYPE: Final = error(
+    "MB603",
+    "{which} of `{word}` is {given}, not {wanted} (controller error 3810)",
+    "write {wanted} there",
+)
+ASSIGNED_TYPE: Final = error(
+    "MB604",
+    "`{name}` is {wanted}, but is given {given} (controller error 4390)",
+    "assign it {wanted}, or use a variable that takes {given}",
+)
+OPERAND_TYPE: Final = error(
+    "MB605",
+    "`{operator}` joins {left} with {right} (controller error 4390)",
+    "convert one of them: `Str$` makes a text of a number, `Val` a number of a text",
+)
+SUFFIX: Final = warning(
+    "MB606",
+    "`{name}` has the mark of {marked}, but is declared as {declared} (controller error 4390)",
+    "use one of the two everywhere",
+)
+READ_ONLY: Final = error("MB607", "`{name}` can only be read (controller error 3210)", "{cure}")
+WRITE_ONLY: Final = warning(
+    "MB608",
+    "`{name}` cannot be read (controller error 4330)",
+    "keep the value in a variable of your own",
+)
+UNKNOWN_STATUS: Final = warning(
+    "MB609", "`{name}` is no status variable of {title}, and nothing declares it", "{cure}"
+)
+TIMER: Final = info(
+    "MB610",
+    "`M_Timer` is compared with {value}: it counts milliseconds",
+    "write {better} if seconds are meant",
+)
+DEGREES: Final = warning(
+    "MB611",
+    "{what} is {value}: angles in expressions are in radian",
+    "write `Rad({value})` if degrees are meant",
+)
+NO_TEXT_MARK: Final = error(
+    "MB612",
+    "`{name}` is given a text, but has no `$` and no `Def Char` (controller error 4390)",
+    "write `{name}$`",
+)
+INTEGER_RANGE: Final = error(
+    "MB613",
+    "{value} does not fit into `{name}`, which holds whole numbers from {low} to {high}",
+    "declare it with `Def {wider}`",
+)
+DIMENSIONS: Final = error("MB614", "the array `{name}` {what} (controller error 4370)", "{cure}")
+SHORT_WAIT: Final = info(
+    "MB619",
+    "{title} waits {least:g} seconds at least, not {value}",
+    "write a longer time, or leave it out",
+)
+GAP: Final = warning(
+    "MB616",
+    "the position `{name}` leaves out {what}, whose value is undefined then",
+    "write every value; 0 is one",
+)
+UNDEFINED: Final = error(
+    "MB622",
+    "the position `{name}` has no value for {what}, and is taken as a pose (controller error 2800)",
+    "write every value; 0 is one",
+)
+LEFT_OUT: Final = error(
+    "MB617", "the {which} argument of `{word}` is left out (controller error 3120)", "write it"
+)
+EMPTY_STEP: Final = warning(
+    "MB618",
+    "step {number} holds nothing: a step number alone deletes that step",
+    "write a statement or a comment there, or delete the line",
+)
+AMONG_STEPS: Final = warning(
+    "MB620",
+    "`{name}` is given a value by a line without step number between steps",
+    "write a step number if it is a statement, else move it behind the last step",
+)
+MANY_PULSES: Final = error(
+    "MB621",
+    "more than {most} pulses of outputs begin here at a time",
+    "let some end first, with `Dly` between, or set those outputs and set them back",
+)
+
+
+Kind = str
+"""`M` (a number), `C` (a text), `P` (a position), `J` (joints), `PJ` (one of the last two); empty
+where it is not known.
+"""
+
+KIND_WORDS: Final[Mapping[Kind, str]] = {
+    "M": "a number", "C": "a text", "P": "a position", "J": "joints",
+    "PJ": "a position or joints", "JP": "a position or joints", "PM": "a position or a number",
+}  # fmt: skip
+COMPARISONS: Final = frozenset(("=", "<>", "><", "<", "<=", "=<", ">", ">=", "=>"))
+NUMERIC_OPERATORS: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
+
+
+def declared_types(look: Look) -> dict[str, DataType]:
+    """Variables by name in upper case → the type that Def gives them; of two the last."""
+    found: dict[str, DataType] = {}
+    for line in look.lines:
+        match line.statement:
+            case s.DefIo(variable):
+                found[variable.key] = TYPES["Inte"]
+            case s.Function(parameters=parameters):
+                for parameter in parameters or ():
+                    if not parameter.suffix:
+                        found.pop(parameter.name.upper(), None)
+            case statement:
+                typed = declarations(statement)
+                found |= {variable.key: TYPES[word] for variable, word in typed if word}
+    return found
+
+
+def kind_of_variable(look: Look, variable: s.Variable) -> Kind:
+    """The type of a variable, an array's element, a component or a function's result."""
+    key = variable.key
+    if variable.component:
+        return "M"
+    if variable.suffix:
+        return TYPE_MARKS[variable.suffix].letter
+    if variable.arguments is not None and (function := vocabulary.function(key)) is not None:
+        return _certain_kind(function.result)
+    if key in look.functions:
+        return _kind_of_function(look.functions[key])
+    if key.startswith("FN"):
+        return _certain_kind(key[2:3])
+    if (status := vocabulary.status(key)) is not None:
+        return _certain_kind(status.type)
+    if (known := look.once(declared_types).get(key)) is not None:
+        return known.letter
+    if look.has_strangers and (variable.arguments is not None or key[0] not in KIND_WORDS):
+        return ""  # a function or a name that a file declares which is not among these
+    return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
+
+
+def _certain_kind(types: str) -> Kind:
+    return types if types in KIND_WORDS else ""
+
+
+def _kind_of_function(function: s.Function) -> Kind:
+    mark = function.suffix or function.result[-1:]
+    return (
+        TYPE_MARKS[mark].letter
+        if mark in TYPE_MARKS
+        else _certain_kind(function.result[:1].upper())
+    )
+
+
+def kind_of(look: Look, value: s.Expression | None) -> Kind:
+    """The type of a value, empty where it is not known or cannot be."""
+    match value:
+        case s.Number():
+            return "M"
+        case s.String():
+            return "C"
+        case s.Constant(_, flags):
+            return "PJ" if flags is None else "P"
+        case s.Pallet():
+            return "P"
+        case s.Variable():
+            return kind_of_variable(look, value)
+        case s.Unary(_, operand):
+            return kind_of(look, operand)
+        case s.Binary(operator, left, right):
+            return _kind_of_operation(operator, kind_of(look, left), kind_of(look, right))
+    return ""
+
+
+def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
+    if operator in COMPARISONS or operator in NUMERIC_OPERATORS:
+        return "M"
+    if left == right:
+        return left
+    of_points = (one for one in "PJ" if {left, right} in ({one, "PJ"}, {one, "M"}))
+    return next(of_points, "")
+
+
+def kind_fits(given: Kind, wanted: str) -> bool:
+    """Whether a value of a type may stand where some types are wanted."""
+    return not given or not wanted or not set(given).isdisjoint(wanted)
+
+
+# --------------------------------------------------------------------------------------- rules
+
+
+def assigned_types(look: Look) -> Found:
+    """Values of another type than the variable that they are assigned to."""
+    for line, node in look.all(s.Assign):
+        yield from _assigned_type(look, line, node.target, node.value)
+    for item in look.data:
+        if isinstance(item, s.Data) and not item.type:
+            yield from _assigned_type(look, item, item.variable, item.value)
+
+
+def _assigned_type(look: Look, item: s.Item, target: s.Variable, value: s.Expression) -> Found:
+    wanted, given = kind_of_variable(look, target), kind_of(look, value)
+    if not wanted or not given or kind_fits(given, wanted):
+        yield from _integer_range(look, item, target, value)
+        return
+    if target.key in look.functions or _is_function_result(look, target):
+        return
+    plain = (
+        not target.suffix and not target.component and target.key not in look.once(declared_types)
+    )
+    if given == "C" and wanted == "M" and plain:
+        yield look.at(NO_TEXT_MARK, item, target)
+        return
+    name = target.marked + (f".{target.component}" if target.component else "")
+    said, got = KIND_WORDS[wanted], KIND_WORDS[given]
+    yield look.at(ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
+
+
+def _is_function_result(look: Look, target: s.Variable) -> bool:
+    return any(
+        scope.function and scope.function.name.upper() == target.key for scope in look.scopes
+    )
+
+
+def _integer_range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) -> Found:
+    kind = TYPE_MARKS.get(target.suffix) or look.once(declared_types).get(target.key)
+    number = literal(value)
+    if kind is None or kind.whole is None or number is None or target.component:
+        return
+    bits = isinstance(value, s.Number) and value.base != 10  # a pattern: &HFFFF fits into 16
+    low, high = kind.whole
+    if not low <= round(number) <= high and not bits:
+        words = {"name": target.marked, "value": f"{number:g}", "wider": kind.wider}
+        yield look.at(INTEGER_RANGE, line, target, low=low, high=high, **words)
+
+
+def operand_types(look: Look) -> Found:
+    """Numbers and texts that are added or compared."""
+    for line, node in look.all(s.Binary):
+        left, right = kind_of(look, node.left), kind_of(look, node.right)
+        if left and right and left != right and "C" in (left, right):
+            named = next((n for n in (node.left, node.right) if isinstance(n, s.Variable)), None)
+            where = (named and look.place(line, named)) or line
+            kinds = {"left": KIND_WORDS[left], "right": KIND_WORDS[right]}
+            yield look.finding(OPERAND_TYPE, where, operator=node.operator, **kinds)
+
+
+def type_marks(look: Look) -> Found:
+    """Marks that say another type than the declaration."""
+    seen: set[str] = set()
+    for line, use in look.uses:
+        variable = use.variable
+        kind, marked = look.once(declared_types).get(variable.key), TYPE_MARKS.get(variable.suffix)
+        if kind is None or marked is None or marked == kind or variable.key in seen:
+            continue
+        if use.role == "declared" or {kind.word, marked.word} <= {"Float", "Double"}:
+            continue
+        seen.add(variable.key)
+        words = {"name": variable.marked, "marked": marked.title, "declared": kind.title}
+        yield look.at(SUFFIX, line, variable, **words)
+
+
+def array_dimensions(look: Look) -> Found:
+    """Arrays of one to three dimensions of 1 to 999, and literal subscripts that fit."""
+    sizes: dict[str, list[float | None]] = {}
+    for line, dim in look.all(s.Dim):
+        for variable in dim.variables:
+            size = [literal(a) for a in variable.arguments or ()]
+            odd = [f"{n:g}" for n in size if n is not None and not 1 <= n <= MOST_ELEMENTS]
+            what = "has a dimension of " + " and ".join(odd)
+            if not 1 <= len(size) <= MOST_DIMENSIONS:
+                what = f"has {len(size)} dimensions"
+            elif not odd:
+                if None not in size:
+                    sizes[variable.key] = size
+                continue
+            cure = f"use one to {MOST_DIMENSIONS} dimensions of 1 to {MOST_ELEMENTS}"
+            yield look.at(DIMENSIONS, line, variable, what=what, cure=cure)
+    parameters = {p.name.upper() for f in look.functions.values() for p in f.parameters or ()}
+    for line, use in look.uses:
+        variable = use.variable
+        most = [int(n) for n in sizes.get(variable.key, ()) if n is not None]
+        if not most or use.role == "declared" or not variable.arguments:
+            continue
+        if variable.key in parameters:
+            continue
+        given = [literal(a) for a in variable.arguments]
+        missing = [
+            n for n, m in zip(given, most, strict=False) if n is not None and not 1 <= round(n) <= m
+        ]
+        cure = f"it has the elements 1 to {' by '.join(map(str, most))}"
+        if len(given) != len(most):
+            what = f"has {len(most)} dimensions, not {len(given)}"
+        elif missing:
+            what = f"has no element {missing[0]:g}"
+        else:
+            continue
+        yield look.at(DIMENSIONS, line, variable, what=what, cure=cure)
+
+
+MOST_DIMENSIONS: Final = 3
+MOST_ELEMENTS: Final = 999
+"""Of a dimension (COSIROP help, DIM)."""
+
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
 HAND: Final = Limits("the number of the hand", 1, 8)
@@ -103,7 +420,7 @@ def _in_range(
     value = literal(argument)
     if limits is not None and value is not None and not limits.holds(value):
         words = limits.words(value, RANGE_ERROR)
-        yield look.at(rules.OUT_OF_RANGE, line, f"{abs(value):g}", **words)
+        yield look.at(OUT_OF_RANGE, line, f"{abs(value):g}", **words)
 
 
 # ------------------------------------------------------------------------------------ arguments
@@ -127,7 +444,7 @@ ORDINALS: Final = ("the first argument", "the second argument", "the third argum
 class TakenArguments:
     """What is given where arguments are taken.
 
-    what: the word, or the name that is called. types: of the arguments, as `kinds.fits` wants
+    what: the word, or the name that is called. types: of the arguments, as `kind_fits` wants
     them; further ones are of the type `more`. least, most: how many there may be.
     """
 
@@ -190,7 +507,7 @@ def _arguments_taken(look: Look) -> Iterator[tuple[s.Line, TakenArguments]]:
 
 def _called_function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
     """The function of the language that a variable with arguments calls."""
-    own = variable.key in look.once(kinds.declared_types) or variable.key in look.functions
+    own = variable.key in look.once(declared_types) or variable.key in look.functions
     return None if variable.component or own else vocabulary.function(variable.key)
 
 
@@ -200,7 +517,7 @@ def argument_counts(look: Look) -> Found:
         given = len(one.given)
         if given < one.least or (one.most is not None and given > one.most):
             yield look.at(
-                rules.ARGUMENT_COUNT,
+                ARGUMENT_COUNT,
                 line,
                 one.what,
                 word=one.word,
@@ -226,7 +543,7 @@ def strange_arguments(look: Look) -> Found:
             effect, given = STRANGE_ARGUMENTS.get(type(argument), ("reads", ""))
             if given and (row is None or effect not in row.effects):
                 yield look.at(
-                    rules.ARGUMENT_TYPE,
+                    ARGUMENT_TYPE,
                     line,
                     command.keyword,
                     word=command.keyword,
@@ -240,17 +557,17 @@ def argument_types(look: Look) -> Found:
     """Arguments of another type than a statement or function takes."""
     for line, one in look.once(taken_arguments):
         for at, argument in enumerate(one.given):
-            given = kinds.kind_of(look, argument)
+            given = kind_of(look, argument)
             wanted = one.types[at] if at < len(one.types) else one.more
-            if wanted in kinds.KIND_WORDS and not kinds.kind_fits(given, wanted):
+            if wanted in KIND_WORDS and not kind_fits(given, wanted):
                 yield look.at(
-                    rules.ARGUMENT_TYPE,
+                    ARGUMENT_TYPE,
                     line,
                     argument if isinstance(argument, s.Variable) else one.what,
                     word=one.word,
                     which=ORDINALS[min(at, 3)],
-                    given=kinds.KIND_WORDS[given],
-                    wanted=kinds.KIND_WORDS[wanted],
+                    given=KIND_WORDS[given],
+                    wanted=KIND_WORDS[wanted],
                 )
 
 
@@ -274,24 +591,24 @@ def short_waits(look: Look) -> Found:
         if value is not None and 0 < value < least:
             title = look.dialect.title
             yield look.at(
-                rules.SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title
+                SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title
             )
 
 
 def argument_units(look: Look) -> Found:
     """Seconds for a timer, degrees for an angle."""
     for line, node in look.all(s.Binary):
-        if node.operator not in kinds.COMPARISONS or node.operator == "=":
+        if node.operator not in COMPARISONS or node.operator == "=":
             continue
         for side, other in ((node.left, node.right), (node.right, node.left)):
             value = literal(other)
             if _is_variable(side, "M_TIMER") and value is not None and 0 < value < SECONDS:
                 words = {"value": f"{value:g}", "better": f"{value * 1000:g}"}
-                yield look.at(rules.TIMER, line, "M_Timer", **words)
+                yield look.at(TIMER, line, "M_Timer", **words)
     for line, variable, what, angle in _angles(look):
         value = literal(angle)
         if value is not None and abs(value) > TURN:
-            yield look.at(rules.DEGREES, line, variable, what=what, value=f"{value:g}")
+            yield look.at(DEGREES, line, variable, what=what, value=f"{value:g}")
 
 
 def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression | None]]:
@@ -317,7 +634,7 @@ def status_access(look: Look) -> Found:
     for line, use in look.uses:
         variable = use.variable
         row = vocabulary.status(variable.key)
-        if row is None or variable.key in look.once(kinds.declared_types):
+        if row is None or variable.key in look.once(declared_types):
             continue
         if use.role == "written" and not row.writable:
             other = variable.key.replace("M_IN", "M_OUT", 1)
@@ -330,8 +647,214 @@ def status_access(look: Look) -> Found:
             # what the tool lists for reading only, controllers may still let programs set
             sure = bool(row.setter) or variable.key.startswith("M_IN")
             severity = None if sure else Severity.WARNING
-            yield look.at(
-                rules.READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity
-            )
+            yield look.at(READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity)
         elif use.role == "read" and not row.readable:
-            yield look.at(rules.WRITE_ONLY, line, variable, name=row.name)
+            yield look.at(WRITE_ONLY, line, variable, name=row.name)
+
+
+POSITION_ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
+POSE_ELEMENTS: Final = 6
+"""Elements that a pose has."""
+LEAST_VALUES: Final = 3
+"""Values of a position without flags; fewer are joints."""
+LEFT_OUT_BY_FOUR_AXES: Final = ("A", "B")
+"""What the positions of a horizontal arm leave out (CR1D 4.3.12)."""
+LEFT_OUT_BY_FIVE_AXES: Final = ("C",)
+"""Components that positions of a five-axis arm may leave out."""
+
+
+def missing_coordinates(look: Look) -> Found:
+    """Positions that leave out values; those that leave out all were never taught.
+
+    An error where the program takes them as a pose, which the controller refuses.
+    """
+    taken = set[tuple[int, str]]()
+    for lacking in incomplete_poses(look.tree):
+        taken.add((id(lacking.item), lacking.name.upper()))
+        yield look.at(UNDEFINED, lacking.item, lacking.word, name=lacking.name, what=lacking.what)
+    for item in look.data:
+        if not isinstance(item, s.Data) or not isinstance(item.value, s.Constant):
+            continue
+        values, flags = item.value.values, item.value.flags
+        if all(value is None for value in values):
+            continue
+        left_out = list(
+            _missing_elements(item.value) if not item.variable.key.startswith("J") else ()
+        )
+        if flags is not None and (flags[0] is None) != (flags[1] is None):
+            left_out.append("FL1" if flags[0] is None else "FL2")
+        if (
+            left_out
+            and tuple(left_out) != LEFT_OUT_BY_FOUR_AXES
+            and (id(item), item.variable.key) not in taken
+        ):
+            what = " and ".join(left_out)
+            yield look.at(GAP, item, item.variable, name=item.variable.name, what=what)
+    for line, node in look.all(s.Binary):
+        for constant in incomplete_summands(node):
+            name, what = printer.expression(constant), " and ".join(_missing_elements(constant))
+            yield look.at(GAP, line, name, name=name, what=what)
+
+
+def _missing_elements(constant: s.Constant) -> tuple[str, ...]:
+    """The elements of a pose that a constant leaves out, and additional axes among others."""
+    values = constant.values
+    short = POSITION_ELEMENTS[len(values) : POSE_ELEMENTS]
+    return (
+        *(name for name, value in zip(POSITION_ELEMENTS, values, strict=False) if value is None),
+        *short,
+    )
+
+
+def _is_undefined(value: object) -> TypeGuard[s.Constant]:
+    """True if it is a position constant that the controller does not accept as a pose."""
+    if not isinstance(value, s.Constant) or all(one is None for one in value.values):
+        return False
+    if value.flags is None and len(value.values) < LEAST_VALUES:
+        return False
+    found = tuple(
+        name for name in _missing_elements(value) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+    )
+    return bool(found) and found not in (LEFT_OUT_BY_FOUR_AXES, LEFT_OUT_BY_FIVE_AXES)
+
+
+def incomplete_summands(node: s.Binary) -> Iterator[s.Constant]:
+    """Constants of a sum or a difference of positions that leave out values."""
+    if node.operator in ("+", "-"):
+        yield from (one for one in (node.left, node.right) if _is_undefined(one))
+
+
+@dataclass(frozen=True, slots=True)
+class IncompletePose:
+    """A position that is taken as a pose and has elements without a value.
+
+    item: its line, word: what of it; the name is as it is written.
+    """
+
+    item: s.Line | s.Data
+    word: s.Variable | str
+    name: str
+    what: str
+
+
+def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
+    """Positions of a file that it takes as poses though they leave out elements of one.
+
+    One whose elements the program sets, or that anything else may change, is left aside.
+    """
+    given: dict[str, tuple[s.Line | s.Data, s.Variable, s.Constant]] = {}
+    for item in tree.items:
+        if isinstance(item, s.Data) and item.variable.arguments is None:
+            if _is_undefined(item.value) and not item.variable.key.startswith("J"):
+                given[item.variable.key] = item, item.variable, item.value
+    code = [item for item in tree.items if isinstance(item, s.Line) and item.statement is not None]
+    changed, copies = set[str](), list[tuple[str, str]]()
+    for line in code:
+        for node in nodes(line.statement):
+            match node:
+                case s.Assign(s.Variable(component="") as target, value) if _is_undefined(value):
+                    given.setdefault(target.key, (line, target, value))
+                case s.Assign(s.Variable(component="", arguments=None) as target, value):
+                    if isinstance(value, s.Variable) and not value.component:
+                        copies.append((target.key, value.key))
+                    else:
+                        changed.add(target.key)
+                case s.Assign(s.Variable(arguments=None) as target):
+                    changed.add(target.key)
+                case s.Input() | s.FPrm() | s.CallP() | s.Call() | s.DefOther():
+                    changed |= {x.key for x in nodes(node) if isinstance(x, s.Variable)}
+    origin = {key: key for key in given if key not in changed}
+    for _ in copies:
+        found = {to: origin[key] for to, key in copies if key in origin and to not in changed}
+        if found.items() <= origin.items():
+            break
+        origin |= {to: key for to, key in found.items() if to not in origin}
+    said = set[str]()
+    for line in code:
+        for pose in _poses(line.statement):
+            if isinstance(pose, s.Constant) and _is_undefined(pose):
+                text = printer.expression(pose)
+                yield IncompletePose(line, text, text, _missing_words(pose))
+            elif isinstance(pose, s.Variable) and pose.key in origin and not pose.component:
+                said.add(origin[pose.key])
+    for rows in (item for item in tree.items if isinstance(item, MoveRows)):
+        for key in origin:
+            named = split_name(s.Variable(key))
+            if named is not None and named[0].upper() == rows.stem.upper():
+                if any(named[1] in column for column in (rows.start, rows.via, rows.end)):
+                    said.add(origin[key])
+    for key in sorted(said, key=list(given).index):
+        item, variable, constant = given[key]
+        yield IncompletePose(item, variable, variable.name, _missing_words(constant))
+
+
+def _missing_words(constant: s.Constant) -> str:
+    return " and ".join(
+        name for name in _missing_elements(constant) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+    )
+
+
+def _poses(statement: s.Statement | s.Target | None) -> Iterator[s.Expression | None]:
+    """Values that a statement takes as poses."""
+    for node in nodes(statement):
+        match node:
+            case s.Motion(arguments=arguments):
+                yield from arguments
+            case s.Command("Tool" | "Base", arguments):
+                yield from arguments
+            case s.Binary("*" | "/", left, right):
+                if any(map(_is_position, (left, right))):
+                    yield from (left, right)
+            case s.Variable(key="INV", arguments=tuple(arguments)):
+                yield from arguments
+
+
+def _is_position(value: s.Expression) -> bool:
+    return isinstance(value, s.Constant) or (
+        isinstance(value, s.Variable) and value.key.startswith("P") and not value.component
+    )
+
+
+NEEDED_ARGUMENTS: Final = {"Plt": 3}
+"""`Def` of what → arguments behind its number that may not be left out."""
+
+
+def missing_arguments(look: Look) -> Found:
+    """Arguments that only stand after another one, and positions that a definition needs."""
+    for line, motion in look.all(s.Motion):
+        if motion.keyword != "Mvs" and motion.arguments[:1] == (None,):
+            yield look.at(LEFT_OUT, line, motion.keyword, word=motion.keyword, which="first")
+    for line, node in look.all(s.DefOther):
+        needed = node.arguments[: 1 + NEEDED_ARGUMENTS.get(node.kind, 0)]
+        if None in needed:
+            word = f"Def {node.kind}"
+            which = ("first", "second", "third", "fourth")[needed.index(None)]
+            yield look.at(LEFT_OUT, line, word, word=word, which=which)
+    for line, variable in look.all(s.Variable):
+        if variable.arguments == () and vocabulary.status(variable.name) is not None:
+            name = variable.name
+            yield look.at(LEFT_OUT, line, variable, word=name, which="first")
+
+
+def misplaced_lines(look: Look) -> Found:
+    """Steps that hold nothing, and what looks like a variable line between steps."""
+    for item in before_last_step(look):
+        match item:
+            case s.Line(number=int(), label=None, statement=None, comment=None):
+                yield look.finding(EMPTY_STEP, item, number=item.number)
+            case s.Data(type=""):
+                yield look.at(AMONG_STEPS, item, item.variable)
+
+
+def before_last_step(look: Look) -> Sequence[s.Item]:
+    """The lines up to the last step."""
+    code = [at for at, item in enumerate(look.tree.items) if _is_step(look, item)]
+    return look.tree.items[: code[-1] + 1] if code else ()
+
+
+def _is_step(look: Look, item: s.Item) -> bool:
+    """Whether an item is code; what has no number and is damaged may be a variable line."""
+    sure = look.damage is None
+    return isinstance(item, MoveRows) or (
+        isinstance(item, s.Line) and (sure or item.number is not None)
+    )

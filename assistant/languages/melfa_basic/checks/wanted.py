@@ -11,10 +11,9 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.base.diagnostics import Span
-from assistant.languages.melfa_basic.checks.file_view import Calls, Look
-from assistant.languages.melfa_basic.checks.single_rows import with_single_rows
-from assistant.languages.melfa_basic.checks.undefined import is_call
-from assistant.languages.melfa_basic.checks.variables_of import known_variables
+from assistant.languages.melfa_basic.checks.file_view import Calls, Look, known_variables
+from assistant.languages.melfa_basic.checks.lines import with_single_rows
+from assistant.languages.melfa_basic.checks.names import is_call
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import (
@@ -24,9 +23,9 @@ from assistant.languages.melfa_basic.tables.variables import (
     TAUGHT_STATUS,
     parameter_position,
 )
-from assistant.languages.melfa_basic.tree import outside
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree import walk
+from assistant.languages.melfa_basic.tree.line_tables import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_name
 from assistant.program.undeclared_names import STATE_TYPE, CallArgument, Plain, Wanted, WantedKind
 
@@ -96,7 +95,7 @@ def _variables(look: Look) -> Iterator[Wanted]:
         if (
             (key in whole and not external)
             or (vocabulary.status(key) is not None and key not in TAUGHT_STATUS)
-            or outside.is_force_state(key)
+            or walk.is_force_state(key)
         ):
             continue
         if (
@@ -188,7 +187,7 @@ def _sets(tree: s.File, word: str) -> bool:
 def _outside(look: Look) -> Iterator[Wanted]:
     """Routines that stand for commands of the maker's own, and the states that they give."""
     for line, command in look.all(s.Command):
-        routine = outside.supplied_routine(command)
+        routine = walk.supplied_routine(command)
         if routine is not None:
             name, given = routine
             yield Wanted(
@@ -200,7 +199,7 @@ def _outside(look: Look) -> Iterator[Wanted]:
     written = {use.variable.key for _, use in look.uses if use.role != "read"}
     for line, use in look.uses:
         name, key = use.variable.name, use.variable.key
-        if outside.is_force_state(key) and key not in written:
+        if walk.is_force_state(key) and key not in written:
             kind, type, nothing = _KINDS[key[0]]
             type = type or STATE_TYPE
             yield Wanted(name, kind, type, nothing=nothing, uses=(_place(look, line.span),))

@@ -1,37 +1,121 @@
-"""Expressions of the pseudo-program as MELFA-BASIC says them."""
+"""Expressions, constants and channel numbers of MELFA-BASIC; raises Unsayable for what it lacks.
+
+Positions are `(x,y,z,a,b,c)(fl1,fl2)` in mm and degrees, joints `(j1, …, j6)`. The same operators
+work on truths and on bits of numbers, so logic is written where all operands are truths: 0, 1 or a
+digital signal.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.melfa_basic.lower import channel_numbers
-from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
-from assistant.languages.melfa_basic.lower.logic import is_truth
+import numpy as np
+
 from assistant.languages.melfa_basic.lower.names import Names, mark
-from assistant.languages.melfa_basic.lower.unsayable import NoNumber as NoNumber
-from assistant.languages.melfa_basic.lower.unsayable import Undeclared as Undeclared
-from assistant.languages.melfa_basic.lower.unsayable import Unsayable as Unsayable
 from assistant.languages.melfa_basic.reading.line import expression
-from assistant.languages.melfa_basic.tables import functions, operators, poses, vocabulary
-from assistant.languages.melfa_basic.tables.channels import CONNECTION_STATUS
+from assistant.languages.melfa_basic.tables import equivalents, poses, vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.tables.vocabulary.timers import (
+from assistant.languages.melfa_basic.tables.variables import (
+    CONNECTION_STATUS,
+    FILE_NUMBERS,
     MILLISECONDS,
     MOST_TIMERS,
     TIMER_WORD,
 )
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.timers import timer_variable
+from assistant.languages.melfa_basic.tree.walk import timer_variable
 from assistant.program import expressions as e
 from assistant.program.analysis.declared_types import COMPONENTS, known_types
 from assistant.program.geometry import JointTarget, Target
+from assistant.program.motion import configuration_row
 from assistant.program.program import Procedure, Program, Signal
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+
+def is_truth(value: e.Expression, signals: Mapping[str, Signal]) -> bool:
+    """Whether a value is written as a truth is: 0, 1 or a digital signal.
+
+    signals: by lower-case name.
+    """
+    match value:
+        case e.Number(number):
+            return number in (0, 1)
+        case e.Name(name):
+            known = signals.get(name.lower())
+            return known is not None and known.kind == "digital"
+    return False
+
+
+def position_constant(
+    target: Target, robot: Robot | None, places: int = poses.PLACES
+) -> s.Constant:
+    """A target as `(x,y,z,a,b,c)(fl1,fl2)`, with so many decimals."""
+    row = np.array([configuration_row(target.configuration)], dtype=np.int8)
+    flags = poses.flags_of(row, robot)[0]
+    values = poses.to_values(
+        np.array([target.pose.position]),
+        np.array([target.pose.quaternion]),
+        np.array([target.external]),
+        robot,
+        places,
+    )[0]
+    return s.Constant(tuple(float(v) for v in values), (int(flags[0]), int(flags[1])))
+
+
+def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
+    """A joint target as `(j1, …, j6)`; an arm of five axes keeps the place of J4, as 0, and one of
+    four those of J5 and J6 if an external axis follows.
+    """
+    joints, more = list(target.joints), [v for v in target.external[:2] if v == v]
+    if robot is not None and len(joints) == len(robot.axes) < 6:
+        row = [0.0] * (6 if more else 1 + max(robot.places))
+        for place, value in zip(robot.places, joints, strict=True):
+            row[place] = value
+        joints = row
+    joints += more
+    return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
+
+
+class Unsayable(Exception):
+    """MELFA-BASIC has no words for it."""
+
+    def __init__(self, what: str, cure: str = "") -> None:
+        super().__init__(what)
+        self.what, self.cure = what, cure
+
+
+class NoNumber(Unsayable):
+    """A signal that is known by name only; `what` is the name."""
+
+
+class Undeclared(Unsayable):
+    """A name that stands for nothing; `what` is the name."""
+
+
+def channel_number(names: Names, channel: str) -> int:
+    """The number of the file that a channel is; raises Unsayable for one too many."""
+    found = names.channels.get(channel.lower())
+    if found is None:
+        raise Unsayable(f"the channel `{channel}` beside {len(FILE_NUMBERS)} others", "use fewer")
+    return found
+
+
+def asked_channel(names: Names, function: str, arguments: tuple[e.Expression, ...]) -> int | None:
+    """The number of the file whose connection a function asks for, None for another function.
+
+    Raises Unsayable where a text of a channel stands inside an expression.
+    """
+    if function in e.TAKING:
+        raise Unsayable("a text of a channel inside an expression", "assign it to a variable")
+    match function, arguments:
+        case "connected", (e.Text(channel),):
+            return channel_number(names, channel)
+    return None
 
 
 FARTHEST_NUMBER: Final = 1e6
@@ -74,7 +158,7 @@ class Expressions:
         return text.upper() if self.dialect.upper else text
 
     def call(self, function: str, *arguments: s.Expression) -> s.Variable:
-        suffix = "$" if function in functions.TEXT_FUNCTIONS else ""
+        suffix = "$" if function in equivalents.TEXT_FUNCTIONS else ""
         return s.Variable(self.word(function), suffix, arguments)
 
     def argument(self, value: e.Expression) -> s.Expression:
@@ -138,7 +222,7 @@ class Expressions:
                 sides = self.of(left), self.of(right)
                 if operator in e.RELATIONS and any(map(_is_position, sides)):
                     raise Unsayable("a comparison of positions", "compare their components")
-                return s.Binary(operators.OPERATOR_WORDS[operator], *sides)
+                return s.Binary(equivalents.OPERATOR_WORDS[operator], *sides)
             case e.Apply("inverse", (e.Name(name),)) if (base := self.base(name)) is not None:
                 return base
             case e.Apply(function=function, arguments=arguments):
@@ -174,26 +258,26 @@ class Expressions:
     def apply(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         if function in ("offset", "relative"):
             return self.moved(function, arguments)
-        if function in functions.STATUS_FUNCTIONS and not arguments:
-            return s.Variable(self.word(functions.STATUS_FUNCTIONS[function]))
-        if (number := channel_numbers.asked_channel(self.names, function, arguments)) is not None:
+        if function in equivalents.STATUS_FUNCTIONS and not arguments:
+            return s.Variable(self.word(equivalents.STATUS_FUNCTIONS[function]))
+        if (number := asked_channel(self.names, function, arguments)) is not None:
             return s.Variable(self.word(CONNECTION_STATUS), "", (s.Number(number),))
         callee = self.program.procedure(function)
         if callee is not None and function not in e.FUNCTIONS:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
-        if function in functions.BIT_FUNCTIONS and len(values) == 2:
+        if function in equivalents.BIT_FUNCTIONS and len(values) == 2:
             if all(is_truth(argument, self.signals) for argument in arguments):
                 raise Unsayable(f"`{function}` of truths alone", "join them with and, or, xor")
-            return s.Binary(functions.BIT_FUNCTIONS[function], *values)
-        if function in functions.SAME_UNIT_FUNCTIONS:
-            return self.call(functions.SAME_UNIT_FUNCTIONS[function], *values)
-        if function in functions.ARM_FUNCTIONS and len(values) == 1:  # without a tool, see Writer
-            return self.call(functions.ARM_FUNCTIONS[function], *values)
-        if function in functions.FUNCTIONS_OF_ANGLES and len(values) == 1:
-            return self.call(functions.FUNCTIONS_OF_ANGLES[function], self.call("Rad", *values))
+            return s.Binary(equivalents.BIT_FUNCTIONS[function], *values)
+        if function in equivalents.SAME_UNIT_FUNCTIONS:
+            return self.call(equivalents.SAME_UNIT_FUNCTIONS[function], *values)
+        if function in equivalents.ARM_FUNCTIONS and len(values) == 1:  # without a tool, see Writer
+            return self.call(equivalents.ARM_FUNCTIONS[function], *values)
+        if function in equivalents.FUNCTIONS_OF_ANGLES and len(values) == 1:
+            return self.call(equivalents.FUNCTIONS_OF_ANGLES[function], self.call("Rad", *values))
         if (
-            word := vocabulary.function(functions.FUNCTIONS_TO_ANGLES.get(function, ""))
+            word := vocabulary.function(equivalents.FUNCTIONS_TO_ANGLES.get(function, ""))
         ) is not None:
             if self.dialect.level in word.dialects:
                 return self.call("Deg", self.call(word.name, *values))
@@ -269,12 +353,12 @@ class Expressions:
         if signal.kind == "digital":
             word = "M_Out" if out else "M_In"
         elif signal.kind == "analog":
-            if signal.number < functions.FIRST_ANALOG_REGISTER:
+            if signal.number < equivalents.FIRST_ANALOG_REGISTER:
                 raise Unsayable(
                     f"the analog signal `{name}` with the number {signal.number}",
-                    f"give the number of its register, {functions.FIRST_ANALOG_REGISTER} or more",
+                    f"give the number of its register, {equivalents.FIRST_ANALOG_REGISTER} or more",
                 )
-            word = functions.ANALOG_REGISTERS[out]
+            word = equivalents.ANALOG_REGISTERS[out]
         else:
             width = next((w for w in self.dialect.groups if w >= signal.bits), None)
             if width is None:

@@ -13,19 +13,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.melfa_basic.tables.channels import FILE_NUMBERS
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables.variables import (
+    ARC_START,
+    FILE_NUMBERS,
     LETTERS,
+    MOST_TIMERS,
     PARAMETERS,
+    RESERVED_WORDS,
+    free_name,
     is_external,
     parameter_position,
 )
-from assistant.languages.melfa_basic.tables.vocabulary.interrupts import (
-    INTERRUPT_NUMBERS as INTERRUPTS,
-)
-from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
-from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED_WORDS, free_name
+from assistant.languages.melfa_basic.tables.variables import INTERRUPT_NUMBERS as INTERRUPTS
 from assistant.program.analysis.io_use import channels_open_together
 from assistant.program.passes.names import free_counters
 from assistant.program.program import Parameter, Procedure, Program, TakenNames, Variable, walk

@@ -1,4 +1,9 @@
-"""An adapted program as the tree of one of its units."""
+"""An adapted program as the tree of one of its units: heading, code lines and position lines.
+
+The heading comments hold what the code cannot express (see text.header). Vendor text depends on
+settings that the lines before it leave; lines that would set again what holds there already are
+left out.
+"""
 
 from __future__ import annotations
 
@@ -10,27 +15,156 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from assistant.base.diagnostics import Declared, Refused
-from assistant.languages.melfa_basic.lift.files.program import settings_already_set
-from assistant.languages.melfa_basic.lower.constants import joint_constant, position_constant
-from assistant.languages.melfa_basic.lower.depended import settings_for_vendor_text
-from assistant.languages.melfa_basic.lower.heading import heading, named_members
-from assistant.languages.melfa_basic.lower.interrupts import write_interrupt_answers
-from assistant.languages.melfa_basic.lower.names import mark, naming
-from assistant.languages.melfa_basic.lower.statements import STATEMENTS
+from assistant.languages.melfa_basic.lift.program import settings_already_set
+from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, needed_settings
+from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
+from assistant.languages.melfa_basic.lower.names import counted, mark, naming
+from assistant.languages.melfa_basic.lower.statements import STATEMENTS, write_interrupt_answers
 from assistant.languages.melfa_basic.lower.writer import Writer
+from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
-from assistant.languages.melfa_basic.tables.variables import LETTERS, is_of_controller
+from assistant.languages.melfa_basic.tables.variables import (
+    LETTERS,
+    PARAMETERS,
+    is_of_controller,
+    parameter_position,
+)
+from assistant.languages.melfa_basic.text import header as headers
+from assistant.languages.melfa_basic.text.header import parameter_value
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.languages.step_numbers import with_ascending_steps
+from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.passes.procedure_forms import notes_and_body
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
+from assistant.program.rewriting import head, records
+from assistant.program.undeclared_names import interrupt_names, timers
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+
+TYPES_WITHOUT_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
+"""Types whose letter is that of another one."""
+
+
+def heading(w: Writer) -> list[s.Item]:
+    """The lines; the unit's code has been written already."""
+    head, names, program = headers.Header(), w.names, w.program
+    first, others = w.procedures()
+    head.program, head.robot, head.unit = program.name, program.robot, w.unit
+    if w.unit is None:
+        head.entry = first.name if first else "-"
+        units = dict.fromkeys(p.unit for p in program.procedures if p.unit is not None)
+        head.names["unit"] = {names.units[u]: u for u in units}
+        head.names["first"] = {
+            names.units[u]: next(p.name for p in program.procedures if p.unit == u) for u in units
+        }
+    elif first is not None:
+        head.names["first"] = {names.units[w.unit]: first.name}
+    for procedure in others:
+        short = names.procedures[procedure.name.lower()]
+        head.names["procedure"][short] = procedure.name
+        if procedure.result in TYPES_WITHOUT_LETTER and w.functions:
+            head.names["result"][short] = procedure.result
+    head.names["timer"] = {
+        str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
+    }
+    if w.unit is None:
+        head.names["interrupt"] = interrupt_names(program, names.interrupts)
+    _note_labels(w, head)
+    for kind, table, given in named_members(w):
+        head.names[kind] = {table[n.lower()]: n for n in given}
+    for word, _, number, name in counted(program, w.dialect, names.products):
+        short = parameter_position(PARAMETERS[word].format(number=number))
+        tool = word == "Tool"
+        pose = program.tools[name].tip if tool else program.frames[name].pose
+        head.there.append(parameter_value(short, poses.plain_values(pose)))
+    for owner, name, variable in w.variables():
+        short = names.variables[owner, name.lower()]
+        head.variables[short] = _declared_variable(w, owner, name, variable)
+    head.signals = dict(program.signals)
+    head.products = names.products
+    inline = w.expressions.inline
+    head.paths = [(k, k + len(p) - 1, p.name) for k, p in w.paths if len(p)]
+    numbers = [f"P{k}" for k, _ in inline.positions] + [f"J{k}" for k, _ in inline.joints]
+    head.inline = dict.fromkeys(numbers)
+    above = program.comments if w.unit is None else ()
+    texts = [*above, *headers.header_lines(head, w.dialect.name)]
+    return [s.Line(comment="' " + text if text else "'") for text in texts]
+
+
+def named_members(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
+    """Kind, names and members of the declared things that this unit holds."""
+    p, n, used = w.program, w.names, w.used
+    for kind, table, given in (
+        ("target", n.targets, p.targets),
+        ("joints", n.joints, p.joint_targets),
+        ("tool", n.tools, p.tools),
+        ("frame", n.frames, p.frames),
+    ):
+        yield kind, table, [m for m in given if w.unit is None or table[m.lower()] in used]
+
+
+def _declared_variable(
+    w: Writer, owner: str, name: str, variable: Variable | Parameter
+) -> headers.Declared:
+    procedure = w.program.procedure(owner)
+    whose = "" if procedure is None else procedure.name
+    if isinstance(variable, Parameter):
+        extents = (0,) * variable.dimensions
+        return headers.Declared(name, variable.type, "parameter", whose, size=extents)
+    return headers.Declared(
+        name, variable.type, variable.storage, whose,
+        variable.local, variable.initial is not None, variable.size,
+    )  # fmt: skip
+
+
+def _note_labels(w: Writer, head: headers.Header) -> None:
+    mine = {p.name.lower() for p in w.program.procedures if p.unit == w.unit}
+    for (owner, _), short in w.names.labels.items():
+        original = w.names.original_labels[short]
+        if owner in mine and short != original:
+            head.names["label"][short] = original
+    for (owner, _), short in w.names.loops.items():
+        if owner in mine:
+            head.names["loop"][short] = w.names.original_loops[short]
+
+
+def settings_for_vendor_text(program: Program) -> frozenset[int]:
+    """The settings, by number, under which texts of a program in one unit do what they do.
+
+    None of one in several units, where it is not known what the others change. Tool and base only
+    of one that was read in MELFA-BASIC: without a line for them they stay as the controller has
+    them there, elsewhere there are none.
+    """
+    found: frozenset[int] = frozenset()
+    if any(procedure.unit is not None for procedure in program.procedures):
+        return found
+    for node in program.statements():
+        texts = list(_vendor_texts(node))
+        for text in texts:
+            line = read_statement(text)
+            if line is not None and line.statement is not None:
+                found |= needed_settings(line.statement)
+        if texts and any(isinstance(part, e.Here) for part in records(head(node))):
+            found |= {TOOL, FRAME}  # the statement is one line with the text
+    read = program.origin is not None and program.origin.language in DIALECTS
+    return found if read else found - {TOOL, FRAME}
+
+
+def _vendor_texts(node: p.Statement) -> Iterator[str]:
+    """The texts that a statement keeps, as statements."""
+    for part in records(head(node)):
+        if isinstance(part, p.Opaque) and part.language in DIALECTS:
+            yield part.text
+        elif isinstance(part, e.Verbatim) and part.language in DIALECTS:
+            yield f"M1={part.text}"
+
 
 DEFINITION_WORDS: Final[dict[ValueType, str]] = {
     "number": "Float", "truth": "Float", "integer": "Inte", "text": "Char",

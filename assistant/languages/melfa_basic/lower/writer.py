@@ -19,10 +19,10 @@ from assistant.languages.melfa_basic.lower.expressions import (
 )
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
-from assistant.languages.melfa_basic.tables.functions import ARM_FUNCTIONS
+from assistant.languages.melfa_basic.tables.equivalents import ARM_FUNCTIONS
 from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
+from assistant.languages.melfa_basic.tree.control_flow import block_word, statement_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, texts_in

@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
-from assistant.languages.melfa_basic.tables.words import RESERVED_WORDS
+from assistant.languages.melfa_basic.tables.variables import RESERVED_WORDS
 from assistant.languages.texts.words import abouts
 from assistant.program.editor_support import (
     Declaration,

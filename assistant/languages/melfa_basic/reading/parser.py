@@ -1,4 +1,10 @@
-"""Text to tree: tables of plain rows at once, every other line through the grammar."""
+"""Text to tree: tables of plain rows at once, every other line through the grammar.
+
+Lines with errors go to the recovery, which is loaded only then. `mended` repairs a text whose
+damage leaves no doubt of what is meant: word processors and other keyboards write marks that no
+controller takes, and comments lose their mark. Such a text remains an error in its file, but
+another language can be given what it means.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,7 @@ from typing import Final
 
 from assistant.base.arrays import Truths
 from assistant.base.budgets import without_gc
-from assistant.base.diagnostics import Diagnostic, Span
+from assistant.base.diagnostics import Diagnostic, Severity, Span, has_errors
 from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
@@ -17,14 +23,9 @@ from assistant.languages.melfa_basic.reading.line import TooLarge, read_line, sp
 from assistant.languages.melfa_basic.tables.variables import TAUGHT_STATUS
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.columnar import (
-    MoveRows,
-    PositionRows,
-    row_spans,
-    rows_at,
-)
-from assistant.languages.melfa_basic.tree.targets import exits_of
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, row_spans, rows_at
+from assistant.languages.melfa_basic.tree.control_flow import exits_of, statement_of
+from assistant.languages.melfa_basic.tree.syntax import File
 from assistant.languages.recovery.syntax import Stop
 
 __all__ = ["parse", "statement"]
@@ -51,7 +52,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
-            from assistant.languages.melfa_basic.reading.recovery.reader import recovery_reader
+            from assistant.languages.melfa_basic.reading.recovery.mistakes import recovery_reader
 
             item, found = recovery_reader().read(source, start, stop, node, len(findings))
             span = Span(start, end)
@@ -143,3 +144,46 @@ def _datum(item: s.Item) -> s.Data | None:
                 ):
                     return s.Data(target, value, "", item.span)
     return None
+
+
+_PLAIN_MARKS: Final = str.maketrans({
+    **dict.fromkeys("‘’‚‛′´`＇", "'"),
+    **dict.fromkeys("“”„‟″＂", '"'),
+    **dict.fromkeys("，、", ","),
+    **dict.fromkeys("–—−－", "-"),
+    **dict.fromkeys("\u3000\u00a0\ufeff", " "),
+    **{chr(code): " " for code in range(0x2000, 0x200C)},
+})  # fmt: skip
+"""The marks that findings of `rules.QUOTES` are about; each takes one character, as before."""
+CERTAIN_FINDINGS: Final = (rules.QUOTES.code, rules.REMARK.code)
+
+
+def mended(tree: File, dialect: str) -> File | None:
+    """The tree of what is certainly meant, its findings as warnings; None if that is not known.
+
+    Lines keep their numbers.
+    """
+    errors = [f for f in tree.findings if f.severity is Severity.ERROR]
+    source = tree.source
+    if source is None or any(f.code not in CERTAIN_FINDINGS or f.span is None for f in errors):
+        return None
+    text = source.text
+    for finding in sorted(errors, key=lambda f: -f.span.start if f.span else 0):
+        text = _replaced(text, finding)
+    again = parse(replace(source, text=text), dialect)
+    if has_errors(again.findings):
+        return None
+    told = (replace(f, severity=Severity.WARNING) for f in tree.findings)
+    return replace(again, findings=tuple(told))
+
+
+def _replaced(text: str, finding: Diagnostic) -> str:
+    span = finding.span
+    assert span is not None
+    if finding.code == rules.REMARK.code:
+        return f"{text[: span.start]}'{text[span.start :]}"
+    inside = text[span.start : span.end]
+    plain = inside.translate(_PLAIN_MARKS)
+    if plain.startswith("'"):  # a comment, which keeps its own marks
+        plain = f"'{inside[1:]}"
+    return text[: span.start] + plain + text[span.end :]

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.tables.triggers import TRIGGER_MEASURES
-from assistant.languages.melfa_basic.tables.variables import is_external
-from assistant.languages.melfa_basic.tables.words import MOST_PULSES
+from assistant.languages.melfa_basic.tables.equivalents import TRIGGER_MEASURES
+from assistant.languages.melfa_basic.tables.variables import MOST_PULSES, is_external
 from assistant.program.passes.legalisation import (
     Arrays,
     Capabilities,

@@ -1,12 +1,22 @@
-"""Variables: their types, the letters that their names begin with, and those of all programs."""
+"""Variables: types, names and reserved words; numbers of timers, interrupts and files.
+
+The first letter of a name states the type. A second character `_` marks variables that all
+programs of a controller share (CR1D 4.3.7).
+
+Sources: COSIROP help and the CR controller manuals (Open, Print, Input, Close, M_Open, DEF ACT,
+ACT); BFP-A3379, Ethernet function (COMDEV, CPRCE11 to 19, NETMODE, NETPORT, NETHSTIP).
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.program.program import ValueType, Variable
+from assistant.languages.melfa_basic.tables.vocabulary import functions, statement, statements
+from assistant.program.program import TakenNames, ValueType, Variable
+from assistant.program.statements import ChannelMode
 
 LETTERS: Final[dict[ValueType, str]] = {
     "number": "M", "integer": "M", "truth": "M", "text": "C",
@@ -91,3 +101,74 @@ def parameter_position(parameter: str) -> str:
 
 TAUGHT_STATUS: Final = ("P_SAFE",)
 """Status variables that hold what somebody taught on the controller (parameter JSAFE)."""
+
+
+MOST_PULSES: Final = 4
+"""Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
+
+
+def keyword_spelling(word: str) -> str:
+    """A keyword of any case as the tools spell it; words that are not listed stay."""
+    known = statement(word)
+    return " ".join(word.split()) if known is None else known.word
+
+
+RESERVED_WORDS: Final = frozenset(statements()) | frozenset(functions())
+"""Words that no variable or label may be called, in upper case."""
+
+ARC_START: Final = "PSTART"
+"""Holds the present position for an arc whose start is no known position."""
+
+
+def free_name(name: str, most: int, taken: set[str]) -> str:
+    """A name of at most so many characters that begins like the given one; then it is taken.
+
+    taken: in upper case, as names that differ in case alone are the same.
+    """
+    found = name[:most].rstrip("_")
+    if found.upper() in taken:
+        mark = "Z" if name[-1:].isdigit() else ""
+        counts = taken.counts if isinstance(taken, TakenNames) else {}
+        key = found.upper(), mark, most
+        count = counts.get(key, 2)
+        while (found := name[: most - len(f"{mark}{count}")] + f"{mark}{count}").upper() in taken:
+            count += 1
+        counts[key] = count
+    taken.add(found.upper())
+    return found
+
+
+OPTIMUM_SPEED: Final = 10000.0
+"""mm/s that `M_NSpd` stands for: as fast as the arm can. A higher speed is this one."""
+
+
+TIMER_WORD: Final = "M_Timer"
+MOST_TIMERS: Final = 8
+"""Their count is that of the older controllers; nothing tells of more."""
+MILLISECONDS: Final = 1000
+"""Of a second."""
+
+
+INTERRUPT_NUMBERS: Final = range(1, 9)
+ALL_INTERRUPTS: Final = 0
+"""By which `Act` lets all of them come, or none."""
+
+
+FILE_NUMBERS: Final = range(1, 9)
+"""Files that may be open at once."""
+FILE_MODES: Final[Mapping[str, ChannelMode]] = {
+    "Input": "read",
+    "Output": "write",
+    "Append": "append",
+}
+FILE_MODE_WORDS: Final[Mapping[str, str]] = {mode: word for word, mode in FILE_MODES.items()}
+LINE_NAME: Final = re.compile(r"\s*COM([1-8]):\s*", re.IGNORECASE)
+ETHERNET_LINES: Final = (3, 4, 5, 6, 7, 8, 2)
+"""Lines that channels of TCP/IP get, in this order: the first ones are often serial."""
+LONGEST_FILE_NAME: Final = 16
+"""Characters of the name of a file (COSIROP: OPEN)."""
+CONNECTION_STATUS: Final = "M_Open"
+
+
+def line_name(number: int) -> str:
+    return f"COM{number}:"

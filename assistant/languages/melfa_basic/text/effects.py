@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_block_word
+from assistant.languages.melfa_basic.tree.control_flow import is_block_word
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.vendor_statements import Effects, NodeEffect, UnknownEffect
 from assistant.program.expressions import (

@@ -1,24 +1,32 @@
-"""The comment lines above a written program: what the language cannot say otherwise.
+"""Header of a written program: comment lines that hold what the language cannot express.
 
     ' robot-assistant: melfa-basic-4
     ' program: seam_program
     ' robot: rv-2aj
     ' target: PHOME = home, PPARK = park
     ' path: P1-P35 = seam
+    ' elsewhere: PMEXTL2=(+0.00,+0.00,+120.00,+0.00,+0.00,+0.00)
     ' robot-assistant: end
 
-Names are written in ASCII. Whatever is malformed is left out: it is only a comment.
+Names are written in ASCII. Malformed entries are ignored: it is only a comment. `elsewhere` holds
+a tool or work coordinates that the program calls by number: the name is that of the parameter that
+holds the value, after the letter of positions. An emitted program has the sections heading, code
+and positions.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import starmap
 from typing import Any, Final, cast
 
-from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
+from assistant.languages.language_types import Numbering, Outline
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.tables.poses import FINE_PLACES
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
 from assistant.program.program import Signal, ValueType
 
@@ -26,7 +34,7 @@ MARK: Final = "robot-assistant: "
 END: Final = MARK + "end"
 
 THERE: Final = "elsewhere: "
-"""Before what a parameter of the controller holds, see `elsewhere.py`."""
+"""Before what a parameter of the controller holds, see `with_stated_parameters`."""
 
 PRODUCTS: Final = "frames: product"
 """Says that frames are no `Base`, but what targets are multiplied by."""
@@ -192,3 +200,93 @@ def read(texts: Iterable[str]) -> Header:
                 tuple(int(n) for n in size.split("x")) if size else (),
             )
     return header
+
+
+_COORDINATE: Final = r"[+-]?[0-9]{1,9}(?:\.[0-9]{1,9})?"
+_PARAMETER_VALUE: Final = re.compile(
+    rf"(P(?:MEXTL|WK)[0-9]{{1,2}}(?:CORD)?)=\(({_COORDINATE}(?:,{_COORDINATE}){{5}})\)"
+)
+
+
+def parameter_value(name: str, values: tuple[float | None, ...]) -> str:
+    """A value as a heading says it. values: x, y, z in mm, a, b, c in degrees."""
+    return f"{name}=({','.join(f'{value or 0.0:+.{FINE_PLACES}f}' for value in values)})"
+
+
+def with_stated_parameters(tree: s.File) -> s.File:
+    """The tree with what its heading says of the controller, where it has no value of its own."""
+    own = {item.variable.key for item in tree.items if isinstance(item, s.Data)}
+    more = tuple(data for data in _stated_positions(tree) if data.variable.key not in own)
+    return replace(tree, items=(*tree.items, *more)) if more else tree
+
+
+def _stated_positions(tree: s.File) -> Iterator[s.Data]:
+    for item in tree.code:
+        if not isinstance(item, s.Line) or item.statement or item.label or not item.comment:
+            return
+        text = item.comment.removeprefix("'").strip()
+        if text == END:
+            return
+        found = _PARAMETER_VALUE.fullmatch(text.removeprefix(THERE))
+        if found is not None and text.startswith(THERE):
+            values = tuple(float(value) for value in found[2].split(","))
+            yield s.Data(s.Variable(found[1]), s.Constant(values, (0, 0)))
+
+
+_HEADING: Final = re.compile(rf"(?:(?:[0-9]+ )?'.*\n)*?(?:[0-9]+ )?' {END}\r?\n")
+_HEADER_LINE: Final = re.compile(rf"^(?:[0-9]+ )?' {MARK}melfa", re.MULTILINE)
+_POSITIONS: Final = re.compile(r"^(?![0-9])", re.MULTILINE)
+_STEP_NUMBER: Final = re.compile(r"[0-9]+ ")
+
+
+def sections(text: str) -> Mapping[str, str]:
+    """The comments of the heading, the code, and the values of positions below it."""
+    heading = _HEADING.match(text)
+    below = heading.end() if heading else 0
+    positions = _POSITIONS.search(text, below)
+    first = positions.start() if positions else len(text)
+    return {"header": text[:below], "code": text[below:first], "positions": text[first:]}
+
+
+def _header_offset(text: str) -> int:
+    """Offset at which the heading begins, after the comments of the program."""
+    mark = _HEADER_LINE.search(text)
+    return mark.start() if mark else len(text)
+
+
+def recounted_lines(dialect: Dialect, lines: Sequence[str]) -> list[str]:
+    """The lines with steps counted anew: jumps of emitted programs name labels.
+
+    A comment that has no number yet gets one; values of positions have none.
+    """
+    made, step = [], 0
+    for line in lines:
+        match = _STEP_NUMBER.match(line)
+        if match is None and not line.startswith("'"):
+            made.append(line)
+            continue
+        step += dialect.step
+        made.append(f"{step} {line[match.end() :] if match else line}")
+    return made
+
+
+def _step_numbering(name: str) -> Numbering | None:
+    return partial(recounted_lines, DIALECTS[name])
+
+
+OUTLINE: Final = Outline(
+    template="melfa/program.prg.j2",
+    sections=sections,
+    within={
+        "comments": ("header", lambda text: text[: _header_offset(text)]),
+        "heading": ("header", lambda text: text[_header_offset(text) :]),
+    },
+    name=lambda _: "",
+    rank={"comments": 0, "header": 1, "heading": 1, "code": 2, "positions": 3},
+    complete=(("header", "code", "positions"), ("comments", "heading", "code", "positions")),
+    item=lambda text: text.strip().startswith(MARK.strip()),
+    frame={},
+    numbered=_step_numbering,
+    blank=False,
+    ends="header",
+)

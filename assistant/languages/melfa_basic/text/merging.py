@@ -1,8 +1,9 @@
-"""Changes of a program made in the text that it was lifted from.
+"""Changes of a program merged into the text that it was lifted from, and step numbers counted anew.
 
-Lifting and building lose layout, order and spelling, so a changed program is built twice, as it
-was lifted and as it is now. What differs between the two is changed in the tree as well. Where
-that can go is tried out, and a try counts only if the outcome says what the built tree says.
+Lifting and building lose layout, order and spelling, so a changed program is built twice: as it
+was lifted, and as it is now. What differs between the two is changed in the tree as well. Where a
+change can go is found by trying, and a try counts only if the result means what the built tree
+means.
 """
 
 from __future__ import annotations
@@ -11,19 +12,72 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages import step_numbers
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.text import header
 from assistant.languages.melfa_basic.text.printer import expression
 from assistant.languages.melfa_basic.text.printer import statement as printed
-from assistant.languages.melfa_basic.text.renumbering import STEPS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.control_flow import retargeted, steps_named
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.step_numbers import with_fitted_steps
+from assistant.languages.step_numbers import UNNUMBERED, Steps, steps_of, with_fitted_steps
 from assistant.languages.texts.line_merge import DataMerger, LineMerger, LinePart
 from assistant.program.rewriting import rewrite
+
+EMPTY_STEP: Final = "'"
+"""The step that a blank line between others becomes: a bare one would end the program."""
+
+STEPS: Final = Steps(
+    s.Line,
+    LAST_STEP,
+    named=steps_named,
+    retargeted=retargeted,
+    falling=rules.NOT_ASCENDING,
+    past_last=rules.PAST_LAST_STEP,
+    unknown=rules.NO_STEP,
+)
+
+
+def renumbered(file: s.File, first: int, step: int) -> s.File:
+    """The program with its steps numbered first, first + step …, jumps to them included.
+
+    Lines without a number get one, but for variable lines; so does a program without any.
+    Raises Refused where that cannot be done.
+    """
+    made = step_numbers.renumbered(_all_steps(file.items), first, step, STEPS, file.source)
+    kept = len(made) == len(file.items) and all(
+        a is b for a, b in zip(made, file.items, strict=True)
+    )
+    return file if kept else replace(file, items=tuple(made))
+
+
+def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
+    """The items with every line that is to be a step marked as one, blank lines included."""
+    numbered = [len(steps_of(item)) > 0 for item in items]
+    code = [at for at, item in enumerate(items) if isinstance(item, s.Entry)]
+    last = code[-1] if code and not any(numbered) else -1
+    made: list[s.Item] = []
+    for at, item in enumerate(items):
+        if isinstance(item, s.Blank) and at < last:
+            item = s.Line(UNNUMBERED, comment=EMPTY_STEP)
+        elif isinstance(item, s.Line) and item.number is None:
+            if not (any(numbered) and _looks_like_data(item)):
+                item = replace(item, number=UNNUMBERED)
+        made.append(item)
+    return tuple(made)
+
+
+def _looks_like_data(item: s.Line) -> bool:
+    """Whether an unnumbered line is a variable line that somebody put a comment behind."""
+    match item.statement:
+        case s.Assign(value=s.Constant() | s.Number() | s.String() | s.Unary(operand=s.Number())):
+            return item.label is None
+    return False
+
 
 Spelling = Callable[[str], str]
 

@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any, Final
 
 from assistant.base.source_text import one_line
-from assistant.languages.melfa_basic.tables.operators import NOT, OPERATOR_PRECEDENCE, POWER, SIGN
+from assistant.languages.melfa_basic.tables.equivalents import NOT, OPERATOR_PRECEDENCE, POWER, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.layout import INDENT
 from assistant.languages.texts.printed_trees import Templates

@@ -1,13 +1,22 @@
-"""Lines of one kind gathered into the columns that a parser would read them as."""
+"""Lines gathered into columns, and the position variables of a file by name or by column.
+
+`gathered` puts neighbouring lines of one kind into the columns that the parser reads them as;
+`Positions` finds the values of a file's position variables: X, Y, Z in mm, A, B, C in degrees.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from assistant.base.arrays import Floats, Ints, Truths
+from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import (
     FEWEST,
@@ -16,7 +25,16 @@ from assistant.languages.melfa_basic.tree.columnar import (
     MoveRows,
     PositionRows,
 )
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.languages.runs import columns as alike
+from assistant.languages.runs.columns import joined_runs, sorted_rows
+from assistant.program import expressions as e
+from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
+from assistant.program.motion import UNSTATED, configuration_of
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
 
 _NUMBERED: Final = re.compile(r"([A-Za-z][A-Za-z_]*)(0|[1-9][0-9]{0,8})")
 
@@ -115,3 +133,149 @@ def rows_as_lines(rows: MoveRows | PositionRows) -> Iterator[s.Line | s.Data]:
     for step, kind, *numbers in np.stack(columns, axis=1).tolist():
         places = tuple(variable(number) for number in numbers if number >= 0)
         yield s.Line(step or None, None, s.Motion(KEYWORDS[kind], places))
+
+
+NO_FLAGS: Final = -1
+
+Elements = dict[tuple[int, ...], s.Constant]
+"""Constants of an array by their indices."""
+
+Plain = dict[tuple[int, ...], e.Expression]
+"""Numbers and texts of an array by their indices; of a single variable by none."""
+
+
+class Positions:
+    """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
+
+    names: constants that stand alone, by name in upper case, in their order. elements: those of
+    arrays, by name in upper case. plain: numbers and texts that the file keeps, likewise.
+    """
+
+    def __init__(self, file: s.File) -> None:
+        self.names: dict[str, tuple[str, s.Constant]] = {}
+        self.tables: dict[str, list[PositionRows]] = {}
+        self.elements: dict[str, tuple[str, Elements]] = {}
+        self.plain: dict[str, tuple[str, Plain]] = {}
+        for item in file.items:
+            match item:
+                case PositionRows():
+                    self.tables.setdefault(item.stem.upper(), []).append(item)
+                case s.Data(variable=variable, value=s.Constant() as constant):
+                    undefined = constant.flags == (None, None) and not any(constant.values)
+                    if variable.arguments is None and not undefined:
+                        self.names.setdefault(variable.key, (variable.name, constant))
+                    at = _element_indices(variable)
+                    if at and not undefined:
+                        known = self.elements.setdefault(variable.key, (variable.name, {}))
+                        known[1][at] = constant
+                case s.Data(variable=variable, value=value) if (
+                    kept := _stored_value(value)
+                ) is not None:
+                    values = self.plain.setdefault(variable.key, (variable.name, {}))
+                    values[1][_element_indices(variable)] = kept
+        single: dict[str, list[tuple[int, s.Constant]]] = {stem: [] for stem in self.tables}
+        for key, (_, constant) in self.names.items():
+            name = split_name(s.Variable(key))
+            if name is not None:
+                single.setdefault(name[0].upper(), []).append((name[1], constant))
+        self.columns = {stem: self._columns(stem, found) for stem, found in single.items()}
+
+    def _columns(self, stem: str, single: Sequence[tuple[int, s.Constant]]) -> PositionRows:
+        """The positions of a stem in the order of their numbers."""
+        parts = [PositionRows(stem, np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), int))]
+        for rows in self.tables.get(stem, ()):
+            wide = np.full((len(rows), 8), np.nan)
+            wide[:, : rows.values.shape[1]] = rows.values
+            parts.append(replace(rows, values=wide))
+        for at, constant in single if stem[0] == "P" else ():
+            parts.append(PositionRows(stem, np.array([at]), *_constant_row(constant)))
+        table = joined_runs(parts)
+        return table.rows(np.argsort(table.numbers, kind="stable"))
+
+    @cached_property
+    def slides(self) -> bool:
+        """True if a position states an additional axis other than 0."""
+        alone = (constant for _, constant in self.names.values())
+        inside = (one for _, kept in self.elements.values() for one in kept.values())
+        if any(any(one.values[6:]) for one in (*alone, *inside)):
+            return True
+        tables = (rows.values[:, 6:] for found in self.tables.values() for rows in found)
+        return any(bool(np.nan_to_num(axes).any()) for axes in tables)
+
+    def find(self, stem: str, numbers: Ints) -> tuple[Floats, Ints, Truths]:
+        """Values, flags and whether there are any, of the positions of these numbers."""
+        known = self.columns.get(stem.upper())
+        if known is None or not len(known):
+            n = len(numbers)
+            return np.full((n, 8), np.nan), np.zeros((n, 2), np.int64), np.zeros(n, bool)
+        at = sorted_rows(known.numbers, numbers)
+        return known.values[at], known.flags[at], at >= 0
+
+    def constant(self, name: str) -> s.Constant | None:
+        """The constant of one variable."""
+        if name.upper() in self.names:
+            return self.names[name.upper()][1]
+        split = split_name(s.Variable(name))
+        if split is None or split[0].upper() not in self.tables:
+            return None
+        values, flags, found = self.find(split[0], np.array([split[1]]))
+        if not found[0]:
+            return None
+        numbers = tuple(float(v) for v in values[0] if v == v)
+        return s.Constant(numbers, (int(flags[0, 0]), int(flags[0, 1])))
+
+    def all_names(self) -> Iterator[str]:
+        """Every name as written, tables expanded."""
+        for written, _ in self.names.values():
+            yield written
+        for tables in self.tables.values():
+            for rows in tables:
+                for number in rows.numbers.tolist():
+                    yield f"{rows.stem}{number}"
+
+
+def _element_indices(variable: s.Variable) -> tuple[int, ...]:
+    """Of an element of an array; none of a single variable."""
+    return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
+
+
+def _stored_value(value: s.Expression) -> e.Expression | None:
+    """The number or text that stands behind a variable's name."""
+    if isinstance(value, s.String):
+        return e.Text(value.value)
+    number = literal(value)
+    return None if number is None else e.Number(number)
+
+
+def _constant_row(constant: s.Constant) -> tuple[Floats, Ints]:
+    values = np.full((1, 8), np.nan)
+    for i, value in enumerate(constant.values[:8]):
+        values[0, i] = np.nan if value is None else value
+    one, two = constant.flags or (None, None)
+    if one is None:
+        return values, np.array([[NO_FLAGS, 0]])
+    return values, np.array([[one, two or 0]])
+
+
+def configurations(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
+    """(n, 6) neutral columns; UNSTATED where there are no flags."""
+    absent = flags[:, 0] == NO_FLAGS
+    columns = poses.configurations_of(np.where(absent[:, None], 7, flags), robot)
+    columns[absent] = (UNSTATED, 0, 0, 0, 0, 0)
+    return columns
+
+
+def target_of(constant: s.Constant, robot: Robot | None) -> Target:
+    values, flags = _constant_row(constant)
+    position, quaternion, external = poses.from_values(values, robot)
+    configuration = configuration_of(configurations(flags, robot)[0])
+    pose = Pose.of(position[0], quaternion[0])
+    return Target(pose, configuration, tuple(float(v) for v in external[0]))
+
+
+def joints_of(constant: s.Constant, robot: Robot | None) -> JointTarget:
+    values = [0.0 if v is None else v for v in constant.values]
+    joints, more = values[:6], values[6:8]
+    if robot is not None and len(robot.axes) < 6 and len(joints) > max(robot.places):
+        joints = [joints[place] for place in robot.places]
+    return JointTarget(tuple(joints), tuple([*more, *[UNUSED_AXIS] * 6][:6]))

@@ -1,13 +1,23 @@
-"""Nodes of lines, statements and expressions; what these begin with, declare, call and say."""
+"""Nodes of lines, statements and expressions: what they declare, read, write, call and report.
+
+Commands of the maker's own, such as force control, have no equivalent in other languages: a
+program there calls a routine that the cell supplies, and the states that belong to it become data
+which these routines read and write.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import is_dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, is_dataclass
+from functools import cache
 from pathlib import PurePath
-from typing import Final, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
+from assistant.base.diagnostics import Span
+from assistant.languages.language_types import Part
+from assistant.languages.melfa_basic.tables.vocabulary import ANY, commands, function, statements
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.nodes import Walk
 
 N = TypeVar("N")
@@ -119,3 +129,168 @@ def literal(value: s.Expression | None) -> float | None:
         case s.Unary("+" | "-" as sign, s.Number(number)):
             return -number if sign == "-" else number
     return None
+
+
+Role = Literal["read", "written", "declared", "either"]
+"""What is done with a variable; `either` where a statement may read or write it."""
+
+ARGUMENT_WORDS: Final = frozenset(
+    {
+        *(word.upper() for row in statements().values() for word in row.words),
+        *("NOERR", "ERR", "P", "J", "S", "L", "F"),
+        *("BIT", "BYTE", "WORD", "INTEGER", "DWORD"),
+    }
+)
+"""Words that stand among the arguments of a statement and name no variable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A variable where it stands in a line."""
+
+    variable: s.Variable
+    role: Role
+
+
+FIELD_ROLES: Final[Mapping[tuple[type, str], Role]] = {
+    (s.Assign, "target"): "written",
+    (s.Const, "variable"): "written",
+    (s.DefIo, "variable"): "written",
+    (s.DefNames, "variables"): "declared",
+    (s.Dim, "variables"): "declared",
+    (s.For, "variable"): "either",  # Next reads it
+    (s.FPrm, "variables"): "written",
+    (s.Input, "variables"): "written",
+}
+"""Statement and field → what is done with the variables there; others are read."""
+
+
+def uses(node: Any, role: Role = "read") -> Iterator[Use]:
+    """The variables of a statement or of expressions, function calls included, in their order.
+
+    In the arguments of a call they may be given a value. role: where the node says nothing else.
+    """
+    left: list[tuple[Any, Role]] = [(node, role)]
+    while left:
+        node, role = left.pop()
+        kind: Any = type(node)
+        if kind is s.Variable:
+            yield Use(node, role)
+            if node.arguments and role != "declared":
+                left.append((node.arguments, "either" if _gives_results(node.key) else "read"))
+        elif kind is tuple:
+            left += [(inner, role) for inner in reversed(node)]
+        elif kind in _OWN_KINDS:
+            yield from _own_uses(node)
+        else:
+            left += [(getattr(node, name), own or role) for name, own in _fields(kind)]
+
+
+@cache
+def _fields(kind: type) -> tuple[tuple[str, Role | None], ...]:
+    """Fields that may hold nodes, the last one first, with what is done with what is in them."""
+    return tuple((name, FIELD_ROLES.get((kind, name))) for name in inside(kind) or ())
+
+
+_OWN_KINDS: Final = frozenset({s.Next, s.Append, s.Call, s.DefFunction, s.Command})
+
+
+def _own_uses(node: Any) -> Iterator[Use]:
+    """Uses in what is not read field by field."""
+    match node:
+        case s.Append(statement, condition):
+            yield from uses((condition, statement))
+        case s.Call(function):
+            yield from uses(function.arguments, "either")
+        case s.DefFunction(_, _, parameters, value):
+            own = {parameter.key for parameter in parameters}
+            yield from (use for use in uses(value) if use.variable.key not in own)
+        case s.Command(keyword, arguments):
+            given = uses(arguments, "either" if keyword in commands("gives") else "read")
+            yield from (use for use in given if not is_argument_word(use.variable))
+        case s.Next():
+            return  # its variables are those of the loops
+
+
+def is_argument_word(variable: s.Variable) -> bool:
+    """Whether a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
+    plain = variable.arguments is None and not variable.suffix and not variable.component
+    return plain and variable.key in ARGUMENT_WORDS
+
+
+def _gives_results(name: str) -> bool:
+    """Whether a function of the language may give results in its arguments."""
+    known = function(name)
+    return known is not None and any(a.assigned or a.types == ANY for a in known.arguments)
+
+
+def timer_number(node: Any) -> int | None:
+    """The number of the timer that a node is: 0 for one that is worked out, None for none."""
+    match node:
+        case s.Variable(key="M_TIMER", arguments=(s.Number(value=number),)):
+            return int(number) if float(number).is_integer() and number >= 1 else 0
+        case s.Variable(key="M_TIMER"):
+            return 0
+    return None
+
+
+def timer_variable(word: str, number: int) -> s.Variable:
+    return s.Variable(word, "", (s.Number(number),))
+
+
+FORCE_COMMANDS: Final = ("Fsc", "FsGChg", "FsLog", "FsOutLog", "FsCTrg")
+"""Commands of the force sensor (manual of the force sense function)."""
+FORCE_STATES: Final = ("P_FS", "M_FS")
+"""How the status variables begin that they read and write."""
+
+
+def supplied_routine(command: s.Command) -> tuple[str, tuple[s.Expression, ...]] | None:
+    """The routine that a command asks for and what it is given; None for any other command."""
+    if command.keyword not in FORCE_COMMANDS:
+        return None
+    first, rest = command.arguments[:1], command.arguments[1:]
+    match first:
+        case (s.Word(text=way) | s.Variable(name=way, arguments=None),) if (
+            way.upper() in SWITCH_WORDS
+        ):
+            name, given = f"{command.keyword}{way.capitalize()}", rest
+        case _:
+            name, given = command.keyword, command.arguments
+    plain = tuple(argument for argument in given if argument is not None)
+    return (name, plain) if len(plain) == len(given) else None
+
+
+SWITCH_WORDS: Final = ("ON", "OFF")
+
+
+def is_force_state(key: str) -> bool:
+    """Whether a name in upper case is a status variable of such."""
+    return key.startswith(FORCE_STATES)
+
+
+def supplied_data_name(name: str) -> str:
+    """The variable that such a state is elsewhere: `PFsStf0` of `P_FsStf0`."""
+    return name.replace("_", "", 1)
+
+
+CLOSING_COMMANDS: Final = frozenset(
+    {"Else", "EndIf", "WEnd", "Default", "End Select", "FEnd", "End", "Return"}
+)
+"""Commands that only close or divide a block, or end a program or subroutine."""
+
+
+def report_parts(file: s.File) -> Iterator[Part]:
+    """Data and statements as they stand in the text; moves are all lifted."""
+    for item in file.items:
+        match item:
+            case s.Data(variable=variable, span=Span() as span):
+                yield Part(span, variable.name)
+            case PositionRows(span=Span() as span):
+                lines = None if item.places is None else item.places + span.start
+                yield Part(span, count=len(item), lines=lines)
+            case s.Line(statement=s.Command(keyword=word)) if word in CLOSING_COMMANDS:
+                pass
+            case s.Line(statement=None | s.Motion() | s.ElseIf() | s.Next() | s.Case()):
+                pass
+            case s.Line(span=Span() as span):
+                yield Part(span)

@@ -1,1 +1,0 @@
-"""A file as procedures, and the files of a program as one."""

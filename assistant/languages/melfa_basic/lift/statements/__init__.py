@@ -1,1 +1,0 @@
-"""Lines and runs of lines as statements of the pseudo-program."""

@@ -1,1 +1,0 @@
-"""What the names and expressions of a file mean."""

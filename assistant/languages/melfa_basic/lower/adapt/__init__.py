@@ -1,1 +1,0 @@
-"""The pseudo-program as MELFA-BASIC can say it, with a finding for each change."""

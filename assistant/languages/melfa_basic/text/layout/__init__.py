@@ -1,1 +1,0 @@
-"""The one layout of MELFA-BASIC texts: words, and blanks between them."""
