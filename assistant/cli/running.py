@@ -156,7 +156,7 @@ class _Running:
         from assistant.compiler.script_file import not_visited
         from assistant.virtual.kernel.script import follow
         from assistant.virtual.running import Settings, prepared
-        from assistant.virtual.telling import Columns
+        from assistant.virtual.telling import ColumnWidths
 
         self.programs, self.options, self.format = programs, options, format
         self.arm, self.sources = arm, programs.sources()
@@ -183,7 +183,7 @@ class _Running:
             self.findings.append(NO_MOTION())
         self.given = follow(self.kernel, script, self.sources)
         self.tasks = [task.name for task in self.kernel.tasks]
-        self.columns = Columns.of(self.tasks, self.sources)
+        self.columns = ColumnWidths.of(self.tasks, self.sources)
         self.printed = self.changed = 0
         self.until = moment(options.until, self.sources)
         self.points = [line_named(point, self.sources) for point in options.breaks]
@@ -202,14 +202,14 @@ class _Running:
         return lasts and self.format is Format.TEXT
 
     def run(self) -> int:
-        from assistant.virtual.telling import NOTED, ending, summary
+        from assistant.virtual.telling import NOTED, end_finding, summary
 
         self._prepare_stops()
         quiet = self.live or self.options.step or bool(self.points)
         shown = nullcontext() if quiet else working(f"running {self.programs.title}")
         with shown, self._ended_by_hand():
             run = self.kernel.run()
-        wrong = ending(run, self.sources)
+        wrong = end_finding(run, self.sources)
         notes = [NOTED(what=note) for note in run.notes]
         findings = [*self.findings, *notes, *self._missed(), *([] if wrong is None else [wrong])]
         written = self._written(run)
@@ -291,15 +291,15 @@ class _Running:
     def flush(self) -> None:
         """Prints what happened since the last time."""
         from assistant.virtual.events import Logged
-        from assistant.virtual.telling import Columns, rows
+        from assistant.virtual.telling import ColumnWidths, log_rows
 
         first, log = self.printed, self.kernel.log[self.printed :]
         given = self.given[self.changed :]
         self.printed, self.changed = first + len(log), len(self.given)
         if not {row.task for row in log} <= {*self.tasks}:  # that others have started
             self.tasks = list(dict.fromkeys((*self.tasks, *(row.task for row in log))))
-            self.columns = Columns.of(self.tasks, self.sources)
-        for row in rows(log, given, first):
+            self.columns = ColumnWidths.of(self.tasks, self.sources)
+        for row in log_rows(log, given, first):
             if isinstance(row, Logged):
                 say(self.columns.line(row.time, row.task, row.place, row.what))
             else:
@@ -311,7 +311,7 @@ class _Running:
         self, run: Run, findings: Sequence[Diagnostic], written: Sequence[Path]
     ) -> dict[str, Any]:
         from assistant.findings.formats import finding_record
-        from assistant.virtual.telling import record, rows
+        from assistant.virtual.telling import json_record, log_rows
 
         path, line = run.place or (None, None)
         return {
@@ -324,7 +324,7 @@ class _Running:
             "line": line,
             "seconds": run.seconds,
             "statements": run.steps,
-            "events": [record(row) for row in rows(run.log, self.given)],
+            "events": [json_record(row) for row in log_rows(run.log, self.given)],
             "findings": [finding_record(finding) for finding in findings],
             "written": [str(path) for path in written],
         }

@@ -10,7 +10,7 @@ from assistant.cli.presentation import say
 from assistant.virtual.debugging.holding import Holding, Step, Stride
 from assistant.virtual.events import Place
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
-from assistant.virtual.telling import short
+from assistant.virtual.telling import short_place
 
 if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
@@ -54,7 +54,7 @@ class Stepping:
             return
         now = self.kernel.now
         self.flush()
-        say(f"{now:>10.3f}  {task.name}  {short(task.where())}  {self._line(task.where())}")
+        say(f"{now:>10.3f}  {task.name}  {short_place(task.where())}  {self._line(task.where())}")
         while not self._done(task):
             pass
 
@@ -99,7 +99,7 @@ class Stepping:
             yield from self._signals(rest)
         elif command == "stack":
             for level in task.levels():
-                yield f"{level.name}  {short(level.place)}  {self._line(level.place)}"
+                yield f"{level.name}  {short_place(level.place)}  {self._line(level.place)}"
         else:
             yield from (f"{name:<10} {key}  {meaning}" for name, key, meaning in HELP)
 

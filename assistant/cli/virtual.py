@@ -104,10 +104,10 @@ def _device(text: str) -> tuple[str, tuple[str, int]]:
 
 def _signal(text: str) -> Signal:
     from assistant.virtual.irc5 import Signal
-    from assistant.virtual.irc5.cabinet import TYPES
+    from assistant.virtual.irc5.cabinet import SIGNAL_TYPES
 
     name, _, type = text.partition("=")
-    found = TYPES.get(type.strip().upper())
+    found = SIGNAL_TYPES.get(type.strip().upper())
     if found is None or not name.strip().isidentifier():
         raise Refused(NO_SIGNAL(text=text), exit_status=2)
     return Signal(name.strip(), found)

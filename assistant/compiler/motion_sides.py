@@ -197,7 +197,7 @@ def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
     Tools and frames that a process file states anew are in the program as it was lifted, not in the
     text that is run.
     """
-    from assistant.virtual.proving.equipping import Cell, equipped
+    from assistant.virtual.proving.equipping import Cell, with_equipment
 
     origin = program.origin
     if origin is None:  # it is run as it stands
@@ -214,7 +214,7 @@ def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
     language = language_of(origin.language)
     trees, found = [], set[str]()
     for tree in origin.trees:
-        text, there = equipped(language.family, tree, cell)
+        text, there = with_equipment(language.family, tree, cell)
         trees.append(language.parse(text))
         found |= there
     return trees, [name for name in (*tools, *frames) if name.lower() not in found]

@@ -21,7 +21,7 @@ from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Ending, Task
 from assistant.virtual.kernel.script import follow
 from assistant.virtual.running import Settings, prepared
-from assistant.virtual.telling import ending
+from assistant.virtual.telling import end_finding
 from assistant.virtual.tracing import motion_columns
 
 LONGEST: Final = 60.0
@@ -79,7 +79,7 @@ def _run(wanted: Wanted) -> tuple[Run, Columns, Sequence[Diagnostic]]:
 
     kernel.watch = watch
     run = kernel.run()
-    wrong = ending(run, wanted.programs.sources())
+    wrong = end_finding(run, wanted.programs.sources())
     columns = motion_columns(run, given, kernel.motion)
     return run, columns, [] if wrong is None else [wrong]
 

@@ -25,13 +25,20 @@ from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals
 from assistant.studio.windows import Tell
 from assistant.virtual.debugging.holding import Holding, Step, Stride
-from assistant.virtual.debugging.points import moved, statement_lines
+from assistant.virtual.debugging.points import moved_to_statements, statement_lines
 from assistant.virtual.events import Logged, Place, Run, Stopped
 from assistant.virtual.kernel import Ending, Kernel, Task
-from assistant.virtual.kernel.script import Given, Script, follow
+from assistant.virtual.kernel.script import InputChange, Script, follow
 from assistant.virtual.parts import Programs
 from assistant.virtual.running import Settings, prepared
-from assistant.virtual.telling import NOTED, ending, record, rows, said, summary
+from assistant.virtual.telling import (
+    NOTED,
+    end_finding,
+    event_words,
+    json_record,
+    log_rows,
+    summary,
+)
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -78,7 +85,7 @@ class Running:
         for path, lines in points.items():
             self.set_points(path, lines)
         self.sources = wanted.programs.sources()
-        self.given: list[Given] = []
+        self.given: list[InputChange] = []
         self.log: list[dict[str, Any]] = []
         self.findings: list[Diagnostic] = []
         self.run: Run | None = None
@@ -99,7 +106,7 @@ class Running:
 
     def set_points(self, path: str, lines: Sequence[int]) -> list[int]:
         """The break points of a file, each at the next statement; where they are."""
-        found = moved(self._lines, path, lines)
+        found = moved_to_statements(self._lines, path, lines)
         self.holding.set_points(path, found)
         return found
 
@@ -184,7 +191,7 @@ class Running:
             if self.run is not None:
                 raise Refused(rules.NO_RUN())
             if kernel.board.inputs.read(name) != value:
-                given = Given(kernel.now, name, value, len(kernel.log))
+                given = InputChange(kernel.now, name, value, len(kernel.log))
                 self.given.append(given)
                 self.log.append(_row(given))
             kernel.board.inputs.set(name, value)
@@ -246,8 +253,8 @@ class Running:
 
     def _finish(self, run: Run) -> None:
         self.run = run
-        self.log = [_row(row) for row in rows(run.log, self.given)]
-        wrong = ending(run, self.sources)
+        self.log = [_row(row) for row in log_rows(run.log, self.given)]
+        wrong = end_finding(run, self.sources)
         self.findings += [NOTED(what=note) for note in run.notes]
         if wrong is not None:
             self.findings.append(wrong)
@@ -378,11 +385,11 @@ class Running:
         return list(robot.chained(joints)[0].tolist())
 
 
-def _row(row: Logged | Given) -> dict[str, Any]:
+def _row(row: Logged | InputChange) -> dict[str, Any]:
     place: Place | None = row.place if isinstance(row, Logged) else None
     what = row.what if isinstance(row, Logged) else row
-    event = record(row)["event"]
-    return {"time": row.time, **_at(place), "event": event, "what": said(what)}
+    event = json_record(row)["event"]
+    return {"time": row.time, **_at(place), "event": event, "what": event_words(what)}
 
 
 def _at(place: Place | None) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-Way = tuple[str, int, int]
+BranchKey = tuple[str, int, int]
 """A file, where a statement stands in it, and which way it goes on, as `Kernel.branch` is told."""
 
 
@@ -18,5 +18,5 @@ class Branch:
     said: str
 
 
-Branches = Mapping[Way, Branch]
+Branches = Mapping[BranchKey, Branch]
 """Those that a run can go. Of a condition that is a constant there are none."""

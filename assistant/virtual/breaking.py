@@ -7,15 +7,15 @@ from typing import Final
 
 from assistant.virtual.kernel.task import Task
 
-CYCLE: Final = 0.0071
+LOOK_PERIOD: Final = 0.0071
 """Seconds between two looks at what changes with time alone, as controllers of MELFA-BASIC do."""
 
 
-class _Met(Exception):
+class _ConditionMet(Exception):
     """What a motion is broken off for has come to hold."""
 
 
-def broken_off(
+def move_until(
     task: Task, holds: Callable[[], bool], go: Callable[[], None], *, timed: bool = False
 ) -> bool:
     """Makes a motion that ends where the arm is as soon as something holds; whether it did.
@@ -34,17 +34,17 @@ def broken_off(
 
     def look() -> None:
         if holds():
-            raise _Met
+            raise _ConditionMet
 
     try:
-        watching(task, look, go, timed=timed)
-    except _Met:
+        watched_move(task, look, go, timed=timed)
+    except _ConditionMet:
         motion.cut(task)
         return True
     return False
 
 
-def watching(
+def watched_move(
     task: Task, look: Callable[[], object], go: Callable[[], None], *, timed: bool = False
 ) -> None:
     """Makes a motion, and looks whether something is so as long as it lasts."""
@@ -61,7 +61,7 @@ def watching(
 
     task.looks = both
     if timed and task.sampling is None:
-        task.sampling = CYCLE
+        task.sampling = LOOK_PERIOD
     try:
         go()
     finally:

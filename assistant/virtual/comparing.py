@@ -29,7 +29,7 @@ from assistant.virtual.events import (
     Switched,
     Waited,
     Why,
-    said,
+    event_text,
 )
 from assistant.virtual.rounding import Allowed, Rounding, reach_of, tip_of
 
@@ -178,13 +178,13 @@ def likeness(
     the texts prints; without it places may be apart by POSITION and ANGLE. measured: shared data
     that hangs on how long statements take, which is not compared.
     """
-    ours = list(_doings(first, signals or {}, measured))
-    others = list(_doings(second, signals or {}, measured))
+    ours = list(_compared_events(first, signals or {}, measured))
+    others = list(_compared_events(second, signals or {}, measured))
     halted = bool(ours) and ours[-1].what == Stopped(end=True)
     if halted:  # a program that must not go on may stop again and again
-        ours[-1] = _as(ours[-1], Stopped())
+        ours[-1] = _wired_event(ours[-1], Stopped())
         if others and others[-1].what == Stopped(end=True):
-            others[-1] = _as(others[-1], Stopped())
+            others[-1] = _wired_event(others[-1], Stopped())
         while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
@@ -211,14 +211,14 @@ def likeness(
         comparing.left.add("times in shared data")
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
-            comparing.note(number, f"{_end(first)}, and {said(two.what)}", one, two)
+            comparing.note(number, f"{_end(first)}, and {event_text(two.what)}", one, two)
             return comparing.found()
         if two is None:
-            comparing.note(number, f"{said(one.what)}, and {_end(second)}", one, two)
+            comparing.note(number, f"{event_text(one.what)}, and {_end(second)}", one, two)
             return comparing.found()
         wrong = comparing.unlike(one.what, two.what) or limits.unlike(one, two)
         if wrong is not None:
-            what = f"{wrong}: {said(one.what)}, and {said(two.what)}"
+            what = f"{wrong}: {event_text(one.what)}, and {event_text(two.what)}"
             comparing.note(number, what, one, two)
             if len(comparing.differences) == most or not _same_effect(one.what, two.what):
                 return comparing.found()
@@ -373,7 +373,7 @@ class _Comparing:
             if one.joints is None or two.joints is None:
                 return "joints, and a position"
             joint = JOINT if self.rounding is None else 2.0 * self.rounding.joint
-            if not _near(one.joints, two.joints, joint):
+            if not _is_near(one.joints, two.joints, joint):
                 return "other joints"
         elif wrong := self._tips(one, two, allowed):
             return wrong
@@ -382,12 +382,12 @@ class _Comparing:
         if (one.via is None) != (two.via is None):
             return "no place on the way"
         if one.via is not None and two.via is not None:
-            far, turned = _between(one.via @ one.tool, two.via @ two.tool)
+            far, turned = _angle_between(one.via @ one.tool, two.via @ two.tool)
             if far > allowed.tip or turned > allowed.angle:
-                return f"another place on the way, {_off(far, turned)}"
-        far, turned = _between(one.tool, two.tool)
+                return f"another place on the way, {_offset_text(far, turned)}"
+        far, turned = _angle_between(one.tool, two.tool)
         if far > allowed.tool or turned > allowed.tool_angle:
-            return f"another tool, {_off(far, turned)}"
+            return f"another tool, {_offset_text(far, turned)}"
         self._leave(one, two)
         if one.kind != "joint" and one.speed is not None:
             if two.speed is None or abs(one.speed - two.speed) > SPEED * one.speed:
@@ -410,10 +410,10 @@ class _Comparing:
         assert one.flange is not None and two.flange is not None
         if self.rounding is None:
             first, second = one.flange, two.flange
-        far, turned = _between(first, second)
+        far, turned = _angle_between(first, second)
         self.apart, self.turned = max(self.apart, far), max(self.turned, turned)
         if far > allowed.tip or turned > allowed.angle:
-            return f"another flange, {_off(far, turned)}"
+            return f"another flange, {_offset_text(far, turned)}"
         return None
 
     def _allowed(self, move: Moved) -> Allowed:
@@ -454,7 +454,7 @@ def _end(run: Run) -> str:
     return f"ended as `{run.ended}` {run.message}".rstrip()
 
 
-def _doings(run: Run, signals: Bits, measured: Set[str]) -> Iterator[Logged]:
+def _compared_events(run: Run, signals: Bits, measured: Set[str]) -> Iterator[Logged]:
     """Yield the events that count, with signals as changed bits, and new values of shared data.
 
     measured: shared data without those of these names.
@@ -466,13 +466,13 @@ def _doings(run: Run, signals: Bits, measured: Set[str]) -> Iterator[Logged]:
             if row.what.name not in measured:
                 kept[row.what.name] = row
             continue
-        yield from _news(kept, held)
+        yield from _new_events(kept, held)
         yield row
     if run.ended == "end":  # else the last values hang on where it was broken off
-        yield from _news(kept, held)
+        yield from _new_events(kept, held)
 
 
-def _news(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:
+def _new_events(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:
     """What shared data holds that held something else before."""
     for name in sorted(kept):
         row = kept.pop(name)
@@ -488,7 +488,7 @@ def _effects(run: Run, signals: Bits) -> Iterator[Logged]:
     state: dict[str, float] = {}
     counted = [numbers for numbers in signals.values() if not isinstance(numbers, str)]
     named = {str(number) for numbers in counted for number in numbers}
-    for row in _in_order(run.log or [Logged(0.0, "", None, event) for event in run.events]):
+    for row in _ordered_triggers(run.log or [Logged(0.0, "", None, event) for event in run.events]):
         match row.what:
             case Said() | Sent() | Reported() | Noted() | Waited(seconds=0.0) | Waited(limit=True):
                 continue
@@ -497,31 +497,31 @@ def _effects(run: Run, signals: Bits) -> Iterator[Logged]:
                     # A byte is written with what its other bits have, which are 0 at first.
                     before = None if bit in named or not bit.isdecimal() else 0.0
                     if state.get(bit, before) != on:
-                        yield _as(row, Switched(bit, on, at, after))
+                        yield _wired_event(row, Switched(bit, on, at, after))
                     state[bit] = on
             case _:
                 yield row
 
 
-def _in_order(rows: Sequence[Logged]) -> Iterator[Logged]:
+def _ordered_triggers(rows: Sequence[Logged]) -> Iterator[Logged]:
     """What a move sets as it begins comes before it, whether or not a statement sets it there."""
     place = 0
     while place < len(rows):
         last = place + 1
         if isinstance(rows[place].what, Moved):
-            while last < len(rows) and _on_way(rows[last].what) is not None:
+            while last < len(rows) and _trigger_of(rows[last].what) is not None:
                 last += 1
-            yield from (row for row in rows[place + 1 : last] if _on_way(row.what) == _START)
+            yield from (row for row in rows[place + 1 : last] if _trigger_of(row.what) == _START)
         yield rows[place]
-        yield from (row for row in rows[place + 1 : last] if _on_way(row.what) != _START)
+        yield from (row for row in rows[place + 1 : last] if _trigger_of(row.what) != _START)
         place = last
 
 
-def _on_way(event: Event) -> OnWay | None:
+def _trigger_of(event: Event) -> OnWay | None:
     return event.at if isinstance(event, Switched) else None
 
 
-def _as(row: Logged, event: Event) -> Logged:
+def _wired_event(row: Logged, event: Event) -> Logged:
     return Logged(row.time, row.task, row.place, event)
 
 
@@ -544,15 +544,15 @@ def _same_value(one: Kept, two: Kept) -> bool:
     return math.isclose(one.value, two.value, rel_tol=SHARED, abs_tol=SHARED)
 
 
-def _near(one: Sequence[float], two: Sequence[float], most: float) -> bool:
+def _is_near(one: Sequence[float], two: Sequence[float], most: float) -> bool:
     return len(one) == len(two) and bool(np.all(np.abs(np.subtract(one, two)) <= most))
 
 
-def _between(one: Pose, two: Pose) -> tuple[float, float]:
+def _angle_between(one: Pose, two: Pose) -> tuple[float, float]:
     """How far two poses are apart, in mm and degrees."""
     far = float(np.linalg.norm(np.subtract(one.position, two.position)))
     return far, float(rotations.angle_between(one.quaternion, two.quaternion))
 
 
-def _off(far: float, turned: float) -> str:
+def _offset_text(far: float, turned: float) -> str:
     return f"{far:.2f} mm and {turned:.2f} degrees off"

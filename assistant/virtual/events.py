@@ -170,7 +170,7 @@ Place = tuple[str, int]
 """A file's name, and a line from 1."""
 
 
-def said(event: Event) -> str:
+def event_text(event: Event) -> str:
     """An event in a line."""
     match event:
         case Moved():

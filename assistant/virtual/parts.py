@@ -78,10 +78,10 @@ def groups(language: Language[Any], files: Sequence[str], folder: str | None) ->
 
     folder: that the files were found in, None where each was named.
     """
-    return _of_family(language, GROUPS)(files, folder)
+    return _grouping_of(language, GROUPS)(files, folder)
 
 
-def _of_family(language: Language[Any], table: Mapping[str, Grouping]) -> Grouping:
+def _grouping_of(language: Language[Any], table: Mapping[str, Grouping]) -> Grouping:
     if language.family not in table:
         spoken = ", ".join(table)
         raise Refused(NOT_RUN(language=language.title, languages=spoken), exit_status=2)
@@ -92,31 +92,31 @@ Grouping = Callable[[Sequence[str], str | None], list[Group]]
 
 
 def _tasks(files: Sequence[str], folder: str | None) -> list[Group]:
-    from assistant.virtual.rapid.tasks import tasks
+    from assistant.virtual.rapid.tasks import rapid_tasks
 
-    return tasks(files, folder)
+    return rapid_tasks(files, folder)
 
 
 def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
-    from assistant.virtual.melfa.loading import slots
+    from assistant.virtual.melfa.loading import melfa_slots
 
-    return slots(files, folder)
+    return melfa_slots(files, folder)
 
 
-def _named_signals(programs: Programs) -> frozenset[str] | None:
+def _rapid_signals(programs: Programs) -> frozenset[str] | None:
     """All names that are used: what only an expression reads may be a signal as well."""
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.walk import nodes
-    from assistant.virtual.rapid.loading import signals, works_signals_out
+    from assistant.virtual.rapid.loading import used_signals, works_signals_out
 
     if any(works_signals_out(part.trees) for part in programs.parts):
         return None
     files = tuple(tree.parts for part in programs.parts for tree in part.trees)
     used = {one.name.lower() for one in nodes(files) if isinstance(one, syntax.NameRef)}
-    return frozenset(used.union(*(signals(part.trees)[1] for part in programs.parts)))
+    return frozenset(used.union(*(used_signals(part.trees)[1] for part in programs.parts)))
 
 
-SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _named_signals}
+SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _rapid_signals}
 """By the family of a language whose signals have names."""
 GROUPS: Final[Mapping[str, Grouping]] = {"RA": _tasks, "MB": _slots}
 """By the family of a language."""

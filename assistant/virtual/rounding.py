@@ -26,9 +26,9 @@ import numpy as np
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import Moved
 
-SLACK: Final = 1e-6
+CALCULATION_ERROR: Final = 1e-6
 """mm and degrees that working numbers out may add."""
-NEAR: Final = 4
+KEY_DECIMALS: Final = 4
 """Decimals of mm by which a place is known again."""
 
 
@@ -71,50 +71,52 @@ class Rounding:
         """With the constants that a text holds."""
         found = dict(self.constants)
         for pose, printed in poses:
-            found |= {_key(pose): printed, _key(pose.inverse()): printed}
+            found |= {_position_key(pose): printed, _position_key(pose.inverse()): printed}
         return Rounding(self.value, self.angle, self.joint, found)
 
     def allowed(self, move: Moved, reach: float) -> Allowed:
         """How far a motion may be from what was meant. reach: mm, the farthest of all tips."""
-        far, turned, tip = SLACK, SLACK, tip_of(move)
+        far, turned, tip = CALCULATION_ERROR, CALCULATION_ERROR, tip_of(move)
         target = None if tip is None else move.frame.inverse() @ tip
-        known = None if target is None else self.constants.get(_key(target))
+        known = None if target is None else self.constants.get(_position_key(target))
         for printed in (known or self._any, self._any):  # the target, and what may turn it
             turned += printed.angle
-        far += _place(known or self._any)
+        far += _position_error(known or self._any)
         if known is None:
-            far += _place(self._any)
+            far += _position_error(self._any)
             if move.tool != IDENTITY:
                 printed = self._printed(move.tool)
                 turned += printed.angle
                 length = math.hypot(*move.tool.position)
-                far += _place(printed) + math.radians(printed.angle) * length
+                far += _position_error(printed) + math.radians(printed.angle) * length
         if move.frame != IDENTITY and tip is not None:
             printed = self._printed(move.frame)
             turned += printed.angle
             lever = math.dist(tip.position, move.frame.position)
-            far += _place(printed) + math.radians(printed.angle) * lever
+            far += _position_error(printed) + math.radians(printed.angle) * lever
         if move.joints is not None:
-            joints = len(move.joints) * (self.joint + SLACK)
+            joints = len(move.joints) * (self.joint + CALCULATION_ERROR)
             far += math.radians(joints) * reach
             turned += joints
         tool = self._printed(move.tool)
-        return Allowed(far, turned, _place(tool) + SLACK, tool.angle + SLACK)
+        return Allowed(
+            far, turned, _position_error(tool) + CALCULATION_ERROR, tool.angle + CALCULATION_ERROR
+        )
 
     @property
     def _any(self) -> Printed:
         return Printed(self.value, self.angle)
 
     def _printed(self, pose: Pose) -> Printed:
-        return self.constants.get(_key(pose), self._any)
+        return self.constants.get(_position_key(pose), self._any)
 
 
-def _place(printed: Printed) -> float:
+def _position_error(printed: Printed) -> float:
     return math.sqrt(3.0) * printed.value
 
 
-def _key(pose: Pose) -> tuple[float, ...]:
-    return tuple(round(value, NEAR) + 0.0 for value in pose.position)
+def _position_key(pose: Pose) -> tuple[float, ...]:
+    return tuple(round(value, KEY_DECIMALS) + 0.0 for value in pose.position)
 
 
 def tip_of(move: Moved) -> Pose | None:

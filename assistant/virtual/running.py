@@ -183,7 +183,7 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     """One cycle of the program of each slot."""
     from assistant.virtual.melfa import Controller, Entry
     from assistant.virtual.melfa.choosing import choose
-    from assistant.virtual.melfa.controller import SLOTS
+    from assistant.virtual.melfa.controller import DEFAULT_SLOTS
     from assistant.virtual.melfa.world import STEP_TIME
 
     for option, what in (("disk", "files"), ("host", "sockets")):
@@ -199,7 +199,7 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
         {int(part.name): Entry(part.names[0], mode="CYC") for part in parts},
         robot=settings.robot,
         start=home(settings.robot),
-        slots=max(SLOTS, len(parts)),
+        slots=max(DEFAULT_SLOTS, len(parts)),
         options=choose({"pulses": "timed", **settings.options}),
         lines=_lines(kernel, settings.lines),
     )

@@ -23,7 +23,7 @@ from assistant.virtual.events import (
     Switched,
     Waited,
 )
-from assistant.virtual.kernel.script import Given
+from assistant.virtual.kernel.script import InputChange
 
 FAILED: Final = error(
     "VC211",
@@ -63,14 +63,14 @@ ENDINGS: Final[dict[str, Rule]] = {
 KINDS: Final = {"joint": "joint move", "linear": "line", "circular": "arc"}
 
 
-def said(event: object) -> str:
+def event_words(event: object) -> str:
     """An event in a few words, as people read it."""
     match event:
         case Moved():
-            return _motion(event)
+            return _motion_words(event)
         case Switched(signal, value, at):
-            return f"{signal} = {value:g}{_on_way(at)}"
-        case Given(name=name, value=value):
+            return f"{signal} = {value:g}{_trigger_words(at)}"
+        case InputChange(name=name, value=value):
             return f"input {name} = {value:g}"
         case Waited(seconds):
             return f"waits {seconds:g} s"
@@ -81,23 +81,23 @@ def said(event: object) -> str:
     return visible(str(getattr(event, "text", event)))
 
 
-def _motion(moved: Moved) -> str:
+def _motion_words(moved: Moved) -> str:
     """Where the tool goes in the base, and how."""
     if moved.flange is not None:
-        place = _numbers((moved.flange @ moved.tool).position)
+        place = _number_row((moved.flange @ moved.tool).position)
     else:
-        place = f"joints {_numbers(moved.joints or ())}"
+        place = f"joints {_number_row(moved.joints or ())}"
     pace = [f"{moved.speed:g} mm/s"] if moved.speed is not None else []
     pace += [f"{moved.percent:g} %"] if moved.percent is not None else []
     corner = [f"corner {moved.blend:g} mm"] if moved.blend > 0.0 else []
     return ", ".join([f"{KINDS[moved.kind]} to {place}", *pace, *corner])
 
 
-def _numbers(values: Sequence[float]) -> str:
+def _number_row(values: Sequence[float]) -> str:
     return "(" + ", ".join(f"{value + 0.0:.2f}" for value in values) + ")"
 
 
-def _on_way(at: OnWay | None) -> str:
+def _trigger_words(at: OnWay | None) -> str:
     if at is None:
         return ""
     where = {
@@ -114,34 +114,36 @@ def _on_way(at: OnWay | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Columns:
+class ColumnWidths:
     """How wide the columns of the log are. task, place: characters; a task of 0 is left out."""
 
     task: int
     place: int
 
     @staticmethod
-    def of(tasks: Sequence[str], sources: Sequence[SourceText]) -> Columns:
+    def of(tasks: Sequence[str], sources: Sequence[SourceText]) -> ColumnWidths:
         """Wide enough for each place in the texts."""
         places = [
             f"{PurePath(source.path or '').name}:{source.text.count(chr(10)) + 1}"
             for source in sources
         ]
         widest = max(map(len, places), default=0)
-        return Columns(max(map(len, tasks), default=0) if len(tasks) > 1 else 0, widest)
+        return ColumnWidths(max(map(len, tasks), default=0) if len(tasks) > 1 else 0, widest)
 
     def line(self, time: float, task: str, place: Place | None, what: object) -> str:
         """A row: seconds, the task if there are several, the place, what happened."""
         named = f"{task:<{self.task}}  " if self.task else ""
-        return f"{time:>10.3f}  {named}{short(place):<{self.place}}  {said(what)}"
+        return f"{time:>10.3f}  {named}{short_place(place):<{self.place}}  {event_words(what)}"
 
 
-def short(place: Place | None) -> str:
+def short_place(place: Place | None) -> str:
     """A file's name without its folder, and the line."""
     return "" if place is None else f"{PurePath(place[0]).name}:{place[1]}"
 
 
-def rows(log: Sequence[Logged], given: Sequence[Given], first: int = 0) -> Iterator[Logged | Given]:
+def log_rows(
+    log: Sequence[Logged], given: Sequence[InputChange], first: int = 0
+) -> Iterator[Logged | InputChange]:
     """What happened, and the inputs that changed, in their order.
 
     first: number of the row that the log begins with.
@@ -159,21 +161,21 @@ def summary(run: Run) -> str:
     moves = sum(isinstance(event, Moved) for event in run.events)
     changes = sum(isinstance(event, Switched) for event in run.events)
     counts = (
-        _count(moves, "motion"),
-        _count(changes, "output set", plural="outputs set"),
-        _count(run.steps, "statement"),
+        _count_words(moves, "motion"),
+        _count_words(changes, "output set", plural="outputs set"),
+        _count_words(run.steps, "statement"),
     )
     return ", ".join((f"{run.seconds:.2f} s", *counts))
 
 
-def _count(number: int, what: str, plural: str = "") -> str:
+def _count_words(number: int, what: str, plural: str = "") -> str:
     return f"{number} {what if number == 1 else plural or what + 's'}"
 
 
 # ------------------------------------------------------------------------------------ findings
 
 
-def ending(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
+def end_finding(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
     """Why a run did not come to a good end, at its place; None if it did."""
     rule = ENDINGS.get(run.ended)
     if rule is None:
@@ -182,10 +184,10 @@ def ending(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
     if run.place is not None:
         message = message.removeprefix(f"{run.place[0]}:{run.place[1]}: ")
     message = message.strip().rstrip(".") or "nothing tells why"
-    return at_place(rule, run.place, sources, message=message)
+    return finding_at(rule, run.place, sources, message=message)
 
 
-def at_place(
+def finding_at(
     rule: Rule, place: Place | None, sources: Sequence[SourceText], **fields: Any
 ) -> Diagnostic:
     """A finding at a line of one of the texts."""
@@ -200,28 +202,28 @@ def at_place(
 # ------------------------------------------------------------------------------------- records
 
 
-def record(row: Logged | Given) -> dict[str, Any]:
+def json_record(row: Logged | InputChange) -> dict[str, Any]:
     """A row of the log as JSON has it: mm, degrees, seconds, unit quaternions (w, x, y, z)."""
-    if isinstance(row, Given):
+    if isinstance(row, InputChange):
         return {"time": row.time, "event": "input", "signal": row.name, "value": row.value}
     path, line = row.place or (None, None)
     head = {"time": row.time, "task": row.task, "file": path, "line": line}
-    return {**head, **_of(row.what)}
+    return {**head, **_json_event(row.what)}
 
 
-def _of(event: Event) -> dict[str, Any]:
+def _json_event(event: Event) -> dict[str, Any]:
     match event:
         case Moved():
             return {
                 "event": "motion",
                 "kind": event.kind,
-                "flange": _pose(event.flange),
-                "tool": _pose(event.tool),
-                "via": _pose(event.via),
+                "flange": _json_pose(event.flange),
+                "tool": _json_pose(event.tool),
+                "via": _json_pose(event.via),
                 "joints": None if event.joints is None else list(event.joints),
                 "speed": event.speed,
                 "percent": event.percent,
-                "blend": _finite(event.blend),
+                "blend": _finite_or_none(event.blend),
             }
         case Switched(signal, value, at):
             way = at and {"measure": at.measure, "amount": at.amount, "ahead": at.ahead}
@@ -232,15 +234,15 @@ def _of(event: Event) -> dict[str, Any]:
             return {"event": "text", "text": text}
         case Stopped(end):
             return {"event": "stop", "end": end}
-    return {"event": "note", "text": said(event)}
+    return {"event": "note", "text": event_words(event)}
 
 
-def _pose(pose: Pose | None) -> dict[str, Any] | None:
+def _json_pose(pose: Pose | None) -> dict[str, Any] | None:
     if pose is None:
         return None
     return {"position": list(pose.position), "quaternion": list(pose.quaternion)}
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     """JSON has no infinity: None for a corner whose size the controller takes."""
     return value if abs(value) < float("inf") else None

@@ -11,24 +11,24 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.virtual.events import Logged, Run, Switched
 from assistant.virtual.kernel import Motion
-from assistant.virtual.kernel.script import Given
-from assistant.virtual.telling import rows, said
+from assistant.virtual.kernel.script import InputChange
+from assistant.virtual.telling import event_words, log_rows
 
-Columns = Mapping[str, np.ndarray]
+TraceColumns = Mapping[str, np.ndarray]
 
 
-def event_columns(run: Run, given: Sequence[Given]) -> Columns:
+def event_columns(run: Run, given: Sequence[InputChange]) -> TraceColumns:
     """The log in columns, one row an event.
 
     event_time: seconds. event_task, event_file, event_line (0 where it has none), event_what: as
     people read it. signal, signal_value: of a change of an output or input, empty and NaN for
     other events. seconds, ended, message: of the run.
     """
-    told = list(rows(run.log, given))
-    changes = [_change(row) for row in told]
+    told = list(log_rows(run.log, given))
+    changes = [_event_change(row) for row in told]
     places = [row.place if isinstance(row, Logged) and row.place else ("", 0) for row in told]
     tasks = [row.task if isinstance(row, Logged) else "" for row in told]
-    what = [said(row.what if isinstance(row, Logged) else row) for row in told]
+    what = [event_words(row.what if isinstance(row, Logged) else row) for row in told]
     return {
         "event_time": np.array([row.time for row in told], dtype=np.float64),
         "event_task": np.array(tasks, dtype=np.str_),
@@ -44,8 +44,8 @@ def event_columns(run: Run, given: Sequence[Given]) -> Columns:
 
 
 def motion_columns(
-    run: Run, given: Sequence[Given], motion: Motion, period: float | None = None
-) -> Columns:
+    run: Run, given: Sequence[InputChange], motion: Motion, period: float | None = None
+) -> TraceColumns:
     """Samples of the arm and the signals from the start to the end; none if motions take no time.
 
     t: (k,) seconds. position: (k, 3) mm and quaternion: (k, 4) of the tool in the base. joints:
@@ -59,7 +59,7 @@ def motion_columns(
         return {}
     track = track_of(motion, run.log, run.seconds, period or PERIOD)
     names = tuple(dict.fromkeys(one.name for one in given))
-    inputs = _steps([(one.time, names.index(one.name), one.value) for one in given], track.t)
+    inputs = _signal_steps([(one.time, names.index(one.name), one.value) for one in given], track.t)
     return {
         "t": track.t,
         "position": track.position,
@@ -74,7 +74,7 @@ def motion_columns(
     }
 
 
-def npz(columns: Columns) -> bytes:
+def npz(columns: TraceColumns) -> bytes:
     """The columns as a file of NumPy; the same columns give the same bytes."""
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -84,7 +84,7 @@ def npz(columns: Columns) -> bytes:
     return data.getvalue()
 
 
-def _steps(changes: Sequence[tuple[float, int, float]], t: Floats) -> Floats:
+def _signal_steps(changes: Sequence[tuple[float, int, float]], t: Floats) -> Floats:
     """(k, n) what each of n signals is at each time, by their changes in order."""
     found = np.zeros((len(t), 1 + max((column for _, column, _ in changes), default=-1)))
     for time, column, value in changes:
@@ -92,8 +92,8 @@ def _steps(changes: Sequence[tuple[float, int, float]], t: Floats) -> Floats:
     return found
 
 
-def _change(row: Logged | Given) -> tuple[str, float]:
-    if isinstance(row, Given):
+def _event_change(row: Logged | InputChange) -> tuple[str, float]:
+    if isinstance(row, InputChange):
         return row.name, row.value
     if isinstance(row.what, Switched):
         return row.what.signal, row.what.value

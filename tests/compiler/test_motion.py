@@ -157,7 +157,7 @@ def test_a_run_that_takes_too_long_is_broken_off(
     assert every is not None and every.changes == 500
     assert [f.code for f in short.findings if f.severity == "error"] == ["CO111"]
     monkeypatch.setattr(lasting, "first_run", lambda _, source: 0.0 if source else 60.0)
-    monkeypatch.setattr(search, "first_run", lasting.first_run)
+    monkeypatch.setattr(search, "first_run", lasting.first_run_seconds)
     longer = proof(done, Proving(seconds=0.0))
     assert not longer.holds and longer.found is not None
     assert 0 < longer.found.changes < 100

@@ -13,7 +13,7 @@ from assistant.compiler.running import programs
 from assistant.compiler.script_file import parse_script
 from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
-from assistant.virtual.kernel.script import Given, follow
+from assistant.virtual.kernel.script import InputChange, follow
 from assistant.virtual.melfa import start_slot
 from assistant.virtual.rapid.running import start_task
 from assistant.virtual.running import Settings, prepared
@@ -50,7 +50,7 @@ for = 0.5
 """
 
 
-def scripted(text: str, program: str) -> tuple[Run, list[Given]]:
+def scripted(text: str, program: str) -> tuple[Run, list[InputChange]]:
     kernel = Kernel(most_time=100.0, most_steps=2000)
     language = languages.get("rapid" if program.startswith("MODULE") else "melfa-basic-4")
     tree = language.parse(program)

@@ -11,7 +11,7 @@ from assistant.controllers import connect
 from assistant.controllers.states import Identity
 from assistant.deploy import EVERY, Change, FileState
 from assistant.virtual.irc5 import VirtualIrc5
-from assistant.virtual.irc5.cabinet import Behind
+from assistant.virtual.irc5.cabinet import BackgroundTask
 from assistant.virtual.irc5.rws.faults import Fault
 
 SEAM = """MODULE Seam
@@ -333,7 +333,9 @@ def test_a_running_task_is_refused_before_anything_is_changed(irc5, client, work
 
 def test_tasks_in_the_background_mind_only_their_own_modules(irc5, work):
     client = over(irc5)
-    irc5.cabinet.behind["T_BACK"] = Behind(modules={"Watch": OTHER.replace("Other", "Watch")})
+    irc5.cabinet.behind["T_BACK"] = BackgroundTask(
+        modules={"Watch": OTHER.replace("Other", "Watch")}
+    )
     seam = work.file("seam.mod", SEAM.format(1))
     work.installed(client, seam)
     watch = work.file("watch.mod", OTHER.replace("Other", "Watch"))
@@ -343,7 +345,7 @@ def test_tasks_in_the_background_mind_only_their_own_modules(irc5, work):
 
 
 def test_a_module_in_several_tasks_is_said(irc5, client, work):
-    irc5.cabinet.behind["T_BACK"] = Behind(running=False, modules={"Seam": SEAM.format(1)})
+    irc5.cabinet.behind["T_BACK"] = BackgroundTask(running=False, modules={"Seam": SEAM.format(1)})
     seam = work.file("seam.mod", SEAM.format(2))
     planned = work.plan(client, seam, load=True)
     assert codes(planned.notes) == ["DP234"] and "T_BACK" in planned.notes[0].message

@@ -62,9 +62,9 @@ def link_commands(data: bytes) -> None:
 
 def frames(data: bytes) -> None:
     """Of the procedure on a serial line."""
-    text = cr_framing.unframed(data)
+    text = cr_framing.from_frame(data)
     if text is not None:
-        promise(cr_framing.unframed(cr_framing.framed(text)[:-1]) == text, "framed anew")
+        promise(cr_framing.from_frame(cr_framing.in_frame(text)[:-1]) == text, "framed anew")
 
 
 # ------------------------------------------------------------------------------- ABB controllers
@@ -190,7 +190,7 @@ def _server(controller: VirtualIrc5) -> Server:
 def egm(data: bytes) -> None:
     """A packet of a sensor, as joints and as a pose."""
     for kind, count in (("joints", 6), ("pose", 7)):
-        heard = egm_packets.sensor(data, kind, count)  # type: ignore[arg-type]
+        heard = egm_packets.read_sensor_packet(data, kind, count)  # type: ignore[arg-type]
         promise(heard is None or len(heard.values) == count, "another number of values")
 
 
@@ -261,7 +261,7 @@ def _egm() -> Iterable[bytes]:
 PLACES: Final = ("../", "$home", "/", "%2e%2e/", "HOME:", "\x00")
 TARGETS: Final = (
     Target("link-commands", link_commands, _link, lambda: (*COMMANDS, "1;9;", "\v", ";"), tried=8),
-    Target("link-frames", frames, lambda: [cr_framing.framed(b"1;1;STATE")[:-1], b"\x02D003R"]),
+    Target("link-frames", frames, lambda: [cr_framing.in_frame(b"1;1;STATE")[:-1], b"\x02D003R"]),
     Target("ftp-commands", ftp_commands, _ftp, lambda: PLACES, tried=8),
     Target("rws-requests", rws_request, _rws, lambda: PLACES, tried=12),
     Target("egm-sensor", egm, _egm),

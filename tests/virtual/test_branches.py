@@ -8,7 +8,7 @@ import pytest
 
 from assistant import languages
 from assistant.virtual import melfa
-from assistant.virtual.branches import Branches, Way
+from assistant.virtual.branches import Branches, BranchKey
 from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.melfa.branches import branches as melfa_branches
 from assistant.virtual.rapid.branches import branches as rapid_branches
@@ -70,9 +70,11 @@ WAYS = {
 }
 
 
-def taken(language: str, text: str, inputs: dict[str, float]) -> tuple[Counter[Way], Branches]:
+def taken(
+    language: str, text: str, inputs: dict[str, float]
+) -> tuple[Counter[BranchKey], Branches]:
     """How often each way was gone, and those that there are."""
-    counted: Counter[Way] = Counter()
+    counted: Counter[BranchKey] = Counter()
     kernel = Kernel(Board(Signals(inputs)), most_steps=20_000)
     kernel.branch = lambda *way: counted.update([way])
     tree = languages.get(language).parse(text)

@@ -11,7 +11,7 @@ from assistant.virtual.events import Moved, Switched
 from assistant.virtual.kernel import Task
 from assistant.virtual.motion import Timed
 
-FULL: Final = 100.0
+FULL_OVERRIDE: Final = 100.0
 
 
 class CrArm(Timed):
@@ -19,10 +19,10 @@ class CrArm(Timed):
 
     def __init__(self, robot: Robot, joints: Sequence[float]) -> None:
         super().__init__(robot, joints=joints)
-        self.override = FULL
+        self.override = FULL_OVERRIDE
 
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
-        super().go(task, slowed(moved, self.override / FULL), changes)
+        super().go(task, scaled_speed(moved, self.override / FULL_OVERRIDE), changes)
 
     def halt(self) -> None:
         """Ends all motions where the arm is."""
@@ -31,12 +31,12 @@ class CrArm(Timed):
             self.lead(self.kernel, self.where()[1])
 
 
-def slowed(moved: Moved, share: float) -> Moved:
+def scaled_speed(moved: Moved, share: float) -> Moved:
     """A motion at a share of its speed."""
     if share >= 1.0:
         return moved
     how = replace(moved.how, rotation=moved.how.rotation * share)
     if moved.speed is not None:
         return replace(moved, speed=moved.speed * share, how=how)
-    percent = FULL if moved.percent is None else moved.percent
+    percent = FULL_OVERRIDE if moved.percent is None else moved.percent
     return replace(moved, percent=percent * share, how=how)

@@ -10,11 +10,11 @@ from assistant.virtual.cr.store import CrProgram
 from assistant.virtual.melfa.memory import Cell, Memory
 from assistant.virtual.melfa.values import Elements, Joints, Position, Value, eight
 
-PLACE: Final = re.compile(r"\(([^()]*)\)(?:\(([^()]*)\))?")
-NAME: Final = re.compile(r"([A-Z]\w*)[$%&!#]?(?:\(([\d,]+)\))?", re.ASCII)
+VARIABLE_LINE: Final = re.compile(r"\(([^()]*)\)(?:\(([^()]*)\))?")
+VARIABLE_NAME: Final = re.compile(r"([A-Z]\w*)[$%&!#]?(?:\(([\d,]+)\))?", re.ASCII)
 
 
-def listed(memory: Memory) -> Iterator[tuple[str, str]]:
+def listed_variables(memory: Memory) -> Iterator[tuple[str, str]]:
     """Name and value, as a controller lists them, of each variable that has one."""
     for name, place in memory.places.items():
         if not isinstance(place, Cell):
@@ -22,33 +22,33 @@ def listed(memory: Memory) -> Iterator[tuple[str, str]]:
         mark = "$" if place.kind == "text" else ""
         for index, value in sorted(place.values.items()):
             at = f"({','.join(map(str, index))})" if index else ""
-            yield f"{name}{mark}{at}", written(value)
+            yield f"{name}{mark}{at}", value_text(value)
 
 
-def written(value: Value) -> str:
+def value_text(value: Value) -> str:
     """`+3`, `"a text"`, `(+1.00,…)(7,0)`."""
     match value:
         case str():
             return f'"{value}"'
         case Position(values=values, flags=flags):
-            return f"{_elements(values)}({flags[0] or 0},{flags[1] or 0})"
+            return f"{_elements_text(values)}({flags[0] or 0},{flags[1] or 0})"
         case Joints(values=values):
-            return _elements(values)
+            return _elements_text(values)
         case int() | float():
             return f"{float(value):+.10g}"
-    return _elements(value.values)
+    return _elements_text(value.values)
 
 
-def _elements(values: Elements) -> str:
+def _elements_text(values: Elements) -> str:
     count = max([6, *(i + 1 for i, v in enumerate(values) if v is not None)])
     return "(" + ",".join("" if v is None else f"{v + 0.0:+.2f}" for v in values[:count]) + ")"
 
 
-def value_of(text: str) -> Value:
+def listed_value(text: str) -> Value:
     """The value that a line of a listing tells behind its `=`."""
     if text.startswith('"'):
         return text[1:-1]
-    place = PLACE.fullmatch(text)
+    place = VARIABLE_LINE.fullmatch(text)
     if place is None:
         number = float(text)
         return int(number) if number.is_integer() else number
@@ -59,40 +59,40 @@ def value_of(text: str) -> Value:
     return Position(values, (int(one or 0), int(two or 0)))
 
 
-def give(memory: Memory, name: str, value: str) -> None:
+def set_variable(memory: Memory, name: str, value: str) -> None:
     """Sets a variable; raises Failed where it does not take the value."""
-    found = NAME.fullmatch(name.upper())
+    found = VARIABLE_NAME.fullmatch(name.upper())
     assert found is not None, name
     index = tuple(int(part) for part in found[2].split(",")) if found[2] else ()
-    memory.place(found[1]).set(value_of(value), index)
+    memory.place(found[1]).set(listed_value(value), index)
 
 
-def refreshed(program: CrProgram, memory: Memory) -> CrProgram:
+def with_values(program: CrProgram, memory: Memory) -> CrProgram:
     """A program with the values that its variables have by now."""
     made = program.copy()
     made.protected = set()
-    for name, value in listed(memory):
+    for name, value in listed_variables(memory):
         made.keep(name, value)
     made.protected = set(program.protected)
     return made
 
 
-def lend(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+def give_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
     """Gives a memory the variables of some names that a program has; raises Failed."""
     for line in (program.variables | program.values).values():
         name, _, value = line.partition("=")
-        if _base(name) in names:
-            give(memory, name, value)
+        if _base_name(name) in names:
+            set_variable(memory, name, value)
 
 
-def take_back(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+def take_back_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
     """Gives a program the variables of some names as they are by now."""
-    for name, value in listed(memory):
-        if _base(name) in names and "q" not in program.protected:
+    for name, value in listed_variables(memory):
+        if _base_name(name) in names and "q" not in program.protected:
             program.keep(name, value)
 
 
-def _base(name: str) -> str:
+def _base_name(name: str) -> str:
     """Without its mark and its subscripts."""
-    found = NAME.fullmatch(name.upper())
+    found = VARIABLE_NAME.fullmatch(name.upper())
     return found[1] if found else name

@@ -28,7 +28,7 @@ from assistant.virtual.cr.command import Command
 from assistant.virtual.cr.state import TASKMAX, CrSession
 from assistant.virtual.cr.store import CrRefusal
 
-SUBJECTS: Final = (
+COMMAND_MODULES: Final = (
     sessions,
     editing,
     listing,
@@ -44,14 +44,14 @@ SUBJECTS: Final = (
 )
 
 COMMANDS: Final[Mapping[str, Command]] = {
-    name: command for subject in SUBJECTS for name, command in subject.COMMANDS.items()
+    name: command for subject in COMMAND_MODULES for name, command in subject.COMMANDS.items()
 }
 
 BY_LENGTH: Final = sorted(COMMANDS, key=len, reverse=True)
 """Longest first, so that OVRD= is not taken for OVRD."""
 
 MOST_ROBOTS: Final = 3
-ENDS: Final = re.compile(r"[\r\n\0]")
+LINE_ENDS: Final = re.compile(r"[\r\n\0]")
 """A frame can hold them, but no line of a program and no name."""
 EDIT_SLOT: Final = TASKMAX + 1
 
@@ -59,7 +59,7 @@ EDIT_SLOT: Final = TASKMAX + 1
 def execute(session: CrSession, text: str) -> str:
     """The answer to `[robot];[slot];COMMAND`, without `QoK`; raises CrRefusal."""
     head = re.match(r"(\d*);(\d*); *", text, re.ASCII)
-    if head is None or ENDS.search(text):
+    if head is None or LINE_ENDS.search(text):
         raise CrRefusal(6010)
     if int(head[1][:3] or 1) > MOST_ROBOTS:
         raise CrRefusal(5430)

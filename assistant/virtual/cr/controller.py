@@ -21,7 +21,7 @@ from typing import Final, Literal, Self
 from assistant import languages
 from assistant.virtual.cr.commands import execute
 from assistant.virtual.cr.data_lines import DATA_LINK, DataLines
-from assistant.virtual.cr.error_log import level_of
+from assistant.virtual.cr.error_log import error_level
 from assistant.virtual.cr.faults import Faults
 from assistant.virtual.cr.framing import MOST_BYTES
 from assistant.virtual.cr.ports import SerialPort, SocketPort
@@ -245,7 +245,7 @@ class VirtualCr:
         level: 1 high, 2 low, 3 caution; None for that of the error list.
         """
         with self.state.lock:
-            self.state.alert(number, level or level_of(number))
+            self.state.alert(number, level or error_level(number))
 
     def emergency_stop(self, pressed: bool = True) -> None:
         """Presses or releases the emergency stop of the operating panel."""

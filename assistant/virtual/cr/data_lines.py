@@ -11,7 +11,7 @@ from assistant.virtual.melfa.lines import Line, TcpClient, TcpServer
 
 DATA_LINK: Final = "2"
 """Protocol of a line that programs open (CPRCE11 to CPRCE19, CPRC232)."""
-SERIAL: Final = "RS232"
+SERIAL_PORT: Final = "RS232"
 FIRST_OPTION: Final = 11
 
 
@@ -38,7 +38,7 @@ class DataLines:
             for number, device in enumerate(parameters["COMDEV"], start=1):
                 if f"COM{number}:" in without:
                     continue
-                if device == SERIAL and serial is not None:
+                if device == SERIAL_PORT and serial is not None:
                     self.lines[f"COM{number}:"] = serial
                 elif device.startswith("OPT"):
                     self._network(f"COM{number}:", device, parameters, (host, first_port))

@@ -63,13 +63,13 @@ class Direct:
     task: Task | None = None
 
 
-def number_of(ending: Ending) -> int:
+def error_number(ending: Ending) -> int:
     """The error that a task ended with."""
     found = NUMBER.search(ending.message)
     return int(found[1]) if found and ending.ended == "error" else UNKNOWN
 
 
-def parsed(language: str, text: str) -> Code:
+def parse_statement(language: str, text: str) -> Code:
     """A single command; raises CrRefusal with the place of what is wrong."""
     file = languages.get(language).parse(f"1 {text.strip()}")
     assert isinstance(file, s.File)
@@ -82,7 +82,7 @@ def parsed(language: str, text: str) -> Code:
         raise CrRefusal(failed.number or 4220, 1) from None
 
 
-def moves(code: Code) -> bool:
+def is_motion(code: Code) -> bool:
     return any(isinstance(row.statement, s.Motion) for row in code.rows)
 
 
@@ -167,13 +167,13 @@ class DirectCommands:
             machine.frames = [Frame("", machine.main)]
             world.running.append(machine)
             if command.edit is not None:
-                cells.lend(command.edit, machine.main, command.names)
+                cells.give_variables(command.edit, machine.main, command.names)
             with suppress(Ended, Redirected):
                 machine.go_on(machine.frame)
             world.task.kernel.motion.settle(world.task)
             number = None
         except Broken as broken:
-            number = number_of(broken.ending)
+            number = error_number(broken.ending)
             raise
         except Failed as failed:
             number = failed.number or UNKNOWN
@@ -184,6 +184,6 @@ class DirectCommands:
         finally:
             world.running.clear()
             if command.edit is not None:
-                cells.take_back(command.edit, machine.main, command.names)
+                cells.take_back_variables(command.edit, machine.main, command.names)
             command.done.set_result(number)
         return ending

@@ -10,27 +10,27 @@ from assistant import languages
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import lines_of
 from assistant.virtual.cr.command import VT, Command, bare, parts, whole
-from assistant.virtual.cr.lines import check
+from assistant.virtual.cr.lines import check_line
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import LAST_LINE, CrProgram, CrRefusal, checked_name
 
-DELETED: Final = re.compile(r"\s*\d*\s*", re.ASCII)
+DELETED_LINE: Final = re.compile(r"\s*\d*\s*", re.ASCII)
 """A number alone deletes its line, and is no line to parse."""
-FIRST: Final = 10
+FIRST_LINE: Final = 10
 """The number of the first line, and from line to line, where RENUM is told 0."""
 
 
-def _new(session: CrSession) -> str:
+def _new_program(session: CrSession) -> str:
     session.close()
     return ""
 
 
-def _load(session: CrSession, argument: str) -> str:
+def _load_program(session: CrSession, argument: str) -> str:
     session.open(checked_name(argument))
     return ""
 
 
-def _save(session: CrSession) -> str:
+def _save_program(session: CrSession) -> str:
     program = session.edit
     assert session.name is not None
     state = session.state
@@ -43,45 +43,49 @@ def _save(session: CrSession) -> str:
 
 def _put_line(session: CrSession, argument: str) -> str:
     program = session.edit
-    _put(session, program, argument)
+    _put_checked_line(session, program, argument)
     return ""
 
 
 def _put_lines(session: CrSession, argument: str) -> str:
     program, lines = session.edit, argument.split(VT)
-    known = _all_right(session.state.language, lines)
+    known = _are_correct(session.state.language, lines)
     for number, line in enumerate(lines, start=1):
         try:
             if line:
-                _put(session, program, line, known=known)
+                _put_checked_line(session, program, line, known=known)
         except CrRefusal as error:
             raise CrRefusal(error.number, number, *error.places) from None
     return ""
 
 
-def _all_right(language: str, lines: Sequence[str]) -> bool:
+def _are_correct(language: str, lines: Sequence[str]) -> bool:
     """Whether nothing is wrong with any line; looked at together they take the time of one."""
     try:
-        check(language, "\r\n".join(line for line in lines if not DELETED.fullmatch(line)))
+        check_line(
+            language, "\r\n".join(line for line in lines if not DELETED_LINE.fullmatch(line))
+        )
     except CrRefusal:
         return False
     return True
 
 
-def _put(session: CrSession, program: CrProgram, line: str, *, known: bool = False) -> None:
+def _put_checked_line(
+    session: CrSession, program: CrProgram, line: str, *, known: bool = False
+) -> None:
     """known: that nothing is wrong with the line."""
-    if not known and not DELETED.fullmatch(line):
-        check(session.state.language, line)
+    if not known and not DELETED_LINE.fullmatch(line):
+        check_line(session.state.language, line)
     program.put(line)
     session.changed = True
 
 
-def _insert(session: CrSession, argument: str) -> str:
+def _insert_line(session: CrSession, argument: str) -> str:
     """A line before the one that has its number; that and those that follow close up move on."""
     program = session.edit
     number, text = parts(argument, 2)
     at = whole(number, 1, LAST_LINE, error=4420)
-    check(session.state.language, f"{at} {text}")
+    check_line(session.state.language, f"{at} {text}")
     last = at
     while last in program.steps:
         last += 1
@@ -96,7 +100,7 @@ def _insert(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _clear(session: CrSession) -> str:
+def _clear_program(session: CrSession) -> str:
     session.edit.clear()
     session.changed = True
     return ""
@@ -134,7 +138,9 @@ def _renumber(session: CrSession, argument: str) -> str:
     language = languages.get(session.state.language)
     text = "".join(f"{line}\n" for line in program.lines())
     try:
-        made = language.render(language.renumber(language.parse(text), new or FIRST, step or FIRST))
+        made = language.render(
+            language.renumber(language.parse(text), new or FIRST_LINE, step or FIRST_LINE)
+        )
     except Refused:
         raise CrRefusal(4410) from None
     renumbered = CrProgram()
@@ -145,14 +151,14 @@ def _renumber(session: CrSession, argument: str) -> str:
     return ""
 
 
-COMMANDS: Final = {
-    "NEW": Command(bare(_new)),
-    "LOAD=": Command(_load),
-    "SAVE": Command(bare(_save)),
+EDIT_COMMANDS: Final = {
+    "NEW": Command(bare(_new_program)),
+    "LOAD=": Command(_load_program),
+    "SAVE": Command(bare(_save_program)),
     "EDATA": Command(_put_line),
     "EMDAT": Command(_put_lines),
-    "EDINS=": Command(_insert),
-    "ECLR": Command(bare(_clear)),
+    "EDINS=": Command(_insert_line),
+    "ECLR": Command(bare(_clear_program)),
     "DELETE": Command(_delete_steps),
     "RENUM": Command(_renumber),
 }

@@ -35,7 +35,7 @@ class ErrorEntry:
     def fields(self) -> str:
         """As ERRORLOG tells it."""
         when = f"{self.when:%y-%m-%d;%H:%M:%S}"
-        text = message(self.number)
+        text = error_message(self.number)
         return (
             f"{when};{self.number:04};{text};{self.level};{self.program};{self.line};{self.detail}"
         )
@@ -71,18 +71,18 @@ class ErrorLog:
         self.latest.clear()
 
 
-def message(number: int) -> str:
+def error_message(number: int) -> str:
     """What an error number means; never fails."""
-    return table().get(number, ("", f"Error {number:04}"))[1]
+    return error_table().get(number, ("", f"Error {number:04}"))[1]
 
 
-def level_of(number: int) -> int:
+def error_level(number: int) -> int:
     """1 high, 2 low, 3 caution; low where the table does not know the number."""
-    return LEVELS.get(table().get(number, ("L", ""))[0], LEVELS["L"])
+    return LEVELS.get(error_table().get(number, ("L", ""))[0], LEVELS["L"])
 
 
 @cache
-def table() -> Mapping[int, tuple[str, str]]:
+def error_table() -> Mapping[int, tuple[str, str]]:
     """Number → letter of its level, and what it means."""
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-SPOIL: Final = 0x55
+SPOILED_ANSWERS: Final = 0x55
 """XOR of a byte that is broken on the line."""
 
 
@@ -56,7 +56,7 @@ class Faults:
         with self._lock:
             if self.broken:
                 marks = enumerate(data, start=self._sent + 1)
-                data = bytes(b ^ SPOIL if at % self.broken == 0 else b for at, b in marks)
+                data = bytes(b ^ SPOILED_ANSWERS if at % self.broken == 0 else b for at, b in marks)
             self._sent += len(data)
             if self.drop_after is None:
                 return data, True

@@ -13,32 +13,32 @@ from assistant.virtual.cr.command import Command, bare, hexadecimal, parts, whol
 from assistant.virtual.cr.state import BlockFile, CrSession, Cycles
 from assistant.virtual.cr.store import ENCODING, CrRefusal, checked_name, program_of
 
-FOLDER: Final = "/robprg/dat/"
-BLOCK: Final = 120
+PROGRAM_FOLDER: Final = "/robprg/dat/"
+BLOCK_SIZE: Final = 120
 """Bytes of a file in one answer (FWRITE in BFP-A4288)."""
-PLAIN: Final = 12
+PLAIN_ATTRIBUTE: Final = 12
 """Attribute of a file that nothing protects (PDIR in BFP-A4288)."""
-PROTECTED: Final = {"p": 1, "q": 2}
+PROTECTED_ATTRIBUTE: Final = {"p": 1, "q": 2}
 """Bits of the attribute, which no manual tells: lines, variables."""
 ALL_FILES: Final = "<*.*"
 
 
 def _program_directory(session: CrSession, argument: str) -> str:
-    name, first = _listed(session, argument)
+    name, first = _file_at(session, argument)
     if name is None:
         return ""
     program = session.state.store[name]
     cycles = session.state.cycles.get(name, Cycles())
     counts = [len(program.steps), len(program.variables)]
-    return ";".join([_entry(session, name, first), "", *map(str, counts), cycles.fields])
+    return ";".join([_directory_entry(session, name, first), "", *map(str, counts), cycles.fields])
 
 
 def _file_directory(session: CrSession, argument: str) -> str:
-    name, first = _listed(session, "TOP" if argument == ALL_FILES else argument)
-    return "" if name is None else _entry(session, name, first)
+    name, first = _file_at(session, "TOP" if argument == ALL_FILES else argument)
+    return "" if name is None else _directory_entry(session, name, first)
 
 
-def _listed(session: CrSession, argument: str) -> tuple[str | None, bool]:
+def _file_at(session: CrSession, argument: str) -> tuple[str | None, bool]:
     """The file at a place of the directory, None behind its end; whether it is the first one."""
     names = list(session.state.store)
     top = argument in ("TOP", "")
@@ -46,7 +46,7 @@ def _listed(session: CrSession, argument: str) -> tuple[str | None, bool]:
     return (names[index] if 0 <= index < len(names) else None), top
 
 
-def _entry(session: CrSession, name: str, first: bool) -> str:
+def _directory_entry(session: CrSession, name: str, first: bool) -> str:
     """Name, size, date, and the attribute; of the first one also how many there are and room."""
     state, store = session.state, session.state.store
     program = store[name]
@@ -54,32 +54,32 @@ def _entry(session: CrSession, name: str, first: bool) -> str:
     entry = [f"{name}.{state.suffix}", str(program.size), f"{changed:%y-%m-%d%H:%M:%S}"]
     if first:
         entry += [str(len(store)), str(store.capacity - store.used)]
-    bits = sum(bit for letter, bit in PROTECTED.items() if letter in program.protected)
-    return ";".join([*entry, str(PLAIN | bits)])
+    bits = sum(bit for letter, bit in PROTECTED_ATTRIBUTE.items() if letter in program.protected)
+    return ";".join([*entry, str(PLAIN_ATTRIBUTE | bits)])
 
 
-def _check(session: CrSession, argument: str) -> str:
+def _check_file(session: CrSession, argument: str) -> str:
     return "N" if checked_name(argument) in session.state.store else "F"
 
 
-def _path(session: CrSession, argument: str) -> str:
+def _set_path(session: CrSession, argument: str) -> str:
     name = checked_name(argument)
     if name not in session.state.store:
         raise CrRefusal(4140)
-    return f"{FOLDER}{name}.{session.state.suffix}"
+    return f"{PROGRAM_FOLDER}{name}.{session.state.suffix}"
 
 
-def _copy(session: CrSession, argument: str) -> str:
-    old, new = _pair(session, argument, missing=7000)
+def _copy_file(session: CrSession, argument: str) -> str:
+    old, new = _file_and_new_name(session, argument, missing=7000)
     program = session.state.store[old].copy()
     program.protected = set()
     session.state.store.save(new, program)
     return ""
 
 
-def _rename(session: CrSession, argument: str) -> str:
-    old, new = _pair(session, argument, missing=7020)
-    _free(session, old)
+def _rename_file(session: CrSession, argument: str) -> str:
+    old, new = _file_and_new_name(session, argument, missing=7020)
+    _refuse_in_use(session, old)
     store = session.state.store
     program = store[old].copy()
     store.delete(old)
@@ -88,16 +88,16 @@ def _rename(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _pair(session: CrSession, argument: str, missing: int) -> tuple[str, str]:
+def _file_and_new_name(session: CrSession, argument: str, missing: int) -> tuple[str, str]:
     """A file that there is, and the name of one that there is not yet or that may be replaced."""
     old, new = map(checked_name, parts(argument, 2))
     if old not in session.state.store:
         raise CrRefusal(missing)
-    _free(session, new)
+    _refuse_in_use(session, new)
     return old, new
 
 
-def _free(session: CrSession, name: str) -> None:
+def _refuse_in_use(session: CrSession, name: str) -> None:
     """Refuses a program that is edited or selected."""
     state = session.state
     if name in state.selected.values():
@@ -106,15 +106,15 @@ def _free(session: CrSession, name: str) -> None:
         raise CrRefusal(4170)
 
 
-def _delete(session: CrSession, argument: str) -> str:
+def _delete_file(session: CrSession, argument: str) -> str:
     name = checked_name(argument)
-    _free(session, name)
+    _refuse_in_use(session, name)
     session.state.store.delete(name)
     session.state.forget(name)
     return ""
 
 
-def _protect(session: CrSession, argument: str) -> str:
+def _protect_file(session: CrSession, argument: str) -> str:
     name, sign = parts(argument, 2)
     name = checked_name(name)
     if name not in session.state.store:
@@ -126,11 +126,11 @@ def _protect(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _initialise(session: CrSession) -> str:
+def _delete_all(session: CrSession) -> str:
     """All programs are gone."""
     state = session.state
     for name in state.store:
-        _free(session, name)
+        _refuse_in_use(session, name)
     for name in list(state.store):
         state.store.delete(name)
         state.forget(name)
@@ -140,7 +140,7 @@ def _initialise(session: CrSession) -> str:
 # ------------------------------------------------------------------------------------ blocks
 
 
-def _open(session: CrSession, argument: str) -> str:
+def _open_file(session: CrSession, argument: str) -> str:
     name, mode = parts(argument, 2)
     name = checked_name(name)
     if mode not in ("r", "w"):
@@ -148,7 +148,7 @@ def _open(session: CrSession, argument: str) -> str:
     if session.block is not None:
         raise CrRefusal(6050)
     if mode == "w":
-        _free(session, name)
+        _refuse_in_use(session, name)
         session.block = BlockFile(name, True, bytearray())
     elif name in session.state.store:
         data = session.state.store[name].text().encode(ENCODING)
@@ -158,34 +158,34 @@ def _open(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _read(session: CrSession) -> str:
+def _read_block(session: CrSession) -> str:
     block = session.block
     if block is None or block.writes:
         raise CrRefusal(5140)
-    data = block.data[block.at : block.at + BLOCK]
+    data = block.data[block.at : block.at + BLOCK_SIZE]
     block.at += len(data)
     return f"{data.hex().upper()};{int(block.at < len(block.data))}"
 
 
-def _write(session: CrSession, argument: str) -> str:
+def _write_block(session: CrSession, argument: str) -> str:
     block = session.block
     if block is None or not block.writes:
         raise CrRefusal(4200)
     size, content = parts(argument, 2)
-    hexadecimal(content or "0", 2 * BLOCK)
-    if len(content) != 2 * whole(size, 0, BLOCK):
+    hexadecimal(content or "0", 2 * BLOCK_SIZE)
+    if len(content) != 2 * whole(size, 0, BLOCK_SIZE):
         raise CrRefusal(4460)
     block.data += bytes.fromhex(content)
     return ""
 
 
-def _close(session: CrSession) -> str:
+def _close_file(session: CrSession) -> str:
     """What was written becomes a program; 4160 if it is none."""
     block, session.block = session.block, None
     if block is None:
         raise CrRefusal(6050)
     if block.writes:
-        _free(session, block.name)
+        _refuse_in_use(session, block.name)
         program = program_of(bytes(block.data).decode(ENCODING), strict=True)
         program.changed = session.state.now()
         session.state.store.save(block.name, program)
@@ -199,35 +199,35 @@ def _free_room(session: CrSession) -> str:
 
 
 def _cycle_time(session: CrSession, argument: str) -> str:
-    return session.state.cycles.get(_there(session, argument), Cycles()).fields
+    return session.state.cycles.get(_existing_file(session, argument), Cycles()).fields
 
 
 def _clear_cycle_time(session: CrSession, argument: str) -> str:
-    session.state.cycles.pop(_there(session, argument), None)
+    session.state.cycles.pop(_existing_file(session, argument), None)
     return ""
 
 
-def _there(session: CrSession, argument: str) -> str:
+def _existing_file(session: CrSession, argument: str) -> str:
     name = checked_name(argument)
     if name not in session.state.store:
         raise CrRefusal(4140)
     return name
 
 
-COMMANDS: Final = {
+FILE_COMMANDS: Final = {
     "PDIR": Command(_program_directory),
     "FDIR": Command(_file_directory),
-    "FCHECK": Command(_check),
-    "FPATH=": Command(_path),
-    "FCOPY": Command(_copy),
-    "FDEL": Command(_delete),
-    "FRENAME": Command(_rename),
-    "FATTRIB": Command(_protect),
-    "FINIT": Command(bare(_initialise)),
-    "FOPEN": Command(_open),
-    "FREAD": Command(bare(_read)),
-    "FWRITE": Command(_write),
-    "FCLOSE": Command(bare(_close)),
+    "FCHECK": Command(_check_file),
+    "FPATH=": Command(_set_path),
+    "FCOPY": Command(_copy_file),
+    "FDEL": Command(_delete_file),
+    "FRENAME": Command(_rename_file),
+    "FATTRIB": Command(_protect_file),
+    "FINIT": Command(bare(_delete_all)),
+    "FOPEN": Command(_open_file),
+    "FREAD": Command(bare(_read_block)),
+    "FWRITE": Command(_write_block),
+    "FCLOSE": Command(bare(_close_file)),
     "EFREE": Command(bare(_free_room)),
     "CYCLETIME": Command(_cycle_time),
     "CYCLECLR": Command(_clear_cycle_time),

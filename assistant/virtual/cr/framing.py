@@ -48,13 +48,13 @@ class Framing:
         return [rest] if rest else []
 
 
-def framed(text: bytes) -> bytes:
+def in_frame(text: bytes) -> bytes:
     """A frame: `D0`, the length of what follows, `R`, the text, and the checksum of all that."""
     body = b"D0" + f"{len(text) + 1:02X}".encode() + b"R" + text
     return STX + body + f"{reduce(xor, body):02X}".encode() + ETX
 
 
-def unframed(data: bytes) -> bytes | None:
+def from_frame(data: bytes) -> bytes | None:
     """The text of a frame that came without its ETX; None if it is damaged."""
     found = FRAME.fullmatch(data)
     if found is None or int(found[2], 16) != len(found[3]) + 1:

@@ -55,7 +55,7 @@ class Library:
         program = self.source(name)
         for line in program.values.values() if program is not None else ():
             variable, _, value = line.partition("=")
-            cells.give(machine.main, variable, value)
+            cells.set_variable(machine.main, variable, value)
 
     def forget(self, name: str) -> None:
         self._files.pop(name, None)

@@ -16,7 +16,7 @@ of range, a word that this version lacks. Labels, blocks and values are looked f
 program runs, so other rules keep no line out."""
 
 
-def check(language: str, line: str) -> None:
+def check_line(language: str, line: str) -> None:
     """Raises CrRefusal with the number and the character (from 1) of what is wrong in a line."""
     parser = languages.get(language)
     try:

@@ -9,44 +9,44 @@ from assistant.virtual.cr.editing import line_range
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import CrRefusal
 
-LINES: Final = "lines"
-POSITIONS: Final = "positions"
-BY_WORD: Final = ("TOP", "END", "+1", "-1", "")
+LINE_LIST: Final = "lines"
+POSITION_LIST: Final = "positions"
+LISTING_WORDS: Final = ("TOP", "END", "+1", "-1", "")
 
 
-def _lines(session: CrSession, argument: str) -> str:
+def _list_lines(session: CrSession, argument: str) -> str:
     lines = session.edit.lines()
-    start = place(argument, session.following.get(LINES, 0), sorted(session.edit.steps))
+    start = place(argument, session.following.get(LINE_LIST, 0), sorted(session.edit.steps))
     listed = at_once(lines[start:])
-    behind = session.following[LINES] = start + len(listed)
+    behind = session.following[LINE_LIST] = start + len(listed)
     return f"{VT.join(listed)};{len(listed)};{int(behind < len(lines))}" if listed else ""
 
 
-def _line(session: CrSession, argument: str) -> str:
+def _list_line(session: CrSession, argument: str) -> str:
     lines = session.edit.lines()
-    at = place(argument, session.following.get(LINES, 0), sorted(session.edit.steps))
-    session.following[LINES] = min(at + 1, len(lines))
+    at = place(argument, session.following.get(LINE_LIST, 0), sorted(session.edit.steps))
+    session.following[LINE_LIST] = min(at + 1, len(lines))
     return lines[at] if at < len(lines) else ""
 
 
-def _position(session: CrSession, argument: str) -> str:
+def _list_position(session: CrSession, argument: str) -> str:
     positions = session.edit.positions()
-    following = session.following.get(POSITIONS, 0)
-    if argument in BY_WORD:
+    following = session.following.get(POSITION_LIST, 0)
+    if argument in LISTING_WORDS:
         at = place(argument, following, range(len(positions)))
     else:
         names = [line.partition("=")[0].upper() for line in positions]
         at = place(argument, following, names)
-    session.following[POSITIONS] = min(at + 1, len(positions))
+    session.following[POSITION_LIST] = min(at + 1, len(positions))
     return positions[at] if at < len(positions) else ""
 
 
-def _count(session: CrSession, argument: str) -> str:
+def _count_lines(session: CrSession, argument: str) -> str:
     first, last = line_range(argument)
     return f"{sum(first <= number <= last for number in session.edit.steps):04}"
 
 
-def _search(session: CrSession, argument: str) -> str:
+def _find_text(session: CrSession, argument: str) -> str:
     """The first line from the top that has the text, and how many characters stand before it."""
     for line in session.edit.lines():
         if argument and argument in line:
@@ -54,10 +54,10 @@ def _search(session: CrSession, argument: str) -> str:
     raise CrRefusal(4430)
 
 
-COMMANDS: Final = {
-    "LISTL": Command(_lines),
-    "LISTI": Command(_line),
-    "LISTP": Command(_position),
-    "LISTCNT": Command(_count),
-    "ESEARCH": Command(_search),
+LIST_COMMANDS: Final = {
+    "LISTL": Command(_list_lines),
+    "LISTI": Command(_list_line),
+    "LISTP": Command(_list_position),
+    "LISTCNT": Command(_count_lines),
+    "ESEARCH": Command(_find_text),
 }

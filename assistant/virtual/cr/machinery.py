@@ -11,7 +11,7 @@ from concurrent.futures import Future
 from typing import Literal, NamedTuple
 
 from assistant.program.geometry import Pose
-from assistant.virtual.cr.direct import Waiting, moves, parsed
+from assistant.virtual.cr.direct import Waiting, is_motion, parse_statement
 from assistant.virtual.cr.jogging import Jogging
 from assistant.virtual.cr.powered import Powered
 from assistant.virtual.cr.slot_now import SlotNow
@@ -235,13 +235,13 @@ class Machinery(Powered):
 
         edit: the program whose variables it has, None for the one of the slot.
         """
-        code = parsed(self.language, text)
+        code = parse_statement(self.language, text)
 
         def act() -> Future[int | None]:
             slot = self.controller.slot(max(number, 1))
             if slot.state != "reset":
                 raise CrRefusal(5640 if slot.state == "runs" else 5650)
-            if moves(code):
+            if is_motion(code):
                 self._may_move()
             return self.direct.add(slot.number, Waiting(code, edit))
 

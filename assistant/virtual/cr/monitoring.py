@@ -17,12 +17,12 @@ from assistant.virtual.cr.store import CrRefusal
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-FULL: Final = "F"
+ALL_AXES: Final = "F"
 NO_FLAGS: Final = "****,****"
-CLOCK: Final = "%y-%m-%d%H:%M:%S"
+CLOCK_FORMAT: Final = "%y-%m-%d%H:%M:%S"
 
 
-def _state(session: CrSession) -> str:
+def _read_state(session: CrSession) -> str:
     state = session.state
     slot = state.machinery.slot_now(session.slot)
     program = f"{slot.program}.{state.suffix}" if slot.program else ""
@@ -30,17 +30,17 @@ def _state(session: CrSession) -> str:
     edit = edits | slot.runs << 1 | (edits and session.changed) << 2
     row = state.parameters[f"SLT{session.slot}"] if slot.is_task else ("", "REP", "START", "1")
     listed = f"{row[0]}.{state.suffix}" if row[0] else program
-    fields = [program, str(slot.line), str(state.override), str(edit), _bits(session)]
+    fields = [program, str(slot.line), str(state.override), str(edit), _state_bits(session)]
     told = [listed, slot.mode, row[2], row[3], str(int(slot.moves))]
     return ";".join([*fields, str(slot.step), "1", *[""] * 7, *told])
 
 
-def _short_state(session: CrSession) -> str:
+def _read_short_state(session: CrSession) -> str:
     slot = session.state.machinery.slot_now(session.slot)
-    return f"{_bits(session)};{slot.step};{int(slot.moves)}"
+    return f"{_state_bits(session)};{slot.step};{int(slot.moves)}"
 
 
-def _bits(session: CrSession) -> str:
+def _state_bits(session: CrSession) -> str:
     """Run bits, stop bits, error number.
 
     Run: 01 repeat, 02 cycle stop off, 04 machine lock, 20 servos on, 40 runs, 80 operation right.
@@ -66,49 +66,49 @@ def _bits(session: CrSession) -> str:
     return f"{run:02X}{stop:02X}{state.alarm[0] if state.alarm else 0}"
 
 
-def _joints(session: CrSession, axis: str) -> str:
-    return _told(session, axis, _of_joints, goal=False)
+def _read_joints(session: CrSession, axis: str) -> str:
+    return _position_answer(session, axis, _joints_shown, goal=False)
 
 
-def _pose(session: CrSession, axis: str) -> str:
-    return _told(session, axis, _of_pose, goal=False)
+def _read_pose(session: CrSession, axis: str) -> str:
+    return _position_answer(session, axis, _pose_shown, goal=False)
 
 
-def _cylinder(session: CrSession, axis: str) -> str:
-    return _told(session, axis, _of_cylinder, goal=False)
+def _read_cylinder(session: CrSession, axis: str) -> str:
+    return _position_answer(session, axis, _cylinder_shown, goal=False)
 
 
-def _goal_joints(session: CrSession, axis: str) -> str:
-    return _told(session, axis, _of_joints, goal=True)
+def _read_goal_joints(session: CrSession, axis: str) -> str:
+    return _position_answer(session, axis, _joints_shown, goal=True)
 
 
-def _goal_pose(session: CrSession, axis: str) -> str:
-    return _told(session, axis, _of_pose, goal=True)
+def _read_goal_pose(session: CrSession, axis: str) -> str:
+    return _position_answer(session, axis, _pose_shown, goal=True)
 
 
-def _of_joints(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
-    return positions.joints(robot, arm.joints), NO_FLAGS
+def _joints_shown(robot: Robot, arm: Standing) -> tuple[positions.AxisValues, str]:
+    return positions.joint_values(robot, arm.joints), NO_FLAGS
 
 
-def _of_pose(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
-    shown = positions.pose(robot, arm.joints, arm.tool, arm.foot)
-    return shown, positions.flags(robot, arm.joints)
+def _pose_shown(robot: Robot, arm: Standing) -> tuple[positions.AxisValues, str]:
+    shown = positions.pose_values(robot, arm.joints, arm.tool, arm.foot)
+    return shown, positions.posture_flags(robot, arm.joints)
 
 
-def _of_cylinder(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
-    shown, flags = _of_pose(robot, arm)
-    return positions.cylinder(shown), flags
+def _cylinder_shown(robot: Robot, arm: Standing) -> tuple[positions.AxisValues, str]:
+    shown, flags = _pose_shown(robot, arm)
+    return positions.cylinder_values(shown), flags
 
 
-def _told(
+def _position_answer(
     session: CrSession,
     axis: str,
-    show: Callable[[Robot, Standing], tuple[positions.Shown, str]],
+    show: Callable[[Robot, Standing], tuple[positions.AxisValues, str]],
     *,
     goal: bool,
 ) -> str:
     """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
-    axis = axis.removeprefix(FULL)
+    axis = axis.removeprefix(ALL_AXES)
     if axis and not re.fullmatch(r"[1-8]", axis):
         raise CrRefusal(4460)
     state = session.state
@@ -116,54 +116,54 @@ def _told(
     shown, flags = show(state.robot, arm)
     chosen = shown[int(axis) - 1 : int(axis)] if axis else shown
     values = "".join(f"{name};{value};" for name, value in chosen)
-    limits = positions.limits(state.robot, arm.now)
+    limits = positions.reached_limits(state.robot, arm.now)
     return f"{values};{flags};{state.override};{arm.speed:.2f};{limits}"
 
 
-def _calibration(session: CrSession) -> str:
+def _read_calibration(session: CrSession) -> str:
     """The origin of every axis is set."""
     _, joints = axes_there(session.state.robot)
     return f"N{joints:02X}{joints:02X}"
 
 
-def _stops(session: CrSession) -> str:
+def _read_stops(session: CrSession) -> str:
     """Stop of the computer's line, and emergency stop of the operating panel."""
     state = session.state
     return f"{state.stop_on * 2:X};{state.emergency * 2:X}"
 
 
-def _time(session: CrSession) -> str:
-    return f"{session.state.now():{CLOCK}}"
+def _read_time(session: CrSession) -> str:
+    return f"{session.state.now():{CLOCK_FORMAT}}"
 
 
 def _set_time(session: CrSession, argument: str) -> str:
     state = session.state
     try:
-        wanted = datetime.strptime(argument, CLOCK)
+        wanted = datetime.strptime(argument, CLOCK_FORMAT)
     except ValueError:
         raise CrRefusal(6070) from None
     state.clock_off = (wanted - state.clock()).total_seconds()
     return ""
 
 
-def _areas(session: CrSession) -> str:
+def _read_areas(session: CrSession) -> str:
     """No user-defined area is set."""
     del session
     return "0"
 
 
-COMMANDS: Final = {
-    "STATE": Command(bare(_state)),
-    "DSTATE": Command(bare(_short_state)),
-    "JPOS": Command(_joints),
-    "PPOS": Command(_pose),
-    "XPOS": Command(_pose),
-    "RPOS": Command(_cylinder),
-    "GJPOS": Command(_goal_joints),
-    "GPPOS": Command(_goal_pose),
-    "CALIB": Command(bare(_calibration)),
-    "STPSIG": Command(bare(_stops)),
-    "TIME": Command(bare(_time)),
+STATE_COMMANDS: Final = {
+    "STATE": Command(bare(_read_state)),
+    "DSTATE": Command(bare(_read_short_state)),
+    "JPOS": Command(_read_joints),
+    "PPOS": Command(_read_pose),
+    "XPOS": Command(_read_pose),
+    "RPOS": Command(_read_cylinder),
+    "GJPOS": Command(_read_goal_joints),
+    "GPPOS": Command(_read_goal_pose),
+    "CALIB": Command(bare(_read_calibration)),
+    "STPSIG": Command(bare(_read_stops)),
+    "TIME": Command(bare(_read_time)),
     "TIME=": Command(_set_time),
-    "USERAREASTS": Command(bare(_areas)),
+    "USERAREASTS": Command(bare(_read_areas)),
 }

@@ -23,7 +23,7 @@ import numpy as np
 
 from assistant.virtual.cr import mxt_packet as layout
 from assistant.virtual.cr.mxt_arm import PULSES, MxtArm, Refusal
-from assistant.virtual.cr.mxt_packet import KINDS, PACKET
+from assistant.virtual.cr.mxt_packet import PACKET, POSITION_KINDS
 
 CYCLE: Final = 64 / 9000
 """Seconds: CR750; 0.0035 of CR800."""
@@ -127,7 +127,7 @@ class MxtControl:
         self._partner, self._timeout, self._answers_end = partner, timeout, answers_end
         self._signals = signals or Bits()
         self._faults = dict(faults or {})
-        self._size = layout.SHORT if short else PACKET.itemsize
+        self._size = layout.SHORT_FIELDS if short else PACKET.itemsize
         self._record, self._counts = record, counts
         self.result = MxtEnd()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -238,7 +238,7 @@ class MxtControl:
         return command == END
 
     def _joints(self, data: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        values = np.frombuffer(data, KINDS[self._type])[0]
+        values = np.frombuffer(data, POSITION_KINDS[self._type])[0]
         if self._type == 1:
             place = np.array(values["place"], dtype=np.float64)
             if not np.isfinite(place).all():
@@ -309,9 +309,9 @@ class MxtControl:
         """What a packet holds for a type of data; 7840 if there is no such type."""
         if kind == 0:
             return bytes(40)
-        if kind not in KINDS:
+        if kind not in POSITION_KINDS:
             raise Refusal(ILLEGAL)
-        values = np.zeros((), KINDS[kind])
+        values = np.zeros((), POSITION_KINDS[kind])
         if kind >= 10:
             return values.tobytes()
         arm = self.arm

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 PULSES: Final = 100.0
 """Pulses of a motor to a degree (or mm) of its axis: no maker publishes them, any number serves."""
-ROUNDING: Final = 1e-3
+LIMIT_ROUNDING: Final = 1e-3
 """Part of a step, and degrees, that single precision may add."""
-SERVO: Final = 0.5
+SERVO_TIME: Final = 0.5
 """Part of the way to its command that an arm goes in a cycle: it is some two cycles behind."""
 SPEED: Final = 2130
 BEYOND: Final = 2160
@@ -48,7 +48,7 @@ class MxtArm:
         joints: Floats,
         cycle: float,
         filter_ms: float = 0.0,
-        servo: float = SERVO,
+        servo: float = SERVO_TIME,
     ) -> None:
         self.robot, self.cycle = robot, cycle
         self.commanded = np.array(joints, dtype=np.float64)
@@ -62,12 +62,12 @@ class MxtArm:
     def command(self, joints: Floats) -> None:
         """Takes a command; raises Refusal if it is out of range or too far for one cycle."""
         low, high = self.robot.limits.T
-        for axis in map(int, np.flatnonzero(joints > high + ROUNDING)):
+        for axis in map(int, np.flatnonzero(joints > high + LIMIT_ROUNDING)):
             raise Refusal(BEYOND + self._number(axis))
-        for axis in map(int, np.flatnonzero(joints < low - ROUNDING)):
+        for axis in map(int, np.flatnonzero(joints < low - LIMIT_ROUNDING)):
             raise Refusal(BELOW + self._number(axis))
         filtered = self.filtered + self._part * (joints - self.filtered)
-        most = self.robot.speeds * self.cycle * (1.0 + ROUNDING) + ROUNDING
+        most = self.robot.speeds * self.cycle * (1.0 + LIMIT_ROUNDING) + LIMIT_ROUNDING
         for axis in map(int, np.flatnonzero(np.abs(filtered - self.filtered) > most)):
             raise Refusal(SPEED + self._number(axis))
         self.commanded, self.filtered = joints, filtered

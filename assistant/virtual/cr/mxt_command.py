@@ -26,13 +26,13 @@ from assistant.virtual.melfa.plugins import Command, Given
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value
 
-PORT: Final = 10000
+MXT_PORT: Final = 10000
 """First element of NETPORT as delivered."""
-LOOK: Final = 0.02
+LOOK_PERIOD: Final = 0.02
 """Seconds from look to look of the program at what its packets did."""
-HALTED: Final = 0.2
+HALT_SIGNAL: Final = 0.2
 """Seconds without a look after which the program is taken to be stopped."""
-MEANING: Final = {
+ERROR_NUMBERS: Final = {
     7820: "no packet came in time (MXTTOUT)",
     7840: "the argument and the type of data do not match",
     2130: "a speed is too high",
@@ -70,7 +70,7 @@ class _Words:
 def mxt_commands(
     *,
     host: str = "127.0.0.1",
-    port: int = PORT,
+    port: int = MXT_PORT,
     cycle: float = CYCLE,
     timeout: Callable[[], int] = lambda: -1,
     opened: Callable[[int], None] = lambda _: None,
@@ -82,7 +82,7 @@ def mxt_commands(
     """
 
     def mxt(given: Given) -> Value | None:
-        kind, filter_ms, partner = _asked(given)
+        kind, filter_ms, partner = _requested_kind(given)
         robot = given.arm.robot
         if robot is None:
             raise Unknown("Mxt without a robot")
@@ -106,7 +106,7 @@ def mxt_commands(
                 timeout=timeout(),
                 signals=words,
                 record=False,
-                halted=lambda: time.monotonic() - looked[0] > HALTED,
+                halted=lambda: time.monotonic() - looked[0] > HALT_SIGNAL,
             )
         except OSError as error:
             raise Failed(7830, f"port {port} of Mxt cannot be used: {error}") from None
@@ -117,27 +117,31 @@ def mxt_commands(
         try:
             while thread.is_alive():
                 looked[0] = time.monotonic()
-                given.task.wait(lambda: not thread.is_alive(), LOOK, "packets of Mxt", outside=True)
+                given.task.wait(
+                    lambda: not thread.is_alive(), LOOK_PERIOD, "packets of Mxt", outside=True
+                )
                 while words.set:
                     given.task.switch(*words.set.popleft())
-                kernel.motion.lead(kernel, _numbered(arm))
+                kernel.motion.lead(kernel, _whole_argument(arm))
         finally:
             stop.set()
             thread.join()
-            given.arm.at_joints(_numbered(arm))
-        kernel.motion.lead(kernel, _numbered(arm))
-        led = Moved("joint", given.arm.flange, given.arm.tip, joints=_numbered(arm))
+            given.arm.at_joints(_whole_argument(arm))
+        kernel.motion.lead(kernel, _whole_argument(arm))
+        led = Moved("joint", given.arm.flange, given.arm.tip, joints=_whole_argument(arm))
         given.task.tell(led)
         number = control.result.number
         if number:
-            said = MEANING.get(number) or MEANING.get(number // 10 * 10, "an error of Mxt")
+            said = ERROR_NUMBERS.get(number) or ERROR_NUMBERS.get(
+                number // 10 * 10, "an error of Mxt"
+            )
             raise Failed(number, said)
         return None
 
     return {"Mxt": mxt}
 
 
-def _asked(given: Given) -> tuple[int, float, str]:
+def _requested_kind(given: Given) -> tuple[int, float, str]:
     """What the statement names: type of data, ms of the filter, and the address it hears."""
     file, kind, filter_ms = (*given.arguments, None, None)[:3]
     if not isinstance(file, int | float) or not isinstance(kind, int | float):
@@ -153,7 +157,7 @@ def _asked(given: Given) -> tuple[int, float, str]:
     return int(kind), smoothed, name.removeprefix("ENET:").strip()
 
 
-def _numbered(arm: MxtArm) -> tuple[float, ...]:
+def _whole_argument(arm: MxtArm) -> tuple[float, ...]:
     """Joints J1, J2, … of which an arm may lack some, 0 for those."""
     numbered = np.zeros(max(6, int(arm.places.max()) + 1))
     numbered[arm.places] = arm.fed_back

@@ -16,14 +16,14 @@ import numpy as np
 from assistant.virtual.cr.mxt import CYCLE, Bits, Signals
 from assistant.virtual.cr.mxt_arm import PULSES, MxtArm
 
-BLOCK: Final = "V40"
-PACKET: Final = np.dtype(
+MONITOR_BLOCK: Final = "V40"
+MONITOR_PACKET: Final = np.dtype(
     [
         ("Command", "<u2"),
         ("reserve0", "<u2"),
         ("Type1", "<u2"),
         ("reserve1", "<u2"),
-        ("Data1", BLOCK),
+        ("Data1", MONITOR_BLOCK),
         ("InputTop", "<u2"),
         ("OutputTop", "<u2"),
         ("Input", "<u4"),
@@ -31,18 +31,18 @@ PACKET: Final = np.dtype(
         ("Counter", "<u4"),
         ("Type2", "<u2"),
         ("reserve2", "<u2"),
-        ("Data2", BLOCK),
+        ("Data2", MONITOR_BLOCK),
         ("Type3", "<u2"),
         ("reserve3", "<u2"),
-        ("Data3", BLOCK),
+        ("Data3", MONITOR_BLOCK),
         ("Type4", "<u2"),
         ("reserve4", "<u2"),
-        ("Data4", BLOCK),
+        ("Data4", MONITOR_BLOCK),
     ]
 )
-assert PACKET.itemsize == 196
-START: Final = 1
-END: Final = 255
+assert MONITOR_PACKET.itemsize == 196
+MONITOR_START: Final = 1
+MONITOR_END: Final = 255
 ROBMON: Final = np.dtype(
     [
         ("moving", "<f4", 5),
@@ -55,7 +55,7 @@ ROBMON: Final = np.dtype(
 )
 TEMPERATURE: Final = 352
 """Tenths of a degree in the controller, which is not simulated."""
-FED_BACK: Final = frozenset((7, 8, 9, 1007, 1008))
+FEEDBACK: Final = frozenset((7, 8, 9, 1007, 1008))
 DEGREES: Final = 1000
 """From here on angles are degrees."""
 
@@ -119,17 +119,17 @@ class MxtMonitor:
                 return asked
             except ConnectionError:
                 continue
-            if len(data) != PACKET.itemsize:
+            if len(data) != MONITOR_PACKET.itemsize:
                 continue
-            packet = np.frombuffer(data, PACKET)[0]
-            if int(packet["Command"]) == START:
+            packet = np.frombuffer(data, MONITOR_PACKET)[0]
+            if int(packet["Command"]) == MONITOR_START:
                 asked = (packet, sender)
-            elif int(packet["Command"]) == END:
+            elif int(packet["Command"]) == MONITOR_END:
                 asked = None
 
     def _told(self, packet: np.void) -> bytes:
         self._sent += 1
-        told = np.zeros((), PACKET)
+        told = np.zeros((), MONITOR_PACKET)
         for name in ("Command", "InputTop", "OutputTop"):
             told[name] = packet[name]
         told["Input"] = self._word(2, int(packet["InputTop"]))
@@ -147,7 +147,7 @@ class MxtMonitor:
     def _data(self, kind: int) -> bytes:
         """40 bytes of a data type; zeros of those that a simulated arm has nothing to tell of."""
         arm = self._arm()
-        joints = arm.fed_back if kind in FED_BACK else arm.commanded
+        joints = arm.fed_back if kind in FEEDBACK else arm.commanded
         numbers = np.zeros(10, dtype="<f4")
         match kind % DEGREES:
             case 1 | 7:

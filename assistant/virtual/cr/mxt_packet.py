@@ -36,13 +36,13 @@ PACKET: Final = np.dtype(
     ]
 )
 assert PACKET.itemsize == 196
-SHORT: Final = 64
+SHORT_FIELDS: Final = 64
 """Bytes that a controller of the CRn-500 series knows: up to the counter."""
 
 POSE: Final = np.dtype([("place", "<f4", 8), ("flags", "<u4", 2)])
 JOINT: Final = np.dtype([("angles", "<f4", 8), ("unused", "V8")])
 PULSE: Final = np.dtype([("pulses", "<i4", 8), ("unused", "V8")])
-KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
+POSITION_KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
     1: POSE,
     2: JOINT,
     3: PULSE,
@@ -59,7 +59,7 @@ KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
 10 and 11 the currents."""
 
 
-def eight(values: Floats) -> Floats:
+def eight_axes(values: Floats) -> Floats:
     """Eight numbers, those that are lacking 0."""
     full = np.zeros(8)
     full[: len(values)] = values

@@ -21,9 +21,9 @@ from assistant.virtual.cr.store import CrRefusal
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-BETWEEN: Final = ", "
-NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
-CHARACTERS: Final = re.compile(r"[ -:<-~]*", re.ASCII)
+VALUE_SEPARATOR: Final = ", "
+PARAMETER_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
+PARAMETER_CHARACTERS: Final = re.compile(r"[ -:<-~]*", re.ASCII)
 """A value takes part in answers: no semicolon and no control character."""
 
 
@@ -46,9 +46,9 @@ class Parameters:
             Parameter("RLNG", ("1" if language == "melfa-basic-4" else "2",)),
             Parameter("TASKMAX", (str(slots),)),
             Parameter("MEJAR", tuple(f"{float(v):.2f}" for p in robot.limits for v in p)),
-            Parameter("JSAFE", _safe(robot)),
+            Parameter("JSAFE", _safe_joints(robot)),
         ]
-        self._rows: Mapping[str, Parameter] = {row.name: row for row in (*_table(), *own)}
+        self._rows: Mapping[str, Parameter] = {row.name: row for row in (*_parameter_table(), *own)}
         self._values: dict[str, tuple[str, ...]] = {}
 
     def __getitem__(self, name: str) -> tuple[str, ...]:
@@ -70,8 +70,8 @@ class Parameters:
         if row.protected and not all_levels:
             raise CrRefusal(7040)
         values = tuple(part.strip() for part in text.split(","))
-        fits = len(values) == len(row.values) and CHARACTERS.fullmatch(text)
-        if not fits or not all(map(_like, values, row.values)):
+        fits = len(values) == len(row.values) and PARAMETER_CHARACTERS.fullmatch(text)
+        if not fits or not all(map(_formatted_like, values, row.values)):
             raise CrRefusal(7081)
         self._values[name] = values
 
@@ -90,19 +90,19 @@ class Parameters:
         return [n for n, v in self._values.items() if v != self._rows[n].values]
 
 
-def _like(value: str, before: str) -> bool:
+def _formatted_like(value: str, before: str) -> bool:
     """A number stays a number."""
-    return bool(NUMBER.fullmatch(value)) or not NUMBER.fullmatch(before)
+    return bool(PARAMETER_NUMBER.fullmatch(value)) or not PARAMETER_NUMBER.fullmatch(before)
 
 
-def _safe(robot: Robot) -> tuple[str, ...]:
+def _safe_joints(robot: Robot) -> tuple[str, ...]:
     """The joints J1 to J8 of the safe position."""
     angles = dict(zip(robot.places, robot.home, strict=True))
     return tuple(f"{float(angles.get(at, 0.0)):.2f}" for at in range(8))
 
 
 @cache
-def _table() -> tuple[Parameter, ...]:
+def _parameter_table() -> tuple[Parameter, ...]:
     text = files(__package__).joinpath("parameters.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return tuple(

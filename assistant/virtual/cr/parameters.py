@@ -5,46 +5,46 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.virtual.cr.command import VT, Command, at_once, bare, parts, whole
-from assistant.virtual.cr.parameter_table import BETWEEN
+from assistant.virtual.cr.parameter_table import VALUE_SEPARATOR
 from assistant.virtual.cr.state import TASKMAX, CrSession
 from assistant.virtual.cr.store import CrRefusal, checked_name
 
 KEYWORD: Final = "MELFA"
 """Opens protected parameters (KEYWD in BFP-A4288)."""
-MODES: Final = ("REP", "CYC")
-CONDITIONS: Final = ("START", "ALWAYS", "ERROR")
-MOST_LINES: Final = 31
+SLOT_MODES: Final = ("REP", "CYC")
+START_CONDITIONS: Final = ("START", "ALWAYS", "ERROR")
+MOST_PRIORITY: Final = 31
 
 
-def _read(session: CrSession, argument: str) -> str:
-    return _told(session, argument, all_levels=session.keyword)
+def _read_parameter(session: CrSession, argument: str) -> str:
+    return _parameter_answer(session, argument, all_levels=session.keyword)
 
 
-def _read_any(session: CrSession, argument: str) -> str:
-    return _told(session, argument, all_levels=True)
+def _read_any_parameter(session: CrSession, argument: str) -> str:
+    return _parameter_answer(session, argument, all_levels=True)
 
 
-def _told(session: CrSession, argument: str, *, all_levels: bool) -> str:
+def _parameter_answer(session: CrSession, argument: str, *, all_levels: bool) -> str:
     name = argument.strip().upper()
     values = session.state.parameters.read(name, all_levels=all_levels)
-    return f"{name};{BETWEEN.join(values)};{len(values)}"
+    return f"{name};{VALUE_SEPARATOR.join(values)};{len(values)}"
 
 
-def _write(session: CrSession, argument: str) -> str:
-    return _set(session, argument, all_levels=session.keyword)
+def _write_parameter(session: CrSession, argument: str) -> str:
+    return _set_parameter(session, argument, all_levels=session.keyword)
 
 
-def _write_any(session: CrSession, argument: str) -> str:
-    return _set(session, argument, all_levels=True)
+def _write_any_parameter(session: CrSession, argument: str) -> str:
+    return _set_parameter(session, argument, all_levels=True)
 
 
-def _set(session: CrSession, argument: str, *, all_levels: bool) -> str:
+def _set_parameter(session: CrSession, argument: str, *, all_levels: bool) -> str:
     name, values = parts(argument, 2)
     session.state.parameters.write(name.strip().upper(), values, all_levels=all_levels)
     return ""
 
 
-def _changed(session: CrSession, argument: str) -> str:
+def _read_changed(session: CrSession, argument: str) -> str:
     """0 begins anew, 1 goes on; the answer tells first whether more follow."""
     if whole(argument, 0, 1) == 0:
         session.listed = session.state.parameters.changed
@@ -53,19 +53,19 @@ def _changed(session: CrSession, argument: str) -> str:
     return f"{int(bool(session.listed))};{len(names)};{VT.join(names)}"
 
 
-def _undo(session: CrSession, argument: str) -> str:
+def _undo_parameter(session: CrSession, argument: str) -> str:
     mechanism, name = parts(argument, 2)
     whole(mechanism, 0, 3)
     session.state.parameters.undo(name.strip().upper())
     return ""
 
 
-def _undo_all(session: CrSession) -> str:
+def _undo_all_parameters(session: CrSession) -> str:
     session.state.parameters.undo_all()
     return ""
 
 
-def _keyword(session: CrSession, argument: str) -> str:
+def _check_keyword(session: CrSession, argument: str) -> str:
     session.keyword = argument == KEYWORD
     return ""
 
@@ -73,39 +73,39 @@ def _keyword(session: CrSession, argument: str) -> str:
 # ---------------------------------------------------------------------------------- slot table
 
 
-def _row(session: CrSession) -> str:
-    return ";".join(session.state.parameters[_row_name(session)])
+def _read_slot_row(session: CrSession) -> str:
+    return ";".join(session.state.parameters[_slot_row_name(session)])
 
 
-def _set_row(session: CrSession, argument: str) -> str:
+def _set_slot_row(session: CrSession, argument: str) -> str:
     """Holds from the next start on, as the parameter does."""
     program, mode, condition, priority = parts(argument, 4)
     if program:
         program = checked_name(program)
-    if mode not in MODES or condition not in CONDITIONS:
+    if mode not in SLOT_MODES or condition not in START_CONDITIONS:
         raise CrRefusal(4460)
-    lines = whole(priority, 1, MOST_LINES)
-    values = BETWEEN.join([program, mode, condition, str(lines)])
-    session.state.parameters.write(_row_name(session), values, all_levels=True)
+    lines = whole(priority, 1, MOST_PRIORITY)
+    values = VALUE_SEPARATOR.join([program, mode, condition, str(lines)])
+    session.state.parameters.write(_slot_row_name(session), values, all_levels=True)
     return ""
 
 
-def _row_name(session: CrSession) -> str:
+def _slot_row_name(session: CrSession) -> str:
     if not 1 <= session.slot <= TASKMAX:
         raise CrRefusal(5420)
     return f"SLT{session.slot}"
 
 
-COMMANDS: Final = {
-    "PNR": Command(_read),
-    "PAR": Command(_read_any),
-    "PRM=": Command(_write),
-    "PAW=": Command(_write_any),
-    "PAW2=": Command(_write_any),
-    "PMR=": Command(_changed),
-    "PRMUNDO": Command(_undo),
-    "PRMINIT": Command(bare(_undo_all)),
-    "KEYWDp": Command(_keyword),
-    "SLOTRD": Command(bare(_row)),
-    "SLOTSET": Command(_set_row),
+PARAMETER_COMMANDS: Final = {
+    "PNR": Command(_read_parameter),
+    "PAR": Command(_read_any_parameter),
+    "PRM=": Command(_write_parameter),
+    "PAW=": Command(_write_any_parameter),
+    "PAW2=": Command(_write_any_parameter),
+    "PMR=": Command(_read_changed),
+    "PRMUNDO": Command(_undo_parameter),
+    "PRMINIT": Command(bare(_undo_all_parameters)),
+    "KEYWDp": Command(_check_keyword),
+    "SLOTRD": Command(bare(_read_slot_row)),
+    "SLOTSET": Command(_set_slot_row),
 }

@@ -11,8 +11,8 @@ from typing import Final, Protocol
 
 from assistant.virtual.melfa.lines import MADE, Rate, Terminal, set_rate
 
-AT_ONCE: Final = 1 << 16
-PATIENCE: Final = 10.0
+MOST_READ: Final = 1 << 16
+WRITE_TIMEOUT: Final = 10.0
 """Seconds that a client may take to receive an answer."""
 
 
@@ -39,10 +39,10 @@ class SocketPort:
 
     def receive(self, seconds: float | None) -> bytes:
         self._socket.settimeout(seconds)
-        return self._socket.recv(AT_ONCE)
+        return self._socket.recv(MOST_READ)
 
     def send(self, data: bytes) -> None:
-        self._socket.settimeout(PATIENCE)
+        self._socket.settimeout(WRITE_TIMEOUT)
         self._socket.sendall(data)
 
     def hang_up(self) -> None:
@@ -73,10 +73,10 @@ class SerialPort:
         ready = select.select([self.descriptor, self._woken], [], [], seconds)[0]
         if not ready:
             raise TimeoutError
-        return b"" if self._woken in ready else os.read(self.descriptor, AT_ONCE)
+        return b"" if self._woken in ready else os.read(self.descriptor, MOST_READ)
 
     def send(self, data: bytes) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + WRITE_TIMEOUT
         while data:
             left = max(0.0, end - time.monotonic())
             if not select.select([], [self.descriptor], [], left)[1]:

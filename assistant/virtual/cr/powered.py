@@ -15,7 +15,7 @@ import numpy as np
 
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.arm import CrArm
-from assistant.virtual.cr.direct import UNKNOWN, DirectCommands, number_of
+from assistant.virtual.cr.direct import UNKNOWN, DirectCommands, error_number
 from assistant.virtual.cr.jogging import Jogging
 from assistant.virtual.cr.library import Library
 from assistant.virtual.cr.stepping import Stepping
@@ -42,7 +42,7 @@ REFUSALS: Final[Mapping[int | None, int]] = {3360: 5120, 3310: 5640, 3320: 5100,
 """Errors of statements about slots → those of the commands that do the same."""
 
 
-class Told(Protocol):
+class EventListener(Protocol):
     """Who is told what happens, in the thread of the kernel."""
 
     def failed(self, number: int, program: str, line: int, text: str) -> None:
@@ -53,7 +53,7 @@ class Told(Protocol):
     def hand_moved(self, hand: int, opens: bool) -> None: ...
 
 
-FEELING: Final = 0.02
+CONTACT_PERIOD: Final = 0.02
 """Real seconds between two tests for contact."""
 
 
@@ -97,7 +97,7 @@ class Powered:
         source: Callable[[str], CrProgram | None],
         board: Board,
         equipment: Equipment,
-        told: Told,
+        told: EventListener,
     ) -> None:
         self.robot, self.language, self.told = robot, language, told
         self.arm = CrArm(robot, joints)
@@ -173,7 +173,7 @@ class Powered:
 
     def _look_for_contact(self, kernel: Kernel) -> None:
         self._feel()
-        later = kernel.now + FEELING * self._equipment.rate
+        later = kernel.now + CONTACT_PERIOD * self._equipment.rate
         kernel.at(later, lambda: self._look_for_contact(kernel))
 
     def feel(self) -> None:
@@ -204,12 +204,12 @@ class Powered:
 
         def act() -> CrProgram:
             memory = self.controller.variables(name)
-            return program if memory is None else cells.refreshed(program, memory)
+            return program if memory is None else cells.with_values(program, memory)
 
         return self.do(act)
 
     def shared_now(self) -> CrProgram:
-        return self.do(lambda: cells.refreshed(CrProgram(), self.controller.shared))
+        return self.do(lambda: cells.with_values(CrProgram(), self.controller.shared))
 
     def set_variable(self, program: str | None, name: str, value: str) -> None:
         """Of a program that is ready to run, or None of all programs; raises CrRefusal."""
@@ -219,7 +219,7 @@ class Powered:
                 self.controller.shared if program is None else self.controller.variables(program)
             )
             if memory is not None:
-                cells.give(memory, name, value)
+                cells.set_variable(memory, name, value)
 
         self.do(act)
 
@@ -241,7 +241,7 @@ class Powered:
         for other in self.controller.slots:
             if other.condition == "START":
                 other.stop()
-        number = number_of(ending)
+        number = error_number(ending)
         program = "" if slot is None else slot.program
         self.told.failed(number, program, self.library.line(ending.place), ending.message)
 

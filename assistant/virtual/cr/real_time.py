@@ -14,7 +14,7 @@ from assistant.virtual.cr.mxt_monitor import MxtMonitor
 from assistant.virtual.cr.state import CrState
 from assistant.virtual.melfa.lines import Line
 
-CYCLES: Final = {"melfa-basic-6": 0.0035}
+CYCLE_TIMES: Final = {"melfa-basic-6": 0.0035}
 """Language → seconds of a cycle: CR800; 7.11 ms of all others (BFP-A3379-A, 2.2.2)."""
 
 
@@ -26,8 +26,8 @@ class RealTime:
 
     def __init__(self, state: CrState, host: str, port: int, monitor_port: int) -> None:
         self._state, self._host, self._monitor_port = state, host, monitor_port
-        self.port = port or _free(host)
-        self.cycle = CYCLES.get(state.language, CYCLE)
+        self.port = port or _free_port(host)
+        self.cycle = CYCLE_TIMES.get(state.language, CYCLE)
         self._monitor: MxtMonitor | None = None
         self.lines: dict[str, Line] = {"ENET:": Enet()}
         self.commands = mxt_commands(
@@ -60,7 +60,7 @@ class RealTime:
         return MxtArm(self._state.robot, np.array(self._state.joints), self.cycle)
 
 
-def _free(host: str) -> int:
+def _free_port(host: str) -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind((host, 0))
         return int(probe.getsockname()[1])

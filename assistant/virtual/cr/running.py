@@ -12,21 +12,21 @@ from assistant.virtual.cr.state import HIGH, TASKMAX, CrSession, CrState
 from assistant.virtual.cr.store import LAST_LINE, CrRefusal, checked_name
 
 TOOLS: Final = 16
-MODES: Final[dict[str, Literal["REP", "CYC"]]] = {"0": "REP", "1": "CYC"}
-LONGEST: Final = 3600.0
+CYCLE_MODES: Final[dict[str, Literal["REP", "CYC"]]] = {"0": "REP", "1": "CYC"}
+LONGEST_STATEMENT: Final = 3600.0
 """Seconds that EXEC2= waits for its command at most."""
 STEP_FORWARD, STEP_ON, STEP_BACK, STEP_STOP = "1", "R", "B", "S"
 
 # ------------------------------------------------------------------------------- programs
 
 
-def _run(session: CrSession, argument: str) -> str:
+def _run_program(session: CrSession, argument: str) -> str:
     """The program that is named, or that is selected; 0 repeats it, 1 runs one cycle."""
     state = session.state
-    slot = _task(session)
+    slot = _slot_number(session)
     _may_start(state)
     name, _, number = argument.partition(";")
-    if number and number not in MODES:
+    if number and number not in CYCLE_MODES:
         raise CrRefusal(5410)
     if name:
         program = checked_name(name)
@@ -41,12 +41,12 @@ def _run(session: CrSession, argument: str) -> str:
             raise CrRefusal(5120)
     if state.is_edited(state.machinery.slot_now(slot).program):
         raise CrRefusal(4170)
-    state.machinery.run(slot, MODES.get(number, "REP"))
+    state.machinery.run(slot, CYCLE_MODES.get(number, "REP"))
     return ""
 
 
 def _may_start(state: CrState) -> None:
-    if state.alarm is not None and state.alarm[1] <= LOW:
+    if state.alarm is not None and state.alarm[1] <= LOW_LEVEL:
         raise CrRefusal(5600)
     if state.stop_on:
         raise CrRefusal(5610)
@@ -54,24 +54,24 @@ def _may_start(state: CrState) -> None:
         raise CrRefusal(5010)
 
 
-LOW: Final = HIGH + 1
+LOW_LEVEL: Final = HIGH + 1
 """Level of an error behind which nothing can be started, as behind a high one."""
 
 
-def _task(session: CrSession) -> int:
+def _slot_number(session: CrSession) -> int:
     if not 0 <= session.slot <= TASKMAX:
         raise CrRefusal(5420)
     return max(session.slot, 1)
 
 
-def _stop(session: CrSession) -> str:
+def _stop_all(session: CrSession) -> str:
     session.state.machinery.stop_all()
     return ""
 
 
-def _stop_on(session: CrSession) -> str:
+def _hold_stop(session: CrSession) -> str:
     session.state.stop_on = True
-    return _stop(session)
+    return _stop_all(session)
 
 
 def _cycle_stop(session: CrSession) -> str:
@@ -79,12 +79,12 @@ def _cycle_stop(session: CrSession) -> str:
     return ""
 
 
-def _step(session: CrSession, argument: str) -> str:
+def _step_program(session: CrSession, argument: str) -> str:
     """Of the program that the slot has; backwards it cannot go here."""
     state = session.state
-    slot = _task(session) if session.slot <= TASKMAX else 1
+    slot = _slot_number(session) if session.slot <= TASKMAX else 1
     if argument == STEP_STOP:
-        return _stop(session)
+        return _stop_all(session)
     _may_start(state)
     if argument == STEP_FORWARD:
         state.machinery.step(slot)
@@ -98,22 +98,22 @@ def _step(session: CrSession, argument: str) -> str:
 # ------------------------------------------------------------------------- single commands
 
 
-def _execute(session: CrSession, argument: str) -> str:
-    _started(session, argument)
+def _start_statement(session: CrSession, argument: str) -> str:
+    _started_statement(session, argument)
     return ""
 
 
-def _execute_to_end(session: CrSession, argument: str) -> str:
+def _run_statement(session: CrSession, argument: str) -> str:
     """Answers when it is done: with its error number if it ended so."""
-    done = _started(session, argument)
+    done = _started_statement(session, argument)
     with session.state.unlocked():
-        number = done.result(LONGEST)
+        number = done.result(LONGEST_STATEMENT)
     if number is not None:
         raise CrRefusal(number)
     return ""
 
 
-def _started(session: CrSession, argument: str) -> Future[int | None]:
+def _started_statement(session: CrSession, argument: str) -> Future[int | None]:
     """In the edit slot with the variables of the program that is open for editing."""
     _may_start(session.state)
     edited = session.slot > TASKMAX and session.name is not None
@@ -151,9 +151,9 @@ def _safe_position(session: CrSession) -> str:
 # ----------------------------------------------------------------------------- breakpoints
 
 
-def _set_break(session: CrSession, argument: str) -> str:
+def _set_break_point(session: CrSession, argument: str) -> str:
     name, line, kind = parts(argument.removeprefix("="), 3)
-    program = _stored(session, name)
+    program = _stored_program(session, name)
     number = whole(line, 1, LAST_LINE, error=4420)
     if number not in session.state.store[program].steps:
         raise CrRefusal(4230)
@@ -161,14 +161,14 @@ def _set_break(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _clear_break(session: CrSession, argument: str) -> str:
+def _clear_break_point(session: CrSession, argument: str) -> str:
     name, line = parts(argument.removeprefix("="), 2)
     number = whole(line, 0, LAST_LINE, error=4420)
-    session.state.machinery.no_break(_stored(session, name), number)
+    session.state.machinery.no_break(_stored_program(session, name), number)
     return ""
 
 
-def _break(session: CrSession, argument: str) -> str:
+def _read_break_point(session: CrSession, argument: str) -> str:
     """One of those of a program, or of all without a name, by its number and a range of lines."""
     name, number, first, last = parts(argument.removeprefix("="), 4)
     low = whole(first or "0", 0, LAST_LINE)
@@ -186,7 +186,7 @@ def _break(session: CrSession, argument: str) -> str:
     return f"{one}.{session.state.suffix};{line};{int(once)}"
 
 
-def _stored(session: CrSession, name: str) -> str:
+def _stored_program(session: CrSession, name: str) -> str:
     program = checked_name(name)
     if program not in session.state.store:
         raise CrRefusal(4140)
@@ -196,7 +196,7 @@ def _stored(session: CrSession, name: str) -> str:
 # -------------------------------------------------------------------------------- switches
 
 
-def _servo(*, on: bool) -> Command:
+def _servo_command(*, on: bool) -> Command:
     def handler(session: CrSession) -> str:
         session.state.switch_servo(on)
         return ""
@@ -204,7 +204,7 @@ def _servo(*, on: bool) -> Command:
     return Command(bare(handler), right=True)
 
 
-def _flag(name: str, *, on: bool) -> Command:
+def _switch_command(name: str, *, on: bool) -> Command:
     """A switch of the controller."""
 
     def handler(session: CrSession) -> str:
@@ -214,7 +214,7 @@ def _flag(name: str, *, on: bool) -> Command:
     return Command(bare(handler))
 
 
-def _override(session: CrSession) -> str:
+def _read_override(session: CrSession) -> str:
     return str(session.state.override)
 
 
@@ -233,11 +233,11 @@ def _set_tool(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _tool(session: CrSession) -> str:
+def _read_tool(session: CrSession) -> str:
     return str(session.state.tool)
 
 
-def _slow(session: CrSession, argument: str) -> str:
+def _set_safe_speed(session: CrSession, argument: str) -> str:
     session.state.slow = bool(whole(argument, 0, 1))
     return ""
 
@@ -251,33 +251,33 @@ def _can_start(session: CrSession) -> str:
     return "0"
 
 
-COMMANDS: Final = {
-    "RUN": Command(_run, right=True),
-    "STOP": Command(bare(_stop)),
-    "STOPON": Command(bare(_stop_on)),
-    "STOPOFF": _flag("stop_on", on=False),
+RUN_COMMANDS: Final = {
+    "RUN": Command(_run_program, right=True),
+    "STOP": Command(bare(_stop_all)),
+    "STOPON": Command(bare(_hold_stop)),
+    "STOPOFF": _switch_command("stop_on", on=False),
     "CSTOP": Command(bare(_cycle_stop)),
-    "STEP": Command(_step, right=True),
-    "EXEC": Command(_execute, right=True),
-    "EXEC2=": Command(_execute_to_end, right=True),
+    "STEP": Command(_step_program, right=True),
+    "EXEC": Command(_start_statement, right=True),
+    "EXEC2=": Command(_run_statement, right=True),
     "JOG": Command(_jog, right=True),
     "ALIGN": Command(bare(_align), right=True),
     "MOVSP": Command(bare(_safe_position), right=True),
-    "BRKPTSET": Command(_set_break),
-    "BRKPTCLR": Command(_clear_break),
-    "BRKPTGET": Command(_break),
-    "SRVON": _servo(on=True),
-    "SRVOFF": _servo(on=False),
+    "BRKPTSET": Command(_set_break_point),
+    "BRKPTCLR": Command(_clear_break_point),
+    "BRKPTGET": Command(_read_break_point),
+    "SRVON": _servo_command(on=True),
+    "SRVOFF": _servo_command(on=False),
     "OVRD=": Command(_set_override, right=True),
-    "OVRD": Command(bare(_override)),
-    "MLOCKON": _flag("machine_lock", on=True),
-    "MLOCKOFF": _flag("machine_lock", on=False),
+    "OVRD": Command(bare(_read_override)),
+    "MLOCKON": _switch_command("machine_lock", on=True),
+    "MLOCKOFF": _switch_command("machine_lock", on=False),
     "LSON": Command(bare(lambda _: "")),
     "LSOFF": Command(bare(lambda _: "")),
-    "AUEON": _flag("may_start", on=True),
-    "AUEOFF": _flag("may_start", on=False),
+    "AUEON": _switch_command("may_start", on=True),
+    "AUEOFF": _switch_command("may_start", on=False),
     "ATENA": Command(bare(_can_start)),
     "TOOLSET": Command(_set_tool),
-    "TOOLRD": Command(bare(_tool)),
-    "SAFE=": Command(_slow),
+    "TOOLRD": Command(bare(_read_tool)),
+    "SAFE=": Command(_set_safe_speed),
 }

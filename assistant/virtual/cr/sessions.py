@@ -16,14 +16,14 @@ JOG_SPEEDS: Final = "3,5,A,1E,32,46,64"
 """Percent, hexadecimal."""
 
 
-def _open(session: CrSession, argument: str) -> str:
+def _open_session(session: CrSession, argument: str) -> str:
     state = session.state
     world, joints = axes_there(state.robot)
     return ";".join(
         [
             f"{world:02X}",
             f"{joints:02X}",
-            positions.flags(state.robot, state.joints),
+            positions.posture_flags(state.robot, state.joints),
             JOG_SPEEDS,
             state.suffix,
             "PRM",
@@ -47,7 +47,7 @@ def axes_there(robot: Robot) -> tuple[int, int]:
     return world, joints
 
 
-def _close(session: CrSession) -> str:
+def _close_session(session: CrSession) -> str:
     session.hang_up()
     return ""
 
@@ -66,9 +66,9 @@ def _give_right(session: CrSession) -> str:
     return ""
 
 
-COMMANDS: Final = {
-    "OPEN=": Command(_open),
-    "CLOSE": Command(bare(_close)),
+SESSION_COMMANDS: Final = {
+    "OPEN=": Command(_open_session),
+    "CLOSE": Command(bare(_close_session)),
     "CNTLON": Command(bare(_take_right)),
     "CNTLOFF": Command(bare(_give_right)),
 }

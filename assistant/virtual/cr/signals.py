@@ -10,44 +10,44 @@ from assistant.virtual.cr.state import FIRST_HAND, HANDS, CrSession
 from assistant.virtual.cr.store import CrRefusal
 from assistant.virtual.kernel.signals import Signals
 
-BITS: Final = 16
+WORD_BITS: Final = 16
 LAST_SIGNAL: Final = 32767
 REGISTERS: Final = range(6000, 6256)
 """Of CC-Link."""
-AT_ONCE: Final = 16
+MOST_REGISTERS: Final = 16
 SHOWN_HANDS: Final = 8
 
 
-def _inputs(session: CrSession, argument: str) -> str:
+def _read_inputs(session: CrSession, argument: str) -> str:
     session.state.machinery.feel()
-    return _word(session.state.board.inputs, argument)
+    return _signal_word(session.state.board.inputs, argument)
 
 
-def _outputs(session: CrSession, argument: str) -> str:
-    return _word(session.state.board.outputs, argument)
+def _read_outputs(session: CrSession, argument: str) -> str:
+    return _signal_word(session.state.board.outputs, argument)
 
 
-def _both(session: CrSession, argument: str) -> str:
+def _read_signals(session: CrSession, argument: str) -> str:
     first, second = parts(argument, 2)
-    return _inputs(session, first) + _outputs(session, second)
+    return _read_inputs(session, first) + _read_outputs(session, second)
 
 
-def _word(signals: Signals, argument: str) -> str:
+def _signal_word(signals: Signals, argument: str) -> str:
     first = whole(argument, 0, LAST_SIGNAL, error=6600)
-    return f"{sum(bool(signals.read(str(first + i))) << i for i in range(BITS)):04X}"
+    return f"{sum(bool(signals.read(str(first + i))) << i for i in range(WORD_BITS)):04X}"
 
 
 def _set_outputs(session: CrSession, argument: str) -> str:
-    return _at_kernel(session, lambda: _set_word(session.state.board.outputs, argument))
+    return _between_statements(session, lambda: _set_word(session.state.board.outputs, argument))
 
 
 def _set_inputs(session: CrSession, argument: str) -> str:
     if session.state.real_inputs is None:
         raise CrRefusal(6630)
-    return _at_kernel(session, lambda: _set_word(session.state.board.inputs, argument))
+    return _between_statements(session, lambda: _set_word(session.state.board.inputs, argument))
 
 
-def _at_kernel(session: CrSession, change: Callable[[], None]) -> str:
+def _between_statements(session: CrSession, change: Callable[[], None]) -> str:
     """Signals change between two statements of the programs that see them."""
     session.state.machinery.do(change)
     return ""
@@ -56,43 +56,45 @@ def _at_kernel(session: CrSession, change: Callable[[], None]) -> str:
 def _set_word(signals: Signals, argument: str) -> None:
     number, value = parts(argument, 2)
     first, word = whole(number, 0, LAST_SIGNAL, error=6600), hexadecimal(value, 4)
-    for bit in range(BITS):
+    for bit in range(WORD_BITS):
         signals.set(str(first + bit), float(word >> bit & 1))
 
 
-def _input_registers(session: CrSession, argument: str) -> str:
-    return _registers(session.state.board.inputs, argument)
+def _read_input_registers(session: CrSession, argument: str) -> str:
+    return _register_values(session.state.board.inputs, argument)
 
 
-def _output_registers(session: CrSession, argument: str) -> str:
-    return _registers(session.state.board.outputs, argument)
+def _read_output_registers(session: CrSession, argument: str) -> str:
+    return _register_values(session.state.board.outputs, argument)
 
 
-def _registers(signals: Signals, argument: str) -> str:
-    first = _register(argument)
-    return ";".join(str(int(signals.read(f"register{first + i}"))) for i in range(AT_ONCE))
+def _register_values(signals: Signals, argument: str) -> str:
+    first = _register_number(argument)
+    return ";".join(str(int(signals.read(f"register{first + i}"))) for i in range(MOST_REGISTERS))
 
 
-def _register(argument: str) -> int:
+def _register_number(argument: str) -> int:
     return whole(argument, REGISTERS.start, REGISTERS.stop - 1, error=7780)
 
 
 def _set_output_register(session: CrSession, argument: str) -> str:
-    return _at_kernel(session, lambda: _set_register(session.state.board.outputs, argument))
+    return _between_statements(
+        session, lambda: _set_register(session.state.board.outputs, argument)
+    )
 
 
 def _set_input_register(session: CrSession, argument: str) -> str:
     if session.state.real_inputs is None:
         raise CrRefusal(6630)
-    return _at_kernel(session, lambda: _set_register(session.state.board.inputs, argument))
+    return _between_statements(session, lambda: _set_register(session.state.board.inputs, argument))
 
 
 def _set_register(signals: Signals, argument: str) -> None:
     number, value = parts(argument, 2)
-    signals.set(f"register{_register(number)}", float(hexadecimal(value, 4)))
+    signals.set(f"register{_register_number(number)}", float(hexadecimal(value, 4)))
 
 
-def _pseudo(session: CrSession) -> str:
+def _use_pseudo_inputs(session: CrSession) -> str:
     """From now on IN= writes the inputs."""
     state = session.state
     if state.real_inputs is None:
@@ -100,7 +102,7 @@ def _pseudo(session: CrSession) -> str:
     return ""
 
 
-def _real(session: CrSession) -> str:
+def _use_real_inputs(session: CrSession) -> str:
     """The inputs are again what they were before they became pseudo inputs."""
     state = session.state
     before, state.real_inputs = state.real_inputs, None
@@ -110,7 +112,7 @@ def _real(session: CrSession) -> str:
         for name in list(inputs.values) if before is not None else ():
             inputs.set(name, (before or {}).get(name, 0.0))
 
-    return _at_kernel(session, restore)
+    return _between_statements(session, restore)
 
 
 def _reset_outputs(session: CrSession) -> str:
@@ -123,13 +125,13 @@ def _reset_outputs(session: CrSession) -> str:
             if name.isdigit() and int(name) not in hands:
                 outputs.set(name, 0.0)
 
-    return _at_kernel(session, reset)
+    return _between_statements(session, reset)
 
 
 # --------------------------------------------------------------------------------------- hands
 
 
-def _hand(*, opens: bool) -> Command:
+def _hand_command(*, opens: bool) -> Command:
     def handler(session: CrSession, argument: str) -> str:
         session.state.order_hand(whole(argument, 1, HANDS), opens)
         return ""
@@ -137,7 +139,7 @@ def _hand(*, opens: bool) -> Command:
     return Command(handler)
 
 
-def _hands(session: CrSession) -> str:
+def _read_hands(session: CrSession) -> str:
     """Eight times signal, 1 open or 2 closed, 1 for two valves; -1 for a hand that is not there."""
     told = []
     for hand in range(1, SHOWN_HANDS + 1):
@@ -149,20 +151,20 @@ def _hands(session: CrSession) -> str:
     return ";".join(told)
 
 
-COMMANDS: Final = {
-    "IOSIGNAL": Command(_both),
-    "IN": Command(_inputs),
-    "OUT": Command(_outputs),
+SIGNAL_COMMANDS: Final = {
+    "IOSIGNAL": Command(_read_signals),
+    "IN": Command(_read_inputs),
+    "OUT": Command(_read_outputs),
     "OUT=": Command(_set_outputs),
     "IN=": Command(_set_inputs),
-    "DIN": Command(_input_registers),
-    "DOUT": Command(_output_registers),
+    "DIN": Command(_read_input_registers),
+    "DOUT": Command(_read_output_registers),
     "DIN=": Command(_set_input_register),
     "DOUT=": Command(_set_output_register),
-    "INDMY": Command(bare(_pseudo)),
-    "INSET": Command(bare(_real)),
+    "INDMY": Command(bare(_use_pseudo_inputs)),
+    "INSET": Command(bare(_use_real_inputs)),
     "RSTIO": Command(bare(_reset_outputs)),
-    "HNDON": _hand(opens=True),
-    "HNDOFF": _hand(opens=False),
-    "HNDSTS": Command(bare(_hands)),
+    "HNDON": _hand_command(opens=True),
+    "HNDOFF": _hand_command(opens=False),
+    "HNDSTS": Command(bare(_read_hands)),
 }

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Final
 
-from assistant.virtual.cr.error_log import ErrorLog, level_of
+from assistant.virtual.cr.error_log import ErrorLog, error_level
 from assistant.virtual.cr.machinery import Machinery
 from assistant.virtual.cr.parameter_table import Parameters
 from assistant.virtual.cr.powered import Equipment
@@ -147,7 +147,7 @@ class CrState:
 
     def failed(self, number: int, program: str, line: int, text: str) -> None:
         """A program ended with an error."""
-        self.alert(number, level_of(number), program, line)
+        self.alert(number, error_level(number), program, line)
         if self.report is not None:
             self.report(f"error {number:04} of {program or 'a command'}, line {line}: {text}")
 

@@ -17,14 +17,14 @@ from assistant.virtual.cr.framing import (
     NAK,
     STX,
     Framing,
-    framed,
-    unframed,
+    from_frame,
+    in_frame,
 )
 from assistant.virtual.cr.ports import Port
 
-STEP: Final = 1.0
+LOOK_PERIOD: Final = 1.0
 """Seconds for a step of the procedure; no manual at hand tells how long a controller waits."""
-TRIALS: Final = 4
+MOST_TRIALS: Final = 4
 """Of a step: the first one, and three more (projects of RT ToolBox)."""
 TOO_LONG: Final = b"QeR6080"
 
@@ -56,7 +56,7 @@ class Plain:
             for command in commands:
                 text = answer(command)
                 for piece in self._faults.answers(text, self._terminator):
-                    send(port, piece, self._faults)
+                    send_answer(port, piece, self._faults)
 
 
 class Procedural:
@@ -84,33 +84,33 @@ class Procedural:
         """What a client that has asked for the line sends before its EOT; None for nothing."""
         found: bytes | None = None
         reply = ACK
-        for _ in range(2 * TRIALS):
-            send(port, reply, self._faults)
-            code = self._code(port, STEP, STX, EOT, ENQ)
+        for _ in range(2 * MOST_TRIALS):
+            send_answer(port, reply, self._faults)
+            code = self._code(port, LOOK_PERIOD, STX, EOT, ENQ)
             if code == EOT:
                 return found
             reply = NAK
             if code == STX:
-                text = unframed(STX + self._until(port, ETX))
+                text = from_frame(STX + self._until(port, ETX))
                 found, reply = (found, NAK) if text is None else (text, ACK)
         return None
 
     def _reply(self, port: Port, text: bytes) -> None:
         """Gives up if the client does not take it."""
         try:
-            taken = self._insist(port, ENQ) and self._insist(port, framed(text))
+            taken = self._insist(port, ENQ) and self._insist(port, in_frame(text))
         except TimeoutError:
             taken = False
-        send(port, EOT, self._faults)
+        send_answer(port, EOT, self._faults)
         if not taken:
             self._come = b""
 
     def _insist(self, port: Port, data: bytes) -> bool:
         """Sends until it is acknowledged."""
-        for _ in range(TRIALS):
-            send(port, data, self._faults)
+        for _ in range(MOST_TRIALS):
+            send_answer(port, data, self._faults)
             try:
-                if self._code(port, STEP, ACK, NAK, EOT) == ACK:
+                if self._code(port, LOOK_PERIOD, ACK, NAK, EOT) == ACK:
                     return True
             except TimeoutError:
                 continue
@@ -128,7 +128,7 @@ class Procedural:
 
     def _until(self, port: Port, code: bytes) -> bytes:
         """What comes before a control code; of what never ends only enough to tell it is wrong."""
-        data, end = b"", time.monotonic() + STEP
+        data, end = b"", time.monotonic() + LOOK_PERIOD
         while (byte := self._byte(port, end)) != code:
             if len(data) <= 2 * MOST_BYTES:
                 data += byte
@@ -143,7 +143,7 @@ class Procedural:
         return byte
 
 
-def send(port: Port, data: bytes, faults: Faults) -> None:
+def send_answer(port: Port, data: bytes, faults: Faults) -> None:
     """Sends what a fault leaves of it; raises HungUp where it ends the line."""
     data, goes_on = faults.spoilt(data)
     if data:

@@ -17,7 +17,7 @@ from assistant.virtual.debugging.holding import Holding, Reason, Step, Stride
 from assistant.virtual.debugging.messages import NoMessage, Object, inner, number, several, text
 from assistant.virtual.debugging.points import Lines, Points
 from assistant.virtual.debugging.view import View
-from assistant.virtual.events import Place, Run, said
+from assistant.virtual.events import Place, Run, event_text
 from assistant.virtual.kernel import Ending, Kernel, Task
 
 Launch = Callable[[Object], tuple[Kernel, Lines]]
@@ -168,7 +168,7 @@ class Adapter:
                 held = True
                 continue
             self._tell_log()
-            self._say(place, "".join(map(partial(_logged, read), point.log)))
+            self._say(place, "".join(map(partial(_logged_text, read), point.log)))
         return held
 
     def _say(self, place: Place, what: str) -> None:
@@ -203,7 +203,7 @@ class Adapter:
         for row in self.kernel.log[self._logged :]:
             body: Object = {
                 "category": "stdout",
-                "output": f"{row.time:.3f} {said(row.what)}\n",
+                "output": f"{row.time:.3f} {event_text(row.what)}\n",
             }
             if row.place is not None:
                 body |= {"source": {"path": row.place[0]}, "line": row.place[1]}
@@ -262,7 +262,7 @@ class Adapter:
         return does(self.view, arguments)
 
 
-def _logged(read: Read, part: str | Evaluate) -> str:
+def _logged_text(read: Read, part: str | Evaluate) -> str:
     """A part of a log point; an expression that cannot be worked out says why."""
     if isinstance(part, str):
         return part
@@ -272,7 +272,7 @@ def _logged(read: Read, part: str | Evaluate) -> str:
         return f"<{error.args[0]}>"
 
 
-def _of_view(does: Callable[[View, Object], Object]) -> Callable[[Adapter, Object], Object]:
+def _view_request(does: Callable[[View, Object], Object]) -> Callable[[Adapter, Object], Object]:
     return lambda adapter, arguments: adapter._look(does, arguments)
 
 
@@ -289,11 +289,11 @@ REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
     "stepOut": Adapter._step_out,
     "disconnect": Adapter._leave,
     "terminate": Adapter._terminate,
-    "threads": _of_view(View.threads),
-    "stackTrace": _of_view(View.stack),
-    "scopes": _of_view(View.scopes),
-    "variables": _of_view(View.variables),
-    "setVariable": _of_view(View.set_variable),
-    "evaluate": _of_view(View.evaluate),
+    "threads": _view_request(View.threads),
+    "stackTrace": _view_request(View.stack),
+    "scopes": _view_request(View.scopes),
+    "variables": _view_request(View.variables),
+    "setVariable": _view_request(View.set_variable),
+    "evaluate": _view_request(View.evaluate),
 }
 """What an editor may ask, by the names of the protocol."""

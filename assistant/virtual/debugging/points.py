@@ -24,8 +24,8 @@ from assistant.virtual.parts import Programs
 Lines = Mapping[str, Sequence[int]]
 """Lines at which a statement begins, rising, by the name of the file (`same_file`)."""
 
-_HITS: Final = re.compile(r"\s*(>=|<=|==|=|>|<|%)?\s*(\d{1,9})\s*")
-_COUNTS: Final[Mapping[str, Callable[[int, int], bool]]] = {
+_HIT_COUNT: Final = re.compile(r"\s*(>=|<=|==|=|>|<|%)?\s*(\d{1,9})\s*")
+_HIT_TESTS: Final[Mapping[str, Callable[[int, int], bool]]] = {
     ">=": operator.ge,
     "<=": operator.le,
     "==": operator.eq,
@@ -74,7 +74,7 @@ def statement_lines(programs: Programs) -> Lines:
     return {path: sorted(lines) for path, lines in found.items()}
 
 
-def moved(lines: Lines, path: str, asked: Iterable[int]) -> list[int]:
+def moved_to_statements(lines: Lines, path: str, asked: Iterable[int]) -> list[int]:
     """Lines of a file, each moved to the next one with a statement; those after the last are gone.
 
     A file without lines is none of the programs, and its own are kept for when it is.
@@ -117,7 +117,7 @@ class Points:
     def place(self, path: str, asked: Iterable[Object]) -> list[Object]:
         """The break points of a file instead of those that it had; the answers to each."""
         lines = self.lines.get(same_file(path))
-        made = [(number(one, "line"), _point(lines, one)) for one in asked]
+        made = [(number(one, "line"), _break_point(lines, one)) for one in asked]
         by_line: dict[int, list[Point]] = {}
         for _, point in made:
             if not point.said:
@@ -129,7 +129,7 @@ class Points:
         return self.set.get(same_file(path), {}).get(line, ())
 
 
-def _point(lines: Sequence[int] | None, asked: Object) -> Point:
+def _break_point(lines: Sequence[int] | None, asked: Object) -> Point:
     """A break point, moved to the next line with a statement."""
     if lines is None:
         return Point(0, "the program that runs does not contain this file")
@@ -141,23 +141,23 @@ def _point(lines: Sequence[int] | None, asked: Object) -> Point:
         if condition := text(asked, "condition").strip():
             point.condition = read_expression(condition)
         if hits := text(asked, "hitCondition").strip():
-            point.hits = _hits(hits)
+            point.hits = _hit_test(hits)
         if log := text(asked, "logMessage"):
-            point.log = _log(log)
+            point.log = _log_parts(log)
     except Wrong as wrong:
         point.said = str(wrong.args[0])
     return point
 
 
-def _hits(given: str) -> Callable[[int], bool]:
-    found = _HITS.fullmatch(given)
+def _hit_test(given: str) -> Callable[[int], bool]:
+    found = _HIT_COUNT.fullmatch(given)
     if found is None or (found[1] == "%" and int(found[2]) == 0):
         raise Wrong(f"`{given}` is no count of hits: write 5, >= 5 or % 5")
-    compare, wanted = _COUNTS[found[1] or "=="], int(found[2])
+    compare, wanted = _HIT_TESTS[found[1] or "=="], int(found[2])
     return lambda count: compare(count, wanted)
 
 
-def _log(given: str) -> Sequence[str | Evaluate]:
+def _log_parts(given: str) -> Sequence[str | Evaluate]:
     """Texts and expressions by turns."""
     parts: list[str | Evaluate] = []
     for place, part in enumerate(re.split(r"\{((?:[^{}]|\{[^{}]*\})*)\}", given)):

@@ -12,7 +12,7 @@ from assistant.virtual.debugging.messages import Object, number, text
 from assistant.virtual.kernel import Board, Kernel, Signals, Task
 from assistant.virtual.kernel.looking import Level, Shown
 
-_PORT: Final = re.compile(r"m_(in|out)\((\d+)\)")
+_SIGNAL_BIT: Final = re.compile(r"m_(in|out)\((\d+)\)")
 """A bit of the inputs or outputs in MELFA-BASIC."""
 
 
@@ -57,9 +57,9 @@ class View:
         level = self._level(number(arguments, "frameId"))
         scopes = [self._scope(name, shown) for name, shown in level.groups.items()]
         board = self.kernel.board
-        scopes.append(self._scope("Inputs", partial(_signals, board.inputs)))
+        scopes.append(self._scope("Inputs", partial(_shown_signals, board.inputs)))
         self._inputs.add(len(self._shown))
-        scopes.append(self._scope("Outputs", partial(_signals, board.outputs)))
+        scopes.append(self._scope("Outputs", partial(_shown_signals, board.outputs)))
         return {"scopes": scopes}
 
     def _level(self, frame: int) -> Level:
@@ -106,41 +106,41 @@ class View:
         levels = [self._level(frame)] if frame else self._levels[:1]
         for level in levels:
             for group in level.groups.values():
-                found = _found(group(), wanted.lower())
+                found = _find_shown(group(), wanted.lower())
                 if found is not None:
                     variable = self._variable(found)
                     return {"result": variable.pop("value"), **variable}
-        value = read_expression(wanted)(partial(_read, self.kernel.board, levels))
+        value = read_expression(wanted)(partial(_read_name, self.kernel.board, levels))
         return {"result": shown(value), "variablesReference": 0}
 
     def read(self, task: Task, name: str) -> str:
         """The value of data that a task knows, as it is shown; raises LookupError."""
-        return _read(self.kernel.board, task.levels()[:1], name)
+        return _read_name(self.kernel.board, task.levels()[:1], name)
 
 
-def _read(board: Board, levels: Sequence[Level], name: str) -> str:
+def _read_name(board: Board, levels: Sequence[Level], name: str) -> str:
     wanted = name.lower()
     for level in levels:
         for group in level.groups.values():
-            found = _found(group(), wanted)
+            found = _find_shown(group(), wanted)
             if found is not None:
                 return found.value
-    if (port := _PORT.fullmatch(wanted)) is not None:
+    if (port := _SIGNAL_BIT.fullmatch(wanted)) is not None:
         return f"{(board.inputs if port[1] == 'in' else board.outputs).read(port[2]):g}"
     for signals in (board.inputs, board.outputs):
-        for one in _signals(signals):
+        for one in _shown_signals(signals):
             if one.name.lower() == wanted:
                 return one.value
     raise LookupError(f"`{name}` is no data that is known here")
 
 
-def _signals(signals: Signals) -> Sequence[Shown]:
+def _shown_signals(signals: Signals) -> Sequence[Shown]:
     source = signals.source
     names = set(signals.values) | (set() if callable(source) else set(source))
     return [Shown(name, f"{signals.read(name):g}") for name in sorted(names)]
 
 
-def _found(shown: Sequence[Shown], wanted: str) -> Shown | None:
+def _find_shown(shown: Sequence[Shown], wanted: str) -> Shown | None:
     """The data of a name in lower case; components follow a point, elements in their brackets."""
     for one in shown:
         name = one.name.lower()
@@ -148,5 +148,5 @@ def _found(shown: Sequence[Shown], wanted: str) -> Shown | None:
             return one
         rest = wanted[len(name) :]
         if wanted.startswith(name) and rest[:1] in (".", "{", "(") and one.parts is not None:
-            return _found(one.parts(), rest.removeprefix("."))
+            return _find_shown(one.parts(), rest.removeprefix("."))
     return None

@@ -11,15 +11,15 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.file_access import UNFINISHED, read_file, read_text, write_whole
-from assistant.virtual.irc5.parameters import DOMAINS, parse
+from assistant.virtual.irc5.parameters import PARAMETER_DOMAINS, parse_cfg
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 
 if TYPE_CHECKING:
     from assistant.virtual.irc5.cabinet import Cabinet
 
-FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
+BACKUP_FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
 """By whether a module is a SYSMODULE."""
-SUFFIXES: Final = {False: ".mod", True: ".sys"}
+MODULE_FOLDER_SUFFIXES: Final = {False: ".mod", True: ".sys"}
 
 
 def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
@@ -27,13 +27,13 @@ def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
     beside = target.with_name(f"{UNFINISHED}{target.name}")
     shutil.rmtree(beside, ignore_errors=True)
     try:
-        _write(programs, beside, cabinet)
+        _write_backup(programs, beside, cabinet)
         beside.replace(target)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
 
-def _write(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
+def _write_backup(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
     home = cabinet.disk.folder("HOME")
     arriving = shutil.ignore_patterns(f"{UNFINISHED}*")
     (folder / "BACKINFO").mkdir(parents=True)
@@ -41,14 +41,18 @@ def _write(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
     (folder / "BACKINFO" / "backinfo.txt").write_text(told, "latin-1")
     shutil.copytree(home, folder / "HOME", ignore=arriving)
     for system in (False, True):
-        (folder / "RAPID" / "TASK1" / FOLDERS[system]).mkdir(parents=True)
+        (folder / "RAPID" / "TASK1" / BACKUP_FOLDERS[system]).mkdir(parents=True)
     for one in programs.modules.values():
         file = (
-            folder / "RAPID" / "TASK1" / FOLDERS[one.system] / f"{one.name}{SUFFIXES[one.system]}"
+            folder
+            / "RAPID"
+            / "TASK1"
+            / BACKUP_FOLDERS[one.system]
+            / f"{one.name}{MODULE_FOLDER_SUFFIXES[one.system]}"
         )
         file.write_bytes(programs.text(one).encode("latin-1", "replace"))
     (folder / "SYSPAR").mkdir()
-    for domain in DOMAINS:
+    for domain in PARAMETER_DOMAINS:
         text = cabinet.parameters.text(domain)
         (folder / "SYSPAR" / f"{domain}.cfg").write_text(text, "latin-1", "replace")
 
@@ -63,31 +67,31 @@ def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
     read = [one for file in files for one in read_module(file.name, read_file(file))]
     settings = [read_text(file, "latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
     for text in settings:
-        parse(text)
+        parse_cfg(text)
     home, kept = cabinet.disk.folder("HOME"), source / "HOME"
     programs.restore(read)
     for text in settings:
         cabinet.parameters.load(text, "add-with-reset")
-    _bring_back(kept, home)
+    _restore_files(kept, home)
 
 
-def _bring_back(kept: FilePath, home: FilePath) -> None:
+def _restore_files(kept: FilePath, home: FilePath) -> None:
     """Has a folder hold what another one does; each file of it is whole at any time."""
     wanted = {one.relative_to(kept): one for one in sorted(kept.rglob("*"))}
     for name, one in wanted.items():
         target = home / name
         if target.exists() and target.is_dir() != one.is_dir():
-            _remove(target)
+            _remove_folder(target)
         if one.is_dir():
             target.mkdir(exist_ok=True)
         else:
             write_whole(target, one.read_bytes())
     for old in sorted(home.rglob("*"), reverse=True):
         if old.relative_to(home) not in wanted:
-            _remove(old)
+            _remove_folder(old)
 
 
-def _remove(old: FilePath) -> None:
+def _remove_folder(old: FilePath) -> None:
     if old.is_dir() and not old.is_symlink():
         shutil.rmtree(old)
     else:

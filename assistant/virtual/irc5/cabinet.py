@@ -23,14 +23,14 @@ from assistant.virtual.irc5.programs import Programs
 from assistant.virtual.kernel import Board, Instant, Kernel, Live
 from assistant.virtual.kernel.motion import Standing
 from assistant.virtual.rapid.disk import Disk
-from assistant.virtual.rapid.loading import signals
+from assistant.virtual.rapid.loading import used_signals
 from assistant.virtual.running import BUSY_TIME
 
 SignalType = Literal["DI", "DO", "GI", "GO", "AI", "AO"]
-TYPES: Final[Mapping[str, SignalType]] = {name: name for name in get_args(SignalType)}
-OUTPUTS: Final = ("DO", "GO", "AO")
+SIGNAL_TYPES: Final[Mapping[str, SignalType]] = {name: name for name in get_args(SignalType)}
+OUTPUT_TYPES: Final = ("DO", "GO", "AO")
 MOST_STEPS: Final = 10**15
-DOMAINS: Final = ("cfg", "motion", "rapid")
+MASTERSHIP_DOMAINS: Final = ("cfg", "motion", "rapid")
 NETWORK, DEVICE = "Local", "DRV_1"
 """Where a signal is that nothing else is said of, as public clients expect it (rpiRobotics/
 abb_robot_client, rws.py)."""
@@ -42,7 +42,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Behind:
+class BackgroundTask:
     """A task in the background. modules: the text of each, by name. kind: as it is configured."""
 
     kind: Literal["static", "semistatic"] = "semistatic"
@@ -114,7 +114,7 @@ class Cabinet:
         self.log = EventLog(self.now)
         self.panel = Panel(self.log)
         self.mastership = Mastership()
-        self.behind: dict[str, Behind] = {}
+        self.behind: dict[str, BackgroundTask] = {}
         """Tasks in the background, by name: they are there, and nothing in them is simulated."""
         self.serial = ""
         """Number of the controller; virtual ones tell none, unless they have to."""
@@ -177,7 +177,7 @@ class Cabinet:
     def _signals(self, programs: Programs) -> dict[str, Signal]:
         if self._used[0] != programs.changes:
             trees = [one.tree for one in programs.modules.values()]
-            outputs, known = signals(trees)
+            outputs, known = used_signals(trees)
             used = nodes(tuple(tree.parts for tree in trees))
             names = {one.name.lower(): one.name for one in used if isinstance(one, s.NameRef)}
             found = {
@@ -188,12 +188,12 @@ class Cabinet:
         return self._used[1]
 
     def read(self, signal: Signal) -> float:
-        side = self.board.outputs if signal.type in OUTPUTS else self.board.inputs
+        side = self.board.outputs if signal.type in OUTPUT_TYPES else self.board.inputs
         return self.live.do(lambda _: side.read(signal.name.lower()))
 
     def write(self, signal: Signal, value: float) -> None:
         """An output as a program would, an input as what is connected does."""
-        side = self.board.outputs if signal.type in OUTPUTS else self.board.inputs
+        side = self.board.outputs if signal.type in OUTPUT_TYPES else self.board.inputs
         self.live.do(lambda _: side.set(signal.name.lower(), value))
 
     # ------------------------------------------------------------------------------- arm

@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Refused
 from assistant.base.file_access import read_file
 from assistant.virtual.irc5.cabinet import Cabinet, Signal
 from assistant.virtual.irc5.file_server import FileServer
-from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load
+from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load_module_file
 from assistant.virtual.irc5.panel import Mode
 from assistant.virtual.irc5.programs import Cycle, Programs, read_module
 from assistant.virtual.irc5.rws.certificate import NEEDS_PACKAGE
@@ -189,12 +189,12 @@ class VirtualIrc5:
         cabinet.panel.mode, cabinet.grants = self._mode, self._grants
         cabinet.start()
         self._cabinet = cabinet
-        self._service = serving.service(cabinet, self.user, self.password)
+        self._service = serving.make_service(cabinet, self.user, self.password)
         for dialect, port in self._ports.items():
             if port is not None:
                 secure = self.certificate if dialect == 2 else None
                 place = self.host, port
-                server = serving.server(dialect, place, self._service, self._faults, secure)
+                server = serving.make_server(dialect, place, self._service, self._faults, secure)
                 server.start()
                 self._servers[dialect] = server
 
@@ -271,7 +271,7 @@ class VirtualIrc5:
             if not file.is_file():
                 continue
             name = file.relative_to(self.folder).as_posix()
-            module = load(name, read_file(file))
+            module = load_module_file(name, read_file(file))
             other = first.setdefault(module.name.lower(), name)
             twice = () if other == name else (TWICE(path=name, name=module.name, first=other),)
             found.append(LoadedModule(module.name, name, (*module.findings, *twice)))

@@ -21,7 +21,7 @@ import numpy as np
 
 from assistant.base.rotations import between
 from assistant.virtual.irc5 import egm_packets as packets
-from assistant.virtual.irc5.egm_packets import Kind, Told
+from assistant.virtual.irc5.egm_packets import Kind, RobotState
 
 CYCLE: Final = 0.004
 NO_DATA: Final = 41822
@@ -59,7 +59,7 @@ class Guidance:
 
     def hear(self, packet: bytes) -> None:
         """What has come from the sensor; what makes no sense is passed over."""
-        heard = packets.sensor(packet, self.kind, len(self.values))
+        heard = packets.read_sensor_packet(packet, self.kind, len(self.values))
         if heard is None:
             self.ignored += 1
             return
@@ -74,7 +74,7 @@ class Guidance:
         if self.motors and self._running and self._goal is not None:
             self.values = self._moved(self._goal, seconds)
         self._look(seconds)
-        told = Told(
+        told = RobotState(
             seqno=self._seqno,
             tm=round(self._clock * 1000),
             measured=self.values,
@@ -85,7 +85,7 @@ class Guidance:
             converged=self._near > 0.0,
         )
         self._seqno += 1
-        return packets.robot(told, self.kind)
+        return packets.robot_packet(told, self.kind)
 
     @property
     def _running(self) -> bool:

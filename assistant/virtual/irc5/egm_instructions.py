@@ -22,7 +22,7 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import Moved
 from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance
 from assistant.virtual.irc5.egm_packets import Kind
-from assistant.virtual.rapid.arm import carried
+from assistant.virtual.rapid.arm import is_carried
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Ability, Given
 from assistant.virtual.rapid.machine import Machine
@@ -192,12 +192,12 @@ def _arrive(machine: Machine, guidance: Guidance, egm: Prepared, before: Pose | 
     if guidance.kind == "joints":
         arm.joints = tuple(guidance.values)
         arm.flange = flange_of(machine, arm.joints)
-        moved = Moved("joint", arm.flange, carried(tool), joints=arm.joints)
+        moved = Moved("joint", arm.flange, is_carried(tool), joints=arm.joints)
     else:
         arm.joints = None
         place = Pose.of(np.array(guidance.values[:3]), np.array(guidance.values[3:]))
         arm.flange = arm.flange_at(place, tool, frame)
-        moved = Moved("linear", arm.flange, carried(tool), speed=TOOL_SPEEDS[0])
+        moved = Moved("linear", arm.flange, is_carried(tool), speed=TOOL_SPEEDS[0])
     arm.tool, arm.frame = tool, frame
     machine.go(moved, before)
 

@@ -21,7 +21,7 @@ ROBOT_AXES: Final = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class RobotState:
     """What a packet of a robot says. tm: ms. measured, planned: joints in degrees, or x y z in mm
     with the quaternion.
     """
@@ -37,74 +37,76 @@ class Told:
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class SensorCommand:
     """What a sensor asks for."""
 
     seqno: int
     values: tuple[float, ...]
 
 
-def robot(told: Told, kind: Kind) -> bytes:
+def robot_packet(told: RobotState, kind: Kind) -> bytes:
     """EgmRobot."""
-    header = _number(1, told.seqno) + _number(2, told.tm) + _number(3, MSGTYPE_DATA)
-    clock = _number(1, told.tm // 1000) + _number(2, told.tm % 1000 * 1000)
+    header = (
+        _number_field(1, told.seqno) + _number_field(2, told.tm) + _number_field(3, MSGTYPE_DATA)
+    )
+    clock = _number_field(1, told.tm // 1000) + _number_field(2, told.tm % 1000 * 1000)
     parts = [
-        _bytes(1, header),
-        _bytes(2, _place(told.measured, kind) + _bytes(4, clock)),
-        _bytes(3, _place(told.planned, kind) + _bytes(4, clock)),
-        _bytes(4, _number(1, told.motors)),
-        _bytes(5, _number(1, told.mci)),
-        _number(6, int(told.converged)),
-        _bytes(7, b"".join(_double(1, 0.0) for _ in range(2))),
-        _bytes(8, _number(1, told.rapid)),
-        _double(10, 0.0),
+        _bytes_field(1, header),
+        _bytes_field(2, _place_fields(told.measured, kind) + _bytes_field(4, clock)),
+        _bytes_field(3, _place_fields(told.planned, kind) + _bytes_field(4, clock)),
+        _bytes_field(4, _number_field(1, told.motors)),
+        _bytes_field(5, _number_field(1, told.mci)),
+        _number_field(6, int(told.converged)),
+        _bytes_field(7, b"".join(_double_field(1, 0.0) for _ in range(2))),
+        _bytes_field(8, _number_field(1, told.rapid)),
+        _double_field(10, 0.0),
     ]
     return b"".join(parts)
 
 
-def _place(values: Sequence[float], kind: Kind) -> bytes:
+def _place_fields(values: Sequence[float], kind: Kind) -> bytes:
     """EgmFeedBack and EgmPlanned without their time."""
     if kind == "joints":
-        own = b"".join(_double(1, value) for value in values[:ROBOT_AXES])
-        more = b"".join(_double(1, value) for value in values[ROBOT_AXES:])
-        return _bytes(1, own) + (_bytes(3, more) if more else b"")
-    place = b"".join(_double(i, value) for i, value in enumerate(values[:3], 1))
-    turn = b"".join(_double(i, value) for i, value in enumerate(values[3:], 1))
-    return _bytes(2, _bytes(1, place) + _bytes(2, turn))
+        own = b"".join(_double_field(1, value) for value in values[:ROBOT_AXES])
+        more = b"".join(_double_field(1, value) for value in values[ROBOT_AXES:])
+        return _bytes_field(1, own) + (_bytes_field(3, more) if more else b"")
+    place = b"".join(_double_field(i, value) for i, value in enumerate(values[:3], 1))
+    turn = b"".join(_double_field(i, value) for i, value in enumerate(values[3:], 1))
+    return _bytes_field(2, _bytes_field(1, place) + _bytes_field(2, turn))
 
 
-def sensor(packet: bytes, kind: Kind, count: int) -> Heard | None:
+def read_sensor_packet(packet: bytes, kind: Kind, count: int) -> SensorCommand | None:
     """What an EgmSensor asks for; None for what is none, or asks for something else."""
     try:
-        top = _read(packet)
-        header = _read(_only(top, 1))
-        planned = _read(_only(top, 2))
-        if _whole(header, 3) != MSGTYPE_CORRECTION:
+        top = _read_fields(packet)
+        header = _read_fields(_only_field(top, 1))
+        planned = _read_fields(_only_field(top, 2))
+        if _whole_field(header, 3) != MSGTYPE_CORRECTION:
             return None
-        values = _joints(planned) if kind == "joints" else _pose(planned)
-        seqno = _whole(header, 1)
+        values = _joint_fields(planned) if kind == "joints" else _pose_fields(planned)
+        seqno = _whole_field(header, 1)
     except (Damaged, struct.error):
         return None
     if len(values) != count or not all(map(math.isfinite, values)):
         return None
-    return Heard(seqno, values)
+    return SensorCommand(seqno, values)
 
 
-def _joints(planned: Fields) -> tuple[float, ...]:
+def _joint_fields(planned: Fields) -> tuple[float, ...]:
     found: list[float] = []
     for number in (1, 3):
         for inside in planned.get(number, []):
             if not isinstance(inside, bytes):
                 raise Damaged("joints are no message")
-            found += (_float(value) for value in _read(inside).get(1, []))
+            found += (_float_field(value) for value in _read_fields(inside).get(1, []))
     return tuple(found)
 
 
-def _pose(planned: Fields) -> tuple[float, ...]:
-    pose = _read(_only(planned, 2))
-    place, turn = _read(_only(pose, 1)), _read(_only(pose, 2))
+def _pose_fields(planned: Fields) -> tuple[float, ...]:
+    pose = _read_fields(_only_field(planned, 2))
+    place, turn = _read_fields(_only_field(pose, 1)), _read_fields(_only_field(pose, 2))
     return tuple(
-        _float(part[number][-1])
+        _float_field(part[number][-1])
         for part, numbers in ((place, range(1, 4)), (turn, range(1, 5)))
         for number in numbers
         if number in part
@@ -120,28 +122,28 @@ class Damaged(ValueError):
     """Bytes that are no message."""
 
 
-def _only(fields: Fields, number: int) -> bytes:
+def _only_field(fields: Fields, number: int) -> bytes:
     found = fields.get(number, [0])[-1]
     if not isinstance(found, bytes):
         raise Damaged(f"the field {number} is missing")
     return found
 
 
-def _whole(fields: Fields, number: int) -> int:
+def _whole_field(fields: Fields, number: int) -> int:
     found = fields.get(number, [0])[-1]
     if not isinstance(found, int):
         raise Damaged(f"the field {number} is no whole number")
     return found
 
 
-def _float(value: int | bytes) -> float:
+def _float_field(value: int | bytes) -> float:
     if not isinstance(value, bytes):
         raise Damaged("a whole number instead of a double")
     (number,) = struct.unpack("<d", value)
     return float(number)
 
 
-def _read(data: bytes) -> Fields:
+def _read_fields(data: bytes) -> Fields:
     fields: Fields = {}
     while data:
         tag, data = _varint(data)
@@ -174,12 +176,12 @@ def _varint(data: bytes) -> tuple[int, bytes]:
     raise Damaged("a number without its end")
 
 
-def _head(number: int, wire: int) -> bytes:
+def _field_head(number: int, wire: int) -> bytes:
     return bytes([number * 8 + wire])  # all numbers are below 16
 
 
-def _number(number: int, value: int) -> bytes:
-    made = bytearray(_head(number, 0))
+def _number_field(number: int, value: int) -> bytes:
+    made = bytearray(_field_head(number, 0))
     while value >= 128:
         made.append(value % 128 + 128)
         value //= 128
@@ -187,9 +189,9 @@ def _number(number: int, value: int) -> bytes:
     return bytes(made)
 
 
-def _double(number: int, value: float) -> bytes:
-    return _head(number, 1) + struct.pack("<d", value)
+def _double_field(number: int, value: float) -> bytes:
+    return _field_head(number, 1) + struct.pack("<d", value)
 
 
-def _bytes(number: int, inside: bytes) -> bytes:
-    return _head(number, 2) + _number(0, len(inside))[1:] + inside
+def _bytes_field(number: int, inside: bytes) -> bytes:
+    return _field_head(number, 2) + _number_field(0, len(inside))[1:] + inside

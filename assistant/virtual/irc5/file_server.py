@@ -15,7 +15,7 @@ NEEDS_PYFTPDLIB = error(
     "the virtual IRC5 needs pyftpdlib, which is not installed",
     "install it with `pip install 'robot-assistant[virtual]'`",
 )
-POLL: Final = 0.05
+POLL_PERIOD: Final = 0.05
 """Seconds after which the server looks whether it shall stop."""
 
 
@@ -68,7 +68,7 @@ class FileServer:
 
         from assistant.virtual.irc5.files import Home, Session
 
-        _keep_quiet()
+        _silence_log()
         authorizer = DummyAuthorizer()
         authorizer.add_user(self._user, self._password, str(self.folder), perm="elrdfmw")
         home = type("Home", (Home,), {"quota": self._quota, "report": staticmethod(self._report)})
@@ -79,12 +79,12 @@ class FileServer:
         server = self._server
         try:
             while not self._stopping.is_set():
-                server.ioloop.loop(timeout=POLL, blocking=False)
+                server.ioloop.loop(timeout=POLL_PERIOD, blocking=False)
         finally:
             server.close_all()
 
 
-def _keep_quiet() -> None:
+def _silence_log() -> None:
     """Pyftpdlib writes to standard error where nobody has set up logging."""
     logger = logging.getLogger("pyftpdlib")
     if not logger.handlers:

@@ -19,7 +19,7 @@ from pyftpdlib.handlers import DTPHandler, FTPHandler
 
 from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.base.file_access import UNFINISHED, read_file, write_whole
-from assistant.virtual.irc5.modules import is_looked_at, look
+from assistant.virtual.irc5.modules import check_file, is_checked
 
 UNIT: Final = "HOME:"
 MOST_ARRIVING: Final = 1 << 30
@@ -32,7 +32,7 @@ class NotTaken(FilesystemError):  # type: ignore[misc] # pyftpdlib has no types
     """A file that is not taken in; `reply` is the whole FTP answer, code and lines."""
 
     def __init__(self, code: int, lines: Iterable[str]) -> None:
-        said = [_plain(line) for line in lines]
+        said = [_plain_text(line) for line in lines]
         super().__init__(" / ".join(said))
         middle = [f"{code}-{line}" for line in said[:-1]]
         self.reply = "\r\n".join([*middle, f"{code} {said[-1]}"])
@@ -72,7 +72,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
     def rename(self, src: str, dst: str) -> None:
         """A file that becomes a module by its new name is looked at then."""
         source, target = FilePath(src), FilePath(dst)
-        if source.is_file() and is_looked_at(target.name):
+        if source.is_file() and is_checked(target.name):
             self.look(target, read_file(source), leaving=source.name)
         if target.is_dir():
             raise FilesystemError("there is a folder of that name")
@@ -89,7 +89,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
 
         leaving: a file that goes away by the same act.
         """
-        findings = look(path.name, data, path.parent, leaving)
+        findings = check_file(path.name, data, path.parent, leaving)
         errors = [finding for finding in findings if finding.severity is Severity.ERROR]
         if errors:
             self.report(f"refused {path.name}: {len(errors)} errors")
@@ -190,6 +190,6 @@ def _refusal(name: str, errors: list[Diagnostic]) -> list[str]:
     return [*lines, f"and {rest} more"] if rest > 0 else lines
 
 
-def _plain(line: str) -> str:
+def _plain_text(line: str) -> str:
     """A line that is safe in an answer: no line end, no control character."""
     return re.sub(r"[\x00-\x1f\x7f]", " ", line)

@@ -19,7 +19,9 @@ from assistant.languages.rapid import rules
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
 PROGRAM_SUFFIX: Final = ".pgf"
-HEADING: Final = re.compile(r"^[ \t]*MODULE[ \t]+([A-Za-z]\w*)", re.IGNORECASE | re.MULTILINE)
+PROGRAM_HEADING: Final = re.compile(
+    r"^[ \t]*MODULE[ \t]+([A-Za-z]\w*)", re.IGNORECASE | re.MULTILINE
+)
 
 NO_MODULE = error("VC101", "the file holds no module", "write `MODULE name … ENDMODULE`")
 PROGRAM_FILE = error(
@@ -48,11 +50,13 @@ class LoadedModule:
     findings: tuple[Diagnostic, ...] = ()
 
 
-def is_looked_at(file: str) -> bool:
+def is_checked(file: str) -> bool:
     return file.lower().endswith((*MODULE_SUFFIXES, PROGRAM_SUFFIX))
 
 
-def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[Diagnostic, ...]:
+def check_file(
+    file: str, data: bytes, folder: FilePath, leaving: str = ""
+) -> tuple[Diagnostic, ...]:
     """The findings of a file that is to get that name in a folder; other kinds have none.
 
     leaving: a file of the folder that goes away by the same act.
@@ -63,7 +67,7 @@ def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[D
         return _program_findings(file, data, frozenset(f.name for f in beside))
     if not lower.endswith(MODULE_SUFFIXES):
         return ()
-    module, tree = _read(file, data)
+    module, tree = _read_file(file, data)
     if tree is None or has_errors(module.findings):
         return module.findings
     loaded = [f for f in beside if f.suffix.lower() in MODULE_SUFFIXES]
@@ -75,12 +79,12 @@ def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[D
     return (*module.findings, *found)
 
 
-def load(file: str, data: bytes) -> LoadedModule:
+def load_module_file(file: str, data: bytes) -> LoadedModule:
     """A module file as the controller's load reads it."""
-    return _read(file, data)[0]
+    return _read_file(file, data)[0]
 
 
-def _read(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
+def _read_file(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
     """The module with its tree, None for what is no text or no module."""
     rapid = languages.get("rapid")
     stem = PurePosixPath(file).stem
@@ -94,7 +98,7 @@ def _read(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
     except Refused as error:
         return LoadedModule(stem, file, error.findings), None
     findings = tuple(finding.within(file) for finding in tree.findings)
-    named = HEADING.search(source.text)
+    named = PROGRAM_HEADING.search(source.text)
     if named is None:
         return LoadedModule(stem, file, (*findings, NO_MODULE(path=file))), None
     return LoadedModule(named[1], file, findings), tree
@@ -108,17 +112,19 @@ def _rule_findings(
     HOME: keeps files of many programs, so that two of them may well declare one name.
     """
     rapid = languages.get("rapid")
-    alone = [finding for finding in _refused(rapid.check([tree])) if finding not in tree.findings]
+    alone = [
+        finding for finding in _refused_finding(rapid.check([tree])) if finding not in tree.findings
+    ]
     if not has_errors(alone):
         return tuple(alone)
     trees = [tree]
     for file in loaded:
-        other, other_tree = _read(file.name, read_file(file))
+        other, other_tree = _read_file(file.name, read_file(file))
         if other_tree is None or has_errors(other.findings):
             continue
         if other.name.lower() != module.name.lower():  # else it is this one's own old self
             trees.append(other_tree)
-    together = set(_refused(rapid.check(trees)))
+    together = set(_refused_finding(rapid.check(trees)))
     return tuple(finding for finding in alone if finding in together)
 
 
@@ -126,7 +132,7 @@ UNDECLARED: Final = frozenset({rules.UNKNOWN_SPEED.code, rules.UNKNOWN_ZONE.code
 """Names that other modules may declare, but none does: here all that is loaded is known."""
 
 
-def _refused(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+def _refused_finding(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """The findings as severe as they are where no module is missing."""
     return [
         replace(finding, severity=Severity.ERROR) if finding.code in UNDECLARED else finding

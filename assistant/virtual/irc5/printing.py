@@ -13,19 +13,21 @@ from typing import Final
 from assistant.base.source_text import lines_of
 from assistant.languages.rapid import Rapid
 
-COMMENT: Final = re.compile(r'("[^"\n]*")|[ \t]*!.*')
-DATA: Final = re.compile(r"^[ \t]*(?:(?:LOCAL|TASK)[ \t]+)?(?:CONST|PERS|VAR)[ \t].*", re.I | re.M)
-NUMBER: Final = re.compile(r'"[^"]*"|(?<![\w.])\d+(?:\.\d*)?(?:E[+-]?\d+)?(?![\w.])', re.I)
+COMMENT_LINE: Final = re.compile(r'("[^"\n]*")|[ \t]*!.*')
+DATA_LINE: Final = re.compile(
+    r"^[ \t]*(?:(?:LOCAL|TASK)[ \t]+)?(?:CONST|PERS|VAR)[ \t].*", re.I | re.M
+)
+PRINTED_NUMBER: Final = re.compile(r'"[^"]*"|(?<![\w.])\d+(?:\.\d*)?(?:E[+-]?\d+)?(?![\w.])', re.I)
 
 
 def printed_anew(text: str) -> str:
     """A module in the controller's own layout; data that runs over lines stays as it is."""
     rapid = Rapid()
-    lines = COMMENT.sub(lambda found: found[1] or "", rapid.format(rapid.parse(text)))
-    anew = DATA.sub(lambda found: NUMBER.sub(_number, found[0]), lines)
+    lines = COMMENT_LINE.sub(lambda found: found[1] or "", rapid.format(rapid.parse(text)))
+    anew = DATA_LINE.sub(lambda found: PRINTED_NUMBER.sub(_printed_number, found[0]), lines)
     return "\n".join(line.strip() for line in lines_of(anew) if line.strip()) + "\n"
 
 
-def _number(found: re.Match[str]) -> str:
+def _printed_number(found: re.Match[str]) -> str:
     text = found[0]
     return text if text.startswith('"') or text.isdecimal() else f"{float(text):.6G}"

@@ -31,7 +31,7 @@ from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Ability
-from assistant.virtual.rapid.loading import load
+from assistant.virtual.rapid.loading import load_modules
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.persistent import saved
 from assistant.virtual.rapid.running import start_task
@@ -42,9 +42,9 @@ from assistant.virtual.rapid.values import copied
 TASK: Final = "T_ROB1"
 MAIN: Final = "main"
 Cycle = Literal["once", "forever"]
-NUMBERS: Final = {"error": 80001, "warning": 80002, "information": 80003}
+EVENT_NUMBERS: Final = {"error": 80001, "warning": 80002, "information": 80003}
 """Of events that ErrWrite logs."""
-FAILURES: Final = (
+FAILURE_EVENTS: Final = (
     ("41822", 41822),
     ("reach", 50050),
     ("range", 50027),
@@ -166,7 +166,7 @@ class Programs:
 
     def _check(self, modules: dict[str, Module]) -> None:
         try:
-            load([one.tree for one in modules.values()], Types(), {})
+            load_modules([one.tree for one in modules.values()], Types(), {})
         except (Fault, NotSimulated) as wrong:
             self.log.add(40160, str(wrong))
             raise NotPossible(str(wrong)) from None
@@ -313,7 +313,7 @@ class Programs:
                         continue
                     if item.kind == "PROC" and not (item.local and not module):
                         first = item.body[0] if item.body else item
-                        row, column = _position(one, first)
+                        row, column = _pointer_position(one, first)
                         return Pointer(part.name, item.name, row, column)
         return None
 
@@ -341,7 +341,9 @@ class Programs:
             case Stopped(end=False) if self.running:
                 self._halted(10125, "an instruction stopped the program")
             case Reported(kind, header, lines):
-                self.log.add(NUMBERS.get(kind, 80003), "\n".join(lines), header, (header, *lines))
+                self.log.add(
+                    EVENT_NUMBERS.get(kind, 80003), "\n".join(lines), header, (header, *lines)
+                )
 
     def ended(self, task: Task, ending: Ending) -> None:
         """The kernel tells that a task is over: EXIT, or an error."""
@@ -351,7 +353,7 @@ class Programs:
         if not self.kernel.motion.stands():
             self.kernel.motion.cut(task)
         if ending.ended in ("error", "unknown"):
-            code = next(number for words, number in FAILURES if words in ending.message)
+            code = next(number for words, number in FAILURE_EVENTS if words in ending.message)
             self.log.add(code, ending.message, arguments=(TASK, ending.message))
             self._halted(10126, ending.message)
         elif self.running:
@@ -391,7 +393,7 @@ def _carry_over(before: Machine, after: Machine) -> None:
                         cell.value, cell.pending = copied(was.value), None
 
 
-def _position(module: Module, node: s.Node) -> tuple[int, int]:
+def _pointer_position(module: Module, node: s.Node) -> tuple[int, int]:
     source, span = module.tree.source, node.span
     if source is None or span is None:
         return 1, 1

@@ -117,7 +117,7 @@ class Person:
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class InputChange:
     """An input that got a value. time: simulated seconds. row: rows of the log before it."""
 
     time: float
@@ -126,18 +126,18 @@ class Given:
     row: int
 
 
-def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText]) -> list[Given]:
+def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText]) -> list[InputChange]:
     """Has a kernel do what a script says; gives the inputs that are changed, as the run goes on.
 
     sources: texts of the programs, which tell what the motions visit.
     """
-    given: list[Given] = []
+    given: list[InputChange] = []
     inputs = kernel.board.inputs
 
     def put(name: str, value: float) -> None:
         kernel.spend()
         if inputs.read(name) != value:
-            given.append(Given(kernel.now, name, value, len(kernel.log)))
+            given.append(InputChange(kernel.now, name, value, len(kernel.log)))
             inputs.set(name, value)
 
     def change(one: Change) -> None:

@@ -11,7 +11,7 @@ Source = Mapping[str, float] | Callable[[str], float]
 Listener = Callable[[str, float, float], None]
 """Is told of a signal's name, and of its value before and now."""
 
-NOTHING: Final[Mapping[str, float]] = {}
+NO_SIGNALS: Final[Mapping[str, float]] = {}
 
 
 @dataclass(slots=True, eq=False)

@@ -17,11 +17,11 @@ from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals,
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.controller import Controller, Entry
-from assistant.virtual.melfa.looking import levels, place
+from assistant.virtual.melfa.looking import call_levels, statement_place
 from assistant.virtual.melfa.machine import Machine
 from assistant.virtual.melfa.memory import Cell, is_external
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.plugins import Command, Given, by_name
+from assistant.virtual.melfa.plugins import Command, Given, commands_by_name
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value
 from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
@@ -96,7 +96,7 @@ def start_slot(
 
     def body(task: Task) -> Ending:
         world = World(task, Arm(robot, start, joints))
-        world.options, world.commands = options or Options(), by_name(commands)
+        world.options, world.commands = options or Options(), commands_by_name(commands)
         standing = None if start is not None else kernel.motion.where()
         if standing is not None:
             world.arm.at_joints(standing[1])
@@ -107,8 +107,8 @@ def start_slot(
                 machine.programs = programs
             if shared:
                 kernel.kept = lambda: _held(machines[0], shared)
-            task.where = lambda: place(world)
-            task.levels = lambda: levels(world)
+            task.where = lambda: statement_place(world)
+            task.levels = lambda: call_levels(world)
             machines[0].run()
             while repeat:
                 task.step()

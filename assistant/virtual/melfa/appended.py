@@ -16,23 +16,23 @@ from assistant.virtual.melfa.values import holds
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
 
-PLACES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
+PATH_MEASURES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
     "M_RDST": ("end", "<"),
     "M_RATIO": ("share", ">"),
 }
 """What tells how far a motion is, and how it is compared with a place that is reached later."""
-START: Final = OnWay("start", 0.0)
+PATH_START: Final = OnWay("start", 0.0)
 _MIRRORED: Final = {"<": ">", ">": "<"}
 
 
-def begin(m: Machine, append: s.Append) -> list[Switched]:
+def begin_wth(m: Machine, append: s.Append) -> list[Switched]:
     """What is set on the way of the motion that begins; inputs are the same until it ends."""
     from assistant.virtual.melfa.statements import execute
 
     condition = append.condition
-    place = START
-    if condition is not None and _asks_place(condition):
-        place = _reached(m, condition)
+    place = PATH_START
+    if condition is not None and _reads_position(condition):
+        place = _trigger_place(m, condition)
     elif condition is not None and not holds(expressions.value(m, condition)):
         return []
     m.world.held = []
@@ -47,14 +47,14 @@ class _Skipped(Exception):
     """A motion is broken off."""
 
 
-def is_watched(m: Machine, append: s.Append) -> bool:
+def is_watched_condition(m: Machine, append: s.Append) -> bool:
     """Whether what is appended waits for its condition while the motion runs."""
     condition = append.condition
     if not isinstance(append.statement, s.Assign):
         return True
-    if condition is None or _asks_place(condition):
+    if condition is None or _reads_position(condition):
         return False
-    on_way = _asks(condition, interrupts.ON_WAY)
+    on_way = _reads_any(condition, interrupts.ON_WAY)
     if m.world.task.kernel.motion.where() is None:
         if on_way:
             raise Unknown("where on its way a motion meets a condition")
@@ -62,7 +62,7 @@ def is_watched(m: Machine, append: s.Append) -> bool:
     return on_way or not holds(expressions.value(m, condition))
 
 
-def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
+def watch_condition(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     """Runs a motion that `Skip` ends where the arm is, or `Hlt` holds, or on whose way an output is
     set, as soon as a condition is met (COSIROP: SKIP, HLT, WTHIF).
     """
@@ -72,7 +72,7 @@ def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     if word not in ("SKIP", "HLT") and not isinstance(append.statement, s.Assign):
         raise Unknown(f"{word or 'such a statement'} on the way of a motion")
     timed = motion.where() is not None
-    on_way = condition is not None and _asks(condition, interrupts.ON_WAY)
+    on_way = condition is not None and _reads_any(condition, interrupts.ON_WAY)
     if on_way and not timed:
         raise Unknown("where a motion is when it is broken off")
     if condition is None or (not on_way and holds(expressions.value(m, condition))):
@@ -87,7 +87,7 @@ def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     def monitor() -> None:
         if holds(expressions.value(m, condition)):
             world.monitor = None
-            _act(m, append.statement, word)
+            _act_on_condition(m, append.statement, word)
 
     world.skipped = world.skipped and word != "SKIP"
     world.monitor = monitor if timed else None
@@ -97,37 +97,37 @@ def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
         if word == "SKIP" and not timed:  # a motion without time is whole as it is broken off
             world.skipped = holds(expressions.value(m, condition))
     except _Skipped:
-        pausing.cut(world)
+        pausing.cut_motion(world)
         world.skipped = True
     finally:
         world.monitor = None
         interrupts.attend(m)
 
 
-def _act(m: Machine, statement: s.Statement, word: str) -> None:
+def _act_on_condition(m: Machine, statement: s.Statement, word: str) -> None:
     """The condition of what is appended is met while the motion runs."""
     from assistant.virtual.melfa.statements import execute
 
     if word == "SKIP":
         raise _Skipped
     if word == "HLT":
-        paused = pausing.pause(m.world, late=False)
+        paused = pausing.pause_arm(m.world, late=False)
         m.world.halt()
         if paused:
-            pausing.resume(m.world)
+            pausing.resume_arm(m.world)
     else:
         execute(m, statement)
 
 
-def _asks(condition: s.Expression, names: Container[str]) -> bool:
+def _reads_any(condition: s.Expression, names: Container[str]) -> bool:
     return any(isinstance(x, s.Variable) and x.key in names for x in nodes(condition))
 
 
-def _asks_place(condition: s.Expression) -> bool:
-    return _asks(condition, PLACES)
+def _reads_position(condition: s.Expression) -> bool:
+    return _reads_any(condition, PATH_MEASURES)
 
 
-def _reached(m: Machine, condition: s.Expression) -> OnWay:
+def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
     """Where on the way a condition comes to hold; raises Unknown for all but plain comparisons."""
     if isinstance(condition, s.Binary) and "<>" not in condition.operator:
         compared = condition.operator[:1]
@@ -136,8 +136,8 @@ def _reached(m: Machine, condition: s.Expression) -> OnWay:
             (condition.right, _MIRRORED.get(compared, ""), condition.left),
         )
         for place, way, bound in sides:
-            if isinstance(place, s.Variable) and place.key in PLACES and not place.arguments:
-                measure, reached = PLACES[place.key]
-                if way == reached and not _asks_place(bound):
+            if isinstance(place, s.Variable) and place.key in PATH_MEASURES and not place.arguments:
+                measure, reached = PATH_MEASURES[place.key]
+                if way == reached and not _reads_position(bound):
                     return OnWay(measure, expressions.plain(m, bound, "a place on the way"))
     raise Unknown("where on its way a motion meets a condition")

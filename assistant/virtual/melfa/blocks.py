@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import LOOPS, Block, nodes
-from assistant.virtual.melfa.operators import RELATIONS, SPELLED, binary
+from assistant.virtual.melfa.operators import RELATIONS, SPELLINGS, binary
 from assistant.virtual.melfa.stops import Failed, Unknown, open_point
 from assistant.virtual.melfa.values import Value, holds, number
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def enter_if(m: Machine, node: s.If) -> None:
     """Goes to the first part whose condition is met."""
     block = m.code.opened[m.here]
-    deep(block)
+    check_depth(block)
     if holds(expressions.value(m, node.condition)):
         m.took(0)
         return
@@ -32,7 +32,7 @@ def enter_if(m: Machine, node: s.If) -> None:
     m.at = block.end + 1
 
 
-def deep(block: Block) -> None:
+def check_depth(block: Block) -> None:
     """Raises Failed where blocks stand too deep in each other."""
     if block.loops > MOST_LOOPS:
         raise Failed(3240, f"more than {MOST_LOOPS} loops in each other")
@@ -50,7 +50,7 @@ def skip_rest(m: Machine, _: Any) -> None:
     m.at = m.code.parted[m.here].end + 1
 
 
-def leave(m: Machine, _: s.Command) -> None:
+def leave_block(m: Machine, _: s.Command) -> None:
     """`Break`: behind the innermost block, and M_BrkCq tells of it (CR1D 4-208)."""
     block = m.code.inside[m.here]
     if m.world.options.breaks == "If and Select":
@@ -69,20 +69,20 @@ def begin_for(m: Machine, node: s.For) -> None:
     """Bounds are worked out once; a loop without a turn is passed (COSIROP: FOR)."""
     from assistant.virtual.melfa.machine import Loop
 
-    deep(m.code.opened[m.here])
+    check_depth(m.code.opened[m.here])
     first = expressions.plain(m, node.first, "the first value of a loop")
-    last, step = _bounds(m, node)
+    last, step = _loop_bounds(m, node)
     place, index = expressions.reference(m, node.variable)
     place.set(first, index)
     m.frame.loops[m.here] = Loop(last, step)
-    runs = _goes_on(number(place.get(index)), last, step)
+    runs = _loop_continues(number(place.get(index)), last, step)
     m.took(0 if runs else 1)
     if not runs:
         block = m.code.opened[m.here]
         m.at = block.end + 1
 
 
-def _bounds(m: Machine, node: s.For) -> tuple[float, float]:
+def _loop_bounds(m: Machine, node: s.For) -> tuple[float, float]:
     last = expressions.plain(m, node.last, "the last value of a loop")
     step = 1 if node.step is None else expressions.plain(m, node.step, "the step of a loop")
     if step == 0:
@@ -101,7 +101,7 @@ def next_turn(m: Machine, _: s.Next) -> None:
         _follow_bounds(m, statement, loop)
         place, index = expressions.reference(m, statement.variable)
         place.set(number(place.get(index)) + loop.step, index)
-        if _goes_on(number(place.get(index)), loop.last, loop.step):
+        if _loop_continues(number(place.get(index)), loop.last, loop.step):
             m.at = closed.start + 1
             return
 
@@ -112,12 +112,16 @@ def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
     if isinstance(node.last, s.Number) and (node.step is None or isinstance(node.step, s.Number)):
         return
     if way == "each":
-        loop.last, loop.step = _bounds(m, node)
-    elif way is None and not _calls(m, node) and _bounds(m, node) != (loop.last, loop.step):
+        loop.last, loop.step = _loop_bounds(m, node)
+    elif (
+        way is None
+        and not _calls_function(m, node)
+        and _loop_bounds(m, node) != (loop.last, loop.step)
+    ):
         raise open_point("a loop whose bounds change while it runs", "bounds")
 
 
-def _calls(m: Machine, node: s.For) -> bool:
+def _calls_function(m: Machine, node: s.For) -> bool:
     """Whether a bound calls a function of the program, which is not worked out once more."""
     return any(
         isinstance(part, s.Variable) and part.key in m.code.functions
@@ -125,12 +129,12 @@ def _calls(m: Machine, node: s.For) -> bool:
     )
 
 
-def _goes_on(value: float, last: float, step: float) -> bool:
+def _loop_continues(value: float, last: float, step: float) -> bool:
     return value <= last if step > 0 else value >= last
 
 
 def test_while(m: Machine, node: s.Command) -> None:
-    deep(m.code.opened[m.here])
+    check_depth(m.code.opened[m.here])
     met = holds(expressions.value(m, node.arguments[0]))
     m.took(0 if met else 1)
     if not met:
@@ -145,14 +149,14 @@ def back_to_while(m: Machine, _: s.Command) -> None:
 # ------------------------------------------------------------------------------------- Select
 
 
-def choose(m: Machine, node: s.Select) -> None:
+def choose_case(m: Machine, node: s.Select) -> None:
     """The first part that fits, Default where none does; lines before the first never run."""
     block = m.code.opened[m.here]
     subject = expressions.value(m, node.subject)
     for way, part in enumerate(block.parts):
         statement = m.code.rows[part].statement
         if not isinstance(statement, s.Case) or any(
-            _fits(m, item, subject) for item in statement.items
+            _case_fits(m, item, subject) for item in statement.items
         ):
             m.took(way)
             m.at = part + 1
@@ -161,18 +165,18 @@ def choose(m: Machine, node: s.Select) -> None:
     m.at = block.end + 1
 
 
-def _fits(m: Machine, item: s.CaseRange | s.CaseIs, subject: Value) -> bool:
+def _case_fits(m: Machine, item: s.CaseRange | s.CaseIs, subject: Value) -> bool:
     if isinstance(item, s.CaseIs):
-        sign = SPELLED.get(item.operator, item.operator)
-        return _compared(m, sign, subject, expressions.value(m, item.value))
+        sign = SPELLINGS.get(item.operator, item.operator)
+        return _case_compared(m, sign, subject, expressions.value(m, item.value))
     first = expressions.value(m, item.first)
     if item.last is None:
-        return _compared(m, "=", subject, first)
+        return _case_compared(m, "=", subject, first)
     last = expressions.value(m, item.last)
-    return _compared(m, ">=", subject, first) and _compared(m, "<=", subject, last)
+    return _case_compared(m, ">=", subject, first) and _case_compared(m, "<=", subject, last)
 
 
-def _compared(m: Machine, sign: str, left: Value, right: Value) -> bool:
+def _case_compared(m: Machine, sign: str, left: Value, right: Value) -> bool:
     if sign not in RELATIONS:
         raise Failed(4220, f"Case Is {sign}")
     return bool(binary(m, sign, left, right))

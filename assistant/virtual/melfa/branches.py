@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.branches import Branch, Branches, Way
+from assistant.virtual.branches import Branch, Branches, BranchKey
 from assistant.virtual.melfa.code import Code, code_of
 
 
 def branches(files: Sequence[s.File]) -> Branches:
     """Every way that a statement can go on; raises Failed where blocks do not close."""
-    found: dict[Way, Branch] = {}
+    found: dict[BranchKey, Branch] = {}
     for file in files:
         code = code_of(file)
         for at, row in enumerate(code.rows):
-            for way, said in _ways(code, at, row.statement):
+            for way, said in _branch_ways(code, at, row.statement):
                 found[code.path, at, way] = Branch(code.path, row.line, said)
     return found
 
 
-def _ways(code: Code, at: int, statement: s.Statement | None) -> Iterator[tuple[int, str]]:
+def _branch_ways(code: Code, at: int, statement: s.Statement | None) -> Iterator[tuple[int, str]]:
     match statement:
         case s.If(then=None):
             parts = [code.rows[part].statement for part in code.opened[at].parts]

@@ -97,7 +97,7 @@ MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Func
 def code_of(file: s.File) -> Code:
     """The tables of a file; raises Failed where blocks do not close or a line is none."""
     rows = list(_rows(file))
-    code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_data(file)), {}, {})
+    code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_position_data(file)), {}, {})
     code.path = (file.source.path or "") if file.source is not None else ""
     code.level = int(file.dialect[-1])
     code.takes = any(isinstance(row.statement, s.FPrm) for row in rows)
@@ -123,34 +123,34 @@ def _rows(file: s.File) -> Iterator[Row]:
             case s.Line(statement=statement, label=label, number=number):
                 if isinstance(statement, s.Function):
                     function = statement.name.upper()
-                line = _line(file, item.span)
+                line = _code_line(file, item.span)
                 yield Row(statement, (label or "").upper(), number, function, line)
                 if statement == s.Command("FEnd"):
                     function = ""
             case MoveRows():
-                line = _line(file, item.span)
+                line = _code_line(file, item.span)
                 for at in range(len(item)):
                     here = line + at if line else 0
-                    yield Row(_move(item, at), "", int(item.steps[at]), function, here)
+                    yield Row(_move_row(item, at), "", int(item.steps[at]), function, here)
             case s.Unread(text=text):
                 raise Failed(4220, f"`{text}` is no statement")
 
 
-def _line(file: s.File, span: Span | None) -> int:
+def _code_line(file: s.File, span: Span | None) -> int:
     """Of a span's beginning, from 1; 0 where that is not known."""
     if file.source is None or span is None:
         return 0
     return file.source.line_column(span.start)[0]
 
 
-def _move(rows: MoveRows, at: int) -> s.Motion:
+def _move_row(rows: MoveRows, at: int) -> s.Motion:
     columns = (rows.start, rows.via, rows.end)
     named = [int(column[at]) for column in columns if column[at] >= 0]
     targets = tuple(s.Variable(f"{rows.stem}{number}") for number in named)
     return s.Motion(KEYWORDS[int(rows.kinds[at])], targets)
 
 
-def _data(file: s.File) -> Iterator[tuple[str, tuple[int, ...], Value]]:
+def _position_data(file: s.File) -> Iterator[tuple[str, tuple[int, ...], Value]]:
     """Variables that stand in the file, with their values."""
     for item in file.items:
         match item:
@@ -162,10 +162,10 @@ def _data(file: s.File) -> Iterator[tuple[str, tuple[int, ...], Value]]:
             case s.Data(variable=variable, value=value):
                 made = constant(value)
                 if made is not None:
-                    yield variable.key, _numbers(variable), made
+                    yield variable.key, _position_numbers(variable), made
 
 
-def _numbers(variable: s.Variable) -> tuple[int, ...]:
+def _position_numbers(variable: s.Variable) -> tuple[int, ...]:
     """Subscripts, or extents."""
     return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
 
@@ -230,7 +230,7 @@ def _scopes(code: Code) -> None:
     for row in code.rows:
         before = before and not isinstance(row.statement, s.Function)
         scope = code.scopes[row.function] if row.function else code.main
-        _declare(code, scope, row.statement)
+        _declare_variables(code, scope, row.statement)
         for node in nodes(row.statement):
             if isinstance(node, s.Variable):
                 if node.suffix:
@@ -243,15 +243,15 @@ def _scopes(code: Code) -> None:
             scope.kinds.setdefault(name, kind)
 
 
-def _declare(code: Code, scope: Scope, statement: s.Statement | None) -> None:
+def _declare_variables(code: Code, scope: Scope, statement: s.Statement | None) -> None:
     match statement:
         case s.DefNames(type=type_, variables=variables) if type_ in DEFINED:
             for variable in variables:
                 scope.kinds[variable.key] = DEFINED[type_]
-                _size(scope, variable)
+                _array_size(scope, variable)
         case s.Dim(variables=variables):
             for variable in variables:
-                _size(scope, variable)
+                _array_size(scope, variable)
         case s.Const(type=type_, variable=variable):
             scope.declared.add(variable.key)
             if scope is code.main:
@@ -260,7 +260,7 @@ def _declare(code: Code, scope: Scope, statement: s.Statement | None) -> None:
                 scope.kinds[variable.key] = DEFINED[type_]
         case s.Static(definition=definition):
             scope.static |= {variable.key for variable in definition.variables}
-            _declare(code, scope, definition)
+            _declare_variables(code, scope, definition)
         case s.DefFunction(name=name):
             code.definitions[name.upper()] = statement
         case s.DefIo(variable=variable):
@@ -271,10 +271,10 @@ def _declare(code: Code, scope: Scope, statement: s.Statement | None) -> None:
                     scope.kinds[parameter.name.upper()] = SUFFIXES[parameter.suffix]
 
 
-def _size(scope: Scope, variable: s.Variable) -> None:
+def _array_size(scope: Scope, variable: s.Variable) -> None:
     scope.declared.add(variable.key)
     if variable.arguments:
-        scope.sizes[variable.key] = _numbers(variable)
+        scope.sizes[variable.key] = _position_numbers(variable)
 
 
 def nodes(node: Any) -> Iterator[Any]:

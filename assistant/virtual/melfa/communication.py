@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.world import World
 
-FILES: Final = range(1, 9)
-END: Final = "\r"
+FILE_NUMBERS: Final = range(1, 9)
+RECORD_END: Final = "\r"
 PREFIX: Final = "PRN"
 """Of data on a line that takes commands as well (protocol without procedure)."""
 
@@ -48,14 +48,14 @@ class Channel:
     def pull(self) -> None:
         """Takes what has come; a carriage return ends a line, a line feed behind it is nothing."""
         self._buffer += self.line.receive().decode("latin-1")
-        while END in self._buffer:
-            one, self._buffer = self._buffer.split(END, 1)
+        while RECORD_END in self._buffer:
+            one, self._buffer = self._buffer.split(RECORD_END, 1)
             one = one.removeprefix("\n")
             if self.prefixed and not one.startswith(PREFIX):
                 continue  # a command to the controller, none of whose programs reads it
             if self.prefixed:
                 one = one.removeprefix(PREFIX).removeprefix(" ")
-            self._items.extend(records.items(one))
+            self._items.extend(records.record_items(one))
             self.arrived += 1
 
     def has(self, count: int) -> bool:
@@ -72,23 +72,23 @@ class Channel:
         return [self._items.popleft() for _ in range(count)]
 
 
-def _number(m: Machine, node: s.Expression) -> int:
+def _file_number(m: Machine, node: s.Expression) -> int:
     number = expressions.integer(m, node, "the number of a file")
-    if number not in FILES:
+    if number not in FILE_NUMBERS:
         raise out_of_range(f"the file {number}")
     return number
 
 
-def _channel(m: Machine, node: s.Expression, what: str) -> Channel:
-    number = _number(m, node)
+def _open_channel(m: Machine, node: s.Expression, what: str) -> Channel:
+    number = _file_number(m, node)
     found = m.world.files.get(number)
     if found is None:
         raise Failed(None, f"{what} with file {number}, which is not open")
     return found
 
 
-def _open(m: Machine, node: s.Open) -> None:
-    number = _number(m, node.number)
+def _open_file(m: Machine, node: s.Open) -> None:
+    number = _file_number(m, node.number)
     name = text(expressions.value(m, node.name), "the name of a file").strip().upper()
     slot = m.world.slot
     outside: Outside = m.world if slot is None else slot.controller
@@ -96,7 +96,7 @@ def _open(m: Machine, node: s.Open) -> None:
     if ":" in name:
         line = outside.line(name)
     else:
-        line = _stored(outside.stored, name, node.mode.capitalize())
+        line = _stored_file(outside.stored, name, node.mode.capitalize())
     if number in m.world.files or outside.uses(line):
         raise Failed(3130, f"{name} or the file {number} is open already")
     try:
@@ -107,10 +107,10 @@ def _open(m: Machine, node: s.Open) -> None:
     m.world.files[number] = Channel(name, line, m.world.options.prefixed)
 
 
-def _stored(files: dict[str, bytearray], name: str, mode: str) -> Stored:
+def _stored_file(files: dict[str, bytearray], name: str, mode: str) -> Stored:
     """A file on the controller."""
-    if len(name) > LONGEST:
-        raise Failed(None, f"the name {name} of a file is longer than {LONGEST} characters")
+    if len(name) > LONGEST_INPUT:
+        raise Failed(None, f"the name {name} of a file is longer than {LONGEST_INPUT} characters")
     match mode:
         case "Output" | "Append":
             return Stored(files.setdefault(name, bytearray()), mode)
@@ -121,31 +121,31 @@ def _stored(files: dict[str, bytearray], name: str, mode: str) -> Stored:
     raise Unknown(f"the file {name} in random mode")
 
 
-LONGEST: Final = 16
+LONGEST_INPUT: Final = 16
 """Characters of a file's name (COSIROP: OPEN)."""
 
 
-def _close(m: Machine, node: s.Close) -> None:
-    numbers = tuple(_number(m, number) for number in node.numbers)
+def _close_files(m: Machine, node: s.Close) -> None:
+    numbers = tuple(_file_number(m, number) for number in node.numbers)
     m.world.close_files(numbers or None)
 
 
 # ------------------------------------------------------------------------------------ writing
 
 
-def _print(m: Machine, node: s.Print) -> None:
+def _print_record(m: Machine, node: s.Print) -> None:
     """A comma goes on in the next column, a semicolon at once; either at the end keeps the line."""
-    channel, options = _channel(m, node.number, "Print #"), m.world.options
+    channel, options = _open_channel(m, node.number, "Print #"), m.world.options
     if isinstance(channel.line, Stored) and channel.line.mode == "Input":
         raise Failed(3150, f"{channel.name} is open for input")
     made, goes_on = channel.unfinished, False
     for place, (mark, item) in enumerate(node.items):
         goes_on = item is None
         if mark == "," and place > 0:
-            made = records.padded(made, options.columns)
+            made = records.padded_text(made, options.columns)
         if item is not None:
-            made += records.written(expressions.value(m, item), options)
-    new = made[len(channel.unfinished) :] + ("" if goes_on else END)
+            made += records.record_text(expressions.value(m, item), options)
+    new = made[len(channel.unfinished) :] + ("" if goes_on else RECORD_END)
     channel.unfinished = made if goes_on else ""
     line = channel.line
     if line.full():
@@ -156,9 +156,9 @@ def _print(m: Machine, node: s.Print) -> None:
 # ------------------------------------------------------------------------------------ reading
 
 
-def _input(m: Machine, node: s.Input) -> None:
+def _input_record(m: Machine, node: s.Input) -> None:
     """Waits for an item for each variable; further ones are for the next Input#."""
-    channel = _channel(m, node.number, "Input #")
+    channel = _open_channel(m, node.number, "Input #")
     count, line = len(node.variables), channel.line
     if isinstance(line, Stored) and line.mode != "Input":
         raise Failed(3170, f"{channel.name} is open for output")
@@ -168,10 +168,10 @@ def _input(m: Machine, node: s.Input) -> None:
         lambda: channel.has(count), what=f"data on {channel.name}", outside=line.outside
     )
     for variable, item in zip(node.variables, channel.take(count), strict=True):
-        expressions.store(m, variable, records.read(item, _kind(m, variable)))
+        expressions.store(m, variable, records.record_value(item, _variable_kind(m, variable)))
 
 
-def _kind(m: Machine, variable: s.Variable) -> Kind:
+def _variable_kind(m: Machine, variable: s.Variable) -> Kind:
     if variable.component:
         return "number"
     place, _ = expressions.reference(m, variable)
@@ -196,9 +196,9 @@ def set_target(world: World, number: int, told: str) -> None:
 
 LOOPBACK: Final = ("127.0.0.1", "localhost")
 
-FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
-    s.Open: _open,
-    s.Close: _close,
-    s.Print: _print,
-    s.Input: _input,
+FILE_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    s.Open: _open_file,
+    s.Close: _close_files,
+    s.Print: _print_record,
+    s.Input: _input_record,
 }

@@ -19,9 +19,9 @@ from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import Code, code_of
 from assistant.virtual.melfa.lines import Line
 from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.memory import OWN_ARRAY, OWN_ELEMENTS, Memory, Place, Scope
+from assistant.virtual.melfa.memory import OWN_ARRAY, OWN_ELEMENTS, Memory, Scope, Storage
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.plugins import by_name
+from assistant.virtual.melfa.plugins import commands_by_name
 from assistant.virtual.melfa.slots import Slot
 from assistant.virtual.melfa.stops import Failed
 from assistant.virtual.melfa.world import World
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.virtual.melfa.plugins import Commands
 
-SLOTS: Final = 8
+DEFAULT_SLOTS: Final = 8
 """As the parameter TASKMAX is set by the maker; 32 at most."""
 
 
@@ -70,7 +70,7 @@ class Controller:
         start: Pose | None = None,
         joints: Sequence[float] | None = None,
         base: s.File | None = None,
-        slots: int = SLOTS,
+        slots: int = DEFAULT_SLOTS,
         always_may: bool = False,
         lines: Mapping[str, Line] | None = None,
         options: Options | None = None,
@@ -86,7 +86,7 @@ class Controller:
         elif standing is not None:
             self.arm.at_joints(standing[1])
         self.always_may = always_may
-        self.options, self.commands = options or Options(), by_name(commands)
+        self.options, self.commands = options or Options(), commands_by_name(commands)
         self.lines = {name.upper(): line for name, line in (lines or {}).items()}
         self.stored: dict[str, bytearray] = {}
         self.timers: dict[int, float] = {}
@@ -200,7 +200,7 @@ class Controller:
         """A slot that was stopped on the way of a motion will not make it to its end."""
         if slot is not None and self.paused is slot and slot.world is not None:
             self.paused = None
-            pausing.cut(slot.world)
+            pausing.cut_motion(slot.world)
 
     def release(self, slot: Slot) -> bool:
         """Whether the slot had the mechanism."""
@@ -229,7 +229,7 @@ class _Programs(Mapping[str, Machine]):
         return len(self._controller._files)
 
 
-OWN: Final = re.compile(r"[PJMC]_[01]\d")
+OWN_VARIABLES: Final = re.compile(r"[PJMC]_[01]\d")
 """External variables that every controller has, beside its arrays."""
 
 
@@ -241,11 +241,11 @@ class Shared(Memory):
         for name, index, value in base.data if base is not None else ():
             self.place(name).set(value, index)
 
-    def place(self, name: str) -> Place:
+    def place(self, name: str) -> Storage:
         if name not in self.places:
             if OWN_ARRAY.fullmatch(name):
                 self.scope.sizes[name] = (OWN_ELEMENTS,)
-            elif not OWN.fullmatch(name) and name not in self.scope.declared | set(
+            elif not OWN_VARIABLES.fullmatch(name) and name not in self.scope.declared | set(
                 self.scope.kinds
             ):
                 raise Failed(4341, f"no base program declares the external variable {name}")

@@ -9,17 +9,10 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import functions, pallets, places, status
 from assistant.virtual.melfa.code import constant, nodes
-from assistant.virtual.melfa.memory import Index, Place, is_external
+from assistant.virtual.melfa.memory import Index, Storage, is_external
 from assistant.virtual.melfa.operators import binary, unary
 from assistant.virtual.melfa.stops import Failed, Unknown
-from assistant.virtual.melfa.values import (
-    Value,
-    component,
-    fitted,
-    number,
-    whole,
-    with_component,
-)
+from assistant.virtual.melfa.values import Value, component, fitted, number, whole, with_component
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -42,18 +35,18 @@ def value(m: Machine, node: s.Expression | None) -> Value:
         case s.Unary(operator=sign, operand=operand):
             return unary(sign.upper(), value(m, operand))
         case s.Binary(operator=sign, left=s.Variable() as read, right=s.Number(value=mask)) if (
-            sign.upper() == "AND" and 0 <= mask < SIGN and (low := _bits(m, read)) is not None
+            sign.upper() == "AND" and 0 <= mask < SIGN_BIT and (low := _bits(m, read)) is not None
         ):
             return low & whole(mask, "an operand")
         case s.Binary(operator=sign, left=left, right=right):
             return binary(m, sign.upper(), value(m, left), value(m, right))
         case s.Pallet(number=number_, point=point):
             which, at = whole(value(m, number_), "the pallet"), whole(value(m, point), "the point")
-            return pallets.point(m.pallets.get(which), which, at)
+            return pallets.pallet_point(m.pallets.get(which), which, at)
     raise Failed(4220, "an expression that is none")
 
 
-SIGN: Final = 1 << 15
+SIGN_BIT: Final = 1 << 15
 """The bit that may be a sign: those below it are the same with and without one."""
 
 
@@ -62,7 +55,7 @@ def _bits(m: Machine, node: s.Variable) -> int | None:
     key = node.key
     if node.component or m.is_own(key) or key in m.code.functions or not is_status(key):
         return None
-    return status.bits(m.world, key, tuple(value(m, a) for a in node.arguments or ()))
+    return status.group_bits(m.world, key, tuple(value(m, a) for a in node.arguments or ()))
 
 
 def values(m: Machine, given: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:
@@ -95,7 +88,7 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
         return m.result()
     if not m.is_own(key):
         if key in m.world.commands:
-            return plugged(m, node)
+            return plugin_value(m, node)
         if key in m.code.functions:
             return m.called(node)
         if key in m.code.definitions:
@@ -108,10 +101,10 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
             index = tuple(value(m, a) for a in node.arguments or ())
             return status.read(m.world, key, index)
     place, index = reference(m, node)
-    if m.world.options.unset == "zero" and place.kind in NUMBERS and not place.is_set(index):
+    if m.world.options.unset == "zero" and place.kind in NUMBER_KINDS and not place.is_set(index):
         return 0
     if m.world.options.shared == "zero" and is_external(key) and not place.is_set(index):
-        if place.kind in (*NUMBERS, "text"):
+        if place.kind in (*NUMBER_KINDS, "text"):
             return "" if place.kind == "text" else 0
     return place.get(index)
 
@@ -134,7 +127,7 @@ def store(m: Machine, node: s.Variable, given: Value) -> None:
     place.set(fitted(given, place.kind, node.name, m.world.options), index)
 
 
-def plugged(m: Machine, node: s.Variable) -> Value:
+def plugin_value(m: Machine, node: s.Variable) -> Value:
     """What a plug-in gives for a function or a status variable."""
     found = m.world.given(node.key, values(m, node.arguments or ()))
     if found is None:
@@ -175,7 +168,7 @@ def _calls(node: s.Expression | None) -> bool:
 def _arc(m: Machine, arguments: tuple[s.Expression | None, ...]) -> int:
     """CalArc, which gives most of what it finds back in its arguments."""
     one, via, other = (value(m, node) for node in arguments[:3])
-    done, radius, angle, length, centre = places.arc(one, via, other)
+    done, radius, angle, length, centre = places.arc_data(one, via, other)
     found: tuple[Value, ...] = (radius, angle, length, centre)
     for node, made in zip(arguments[3:], found, strict=True):
         if not isinstance(node, s.Variable):
@@ -190,7 +183,7 @@ def is_status(key: str) -> bool:
     return vocabulary.status(key) is not None and not (is_external(key) and key[2:].isdigit())
 
 
-def reference(m: Machine, node: s.Variable) -> tuple[Place, Index]:
+def reference(m: Machine, node: s.Variable) -> tuple[Storage, Index]:
     """The cell that a variable is, and the element of it."""
     if node.arguments is None:
         return m.memory_of(node.key).place(node.key), ()
@@ -213,5 +206,5 @@ def io_of(m: Machine, definition: s.DefIo) -> tuple[int, int, int]:
     return integer(m, definition.number, "the signal"), width, mask
 
 
-NUMBERS: Final = ("number", "integer", "long")
+NUMBER_KINDS: Final = ("number", "integer", "long")
 """Types of variables that a number goes into."""

@@ -17,20 +17,22 @@ def call(name: str, arguments: tuple[Value | None, ...], world: World) -> Value:
 
     name: upper case without `$`. arguments: None for one that is left out.
     """
-    if name in NUMERIC and None not in arguments:
-        return NUMERIC[name](*(number(a, f"an argument of {name}") for a in _given(arguments)))
-    if name in texts.PLAIN:
-        return texts.PLAIN[name](*_given(arguments))
-    if name in texts.OPEN:
-        return texts.OPEN[name](world.options, *_given(arguments))
-    if name in places.BUILT:
-        return places.BUILT[name](world, *arguments)
-    if name in places.PLAIN:
-        return places.PLAIN[name](world, *_given(arguments))
+    if name in NUMBER_FUNCTIONS and None not in arguments:
+        return NUMBER_FUNCTIONS[name](
+            *(number(a, f"an argument of {name}") for a in _required(arguments))
+        )
+    if name in texts.TEXT_FUNCTIONS:
+        return texts.TEXT_FUNCTIONS[name](*_required(arguments))
+    if name in texts.OPTION_FUNCTIONS:
+        return texts.OPTION_FUNCTIONS[name](world.options, *_required(arguments))
+    if name in places.CONSTRUCTORS:
+        return places.CONSTRUCTORS[name](world, *arguments)
+    if name in places.POSITION_FUNCTIONS:
+        return places.POSITION_FUNCTIONS[name](world, *_required(arguments))
     raise Unknown(f"the function {name}")
 
 
-def _given(arguments: tuple[Value | None, ...]) -> tuple[Value, ...]:
+def _required(arguments: tuple[Value | None, ...]) -> tuple[Value, ...]:
     if any(a is None for a in arguments):
         raise Failed(3120, "an argument is left out")
     return tuple(a for a in arguments if a is not None)
@@ -39,7 +41,7 @@ def _given(arguments: tuple[Value | None, ...]) -> tuple[Value, ...]:
 # ----------------------------------------------------------------------------------- numbers
 
 
-def _root(x: float) -> float:
+def _square_root(x: float) -> float:
     if x < 0:
         raise out_of_range("the root of a negative number")
     return math.sqrt(x)
@@ -64,7 +66,7 @@ def _logarithm(of: Callable[[float], float]) -> Callable[[float], float]:
     return made
 
 
-def _arc(of: Callable[[float], float]) -> Callable[[float], float]:
+def _arc_tangent(of: Callable[[float], float]) -> Callable[[float], float]:
     def made(x: float) -> float:
         if not -1 <= x <= 1:
             raise out_of_range("the arc of a number beyond 1")
@@ -73,10 +75,10 @@ def _arc(of: Callable[[float], float]) -> Callable[[float], float]:
     return made
 
 
-NUMERIC: Final[Mapping[str, Callable[..., int | float]]] = {
+NUMBER_FUNCTIONS: Final[Mapping[str, Callable[..., int | float]]] = {
     "ABS": abs,
     "SGN": lambda x: (x > 0) - (x < 0),
-    "SQR": _root,
+    "SQR": _square_root,
     "EXP": _power_of_e,
     "LN": _logarithm(math.log),
     "LOG": _logarithm(math.log10),
@@ -92,6 +94,6 @@ NUMERIC: Final[Mapping[str, Callable[..., int | float]]] = {
     "TAN": math.tan,
     "ATN": math.atan,
     "ATN2": math.atan2,
-    "ASIN": _arc(math.asin),
-    "ACOS": _arc(math.acos),
+    "ASIN": _arc_tangent(math.asin),
+    "ACOS": _arc_tangent(math.acos),
 }

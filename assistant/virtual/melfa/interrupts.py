@@ -134,13 +134,13 @@ class Interrupts:
     def _run(self, act: Act) -> None:
         m, node = self._m, act.node
         late = isinstance(node, s.DefAct) and node.stop.upper() == "L"
-        paused = pausing.pause(m.world, late)
+        paused = pausing.pause_arm(m.world, late)
         function = act.frame.function
         if isinstance(node, s.DefAct) and node.keyword == "GoTo":
             above = m.frames[m.frames.index(act.frame) + 1 :] if act.frame in m.frames else None
             if above is None or not all(frame.interrupts for frame in above):
                 raise Unknown("an interrupt that jumps out of a Function")
-            pausing.cut(m.world)
+            pausing.cut_motion(m.world)
             del m.frames[len(m.frames) - len(above) :]
             self._ranks.append(act.rank)
             raise Redirected(act.nest, m.code.target(node.target, function))
@@ -163,7 +163,7 @@ class Interrupts:
         """
         m = self._m
         if choice == 0:
-            if not paused or pausing.resume(m.world):
+            if not paused or pausing.resume_arm(m.world):
                 return
             if not (m.began and _moves(m)):
                 return
@@ -173,7 +173,7 @@ class Interrupts:
             raise Unknown("how an arc goes on that an interrupt has moved the arm from")
         if not m.began and not _lasts(m):
             raise Unknown("which line an interrupt comes in, between two that take no time")
-        pausing.cut(m.world)
+        pausing.cut_motion(m.world)
         raise Redirected(m.nest, m.here + 1)
 
 

@@ -21,7 +21,7 @@ from assistant.virtual.melfa.values import (
 from assistant.virtual.melfa.world import World
 
 
-def place(world: World) -> Place | None:
+def statement_place(world: World) -> Place | None:
     """Of the statement at hand."""
     if not world.running:
         return None
@@ -29,15 +29,15 @@ def place(world: World) -> Place | None:
     return machine.code.place(machine.here)
 
 
-def levels(world: World) -> list[Level]:
+def call_levels(world: World) -> list[Level]:
     """The functions and subroutines that run, of all programs, the innermost first."""
-    return [level for machine in reversed(world.running) for level in _of_program(machine)]
+    return [level for machine in reversed(world.running) for level in _program_levels(machine)]
 
 
-def _of_program(machine: Machine) -> list[Level]:
+def _program_levels(machine: Machine) -> list[Level]:
     at, found = machine.here, []
     for frame in reversed(machine.frames):
-        groups = _groups(machine, frame)
+        groups = _data_groups(machine, frame)
         for back in reversed(frame.back):
             found.append(Level("GoSub", machine.code.place(at), groups))
             at = back - 1
@@ -46,36 +46,36 @@ def _of_program(machine: Machine) -> list[Level]:
     return found
 
 
-def _groups(machine: Machine, frame: Frame) -> Mapping[str, Callable[[], Sequence[Shown]]]:
-    groups = {"Program": lambda: list(_data(machine.main))}
+def _data_groups(machine: Machine, frame: Frame) -> Mapping[str, Callable[[], Sequence[Shown]]]:
+    groups = {"Program": lambda: list(_shown_data(machine.main))}
     if frame.function:
-        groups = {"Function": lambda: list(_data(frame.memory)), **groups}
-    return {**groups, "All programs": lambda: list(_data(machine.world.shared))}
+        groups = {"Function": lambda: list(_shown_data(frame.memory)), **groups}
+    return {**groups, "All programs": lambda: list(_shown_data(machine.world.shared))}
 
 
-def _data(memory: Memory) -> Iterator[Shown]:
+def _shown_data(memory: Memory) -> Iterator[Shown]:
     for name, place in memory.places.items():
         if not isinstance(place, Cell):
-            yield _shown(name, place.cell.values.get(place.at), place.kind)
+            yield _shown_value(name, place.cell.values.get(place.at), place.kind)
         elif place.size:
             size = ",".join(map(str, place.size))
             items = [
-                _shown(f"({','.join(map(str, index))})", value, place.kind)
+                _shown_value(f"({','.join(map(str, index))})", value, place.kind)
                 for index, value in sorted(place.values.items())
             ]
             yield Shown(name, f"({size})", place.kind, lambda items=items: items)  # type: ignore[misc]
         else:
-            yield _shown(name, place.values.get(()), place.kind)
+            yield _shown_value(name, place.values.get(()), place.kind)
 
 
-def _shown(name: str, value: Value | None, kind: str) -> Shown:
+def _shown_value(name: str, value: Value | None, kind: str) -> Shown:
     match value:
         case None:
             return Shown(name, "", kind)
         case Position(values, flags):
-            parts = [*_elements(COMPONENTS, values), *_elements(FLAGS, flags)]
+            parts = [*_shown_elements(COMPONENTS, values), *_shown_elements(FLAGS, flags)]
         case Joints(values) | Bare(values):
-            parts = list(_elements(JOINTS, values))
+            parts = list(_shown_elements(JOINTS, values))
         case str():
             return Shown(name, f'"{value}"', kind)
         case _:
@@ -84,6 +84,8 @@ def _shown(name: str, value: Value | None, kind: str) -> Shown:
     return Shown(name, text, kind, lambda: parts)
 
 
-def _elements(names: Sequence[str], values: Elements | Sequence[int | None]) -> Iterator[Shown]:
+def _shown_elements(
+    names: Sequence[str], values: Elements | Sequence[int | None]
+) -> Iterator[Shown]:
     for name, value in zip(names, values, strict=True):
         yield Shown(name, "" if value is None else f"{value:.10g}")

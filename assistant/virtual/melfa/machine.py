@@ -19,8 +19,8 @@ from assistant.virtual.melfa.memory import (
     Cell,
     Element,
     Memory,
-    Place,
     Scope,
+    Storage,
     is_external,
     kind_by_name,
 )
@@ -267,7 +267,7 @@ class Machine:
 
     def _argument(
         self, parameter: s.FunctionParameter, node: s.Expression | None, scope: Scope
-    ) -> Place:
+    ) -> Storage:
         name = parameter.name.upper()
         mode = parameter.mode or self.world.options.parameters
         whole = isinstance(node, s.Variable) and not node.arguments and not node.component

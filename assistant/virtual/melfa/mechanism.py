@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # ------------------------------------------------------------------------------------ frames
 
 
-def _tool(m: Machine, node: s.Expression) -> None:
+def _set_tool_statement(m: Machine, node: s.Expression) -> None:
     """Holds at once, also for P_Curr."""
     found = expressions.value(m, node)
     if isinstance(found, bool | int | float):
@@ -29,11 +29,11 @@ def _tool(m: Machine, node: s.Expression) -> None:
 
 def choose_tool(m: Machine, number: int) -> None:
     """A tool by its number, as the parameters MEXTL1 and so on give it."""
-    kept = _kept(m, f"MEXTL{number}")
-    _set_tool(m.world.arm, kept or _numbered(m.world.options.tools, number, "tool"), number)
+    kept = _parameter_position(m, f"MEXTL{number}")
+    _set_tool(m.world.arm, kept or _numbered_frame(m.world.options.tools, number, "tool"), number)
 
 
-def _kept(m: Machine, parameter: str) -> Position | None:
+def _parameter_position(m: Machine, parameter: str) -> Position | None:
     """The value of a parameter that a program's list of positions holds for its cell.
 
     As a position whose name is that of the parameter behind a P.
@@ -47,13 +47,13 @@ def _set_tool(arm: Arm, tool: Position, number: int | None) -> None:
     arm.tool, arm.tip, arm.tool_number = tool, poses.pose_of(tool), number
 
 
-def _base(m: Machine, node: s.Expression) -> None:
+def _set_base(m: Machine, node: s.Expression) -> None:
     """The robot's base seen from where positions are counted."""
     arm, found, number = m.world.arm, expressions.value(m, node), None
     if isinstance(found, bool | int | float):
         number = whole(found)
-        kept = _kept(m, f"WK{number}CORD")
-        base = kept or _numbered(m.world.options.bases, number, "base")
+        kept = _parameter_position(m, f"WK{number}CORD")
+        base = kept or _numbered_frame(m.world.options.bases, number, "base")
         if kept is None and number and m.world.options.bases_are is None:
             raise open_point("from where a numbered base is seen", "bases_are")
         if kept is not None or m.world.options.bases_are == "seen":
@@ -63,7 +63,7 @@ def _base(m: Machine, node: s.Expression) -> None:
     arm.base, arm.foot, arm.base_number = base, poses.pose_of(base), number
 
 
-def _numbered(frames: Mapping[int, Frame], number: int, what: str) -> Position:
+def _numbered_frame(frames: Mapping[int, Frame], number: int, what: str) -> Position:
     """That of 0 is none unless somebody says otherwise (CR1D: Base, Tool)."""
     if number == 0 and number not in frames:
         return ORIGIN
@@ -75,7 +75,7 @@ def _numbered(frames: Mapping[int, Frame], number: int, what: str) -> Position:
 # -------------------------------------------------------------------------------------- servo
 
 
-def _servo(m: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
+def _switch_servo(m: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
     m.world.needs_mechanism("Servo")
     word = expressions.bare(node)
     if word not in ("On", "Off"):
@@ -86,16 +86,16 @@ def _servo(m: Machine, node: s.Expression, *mechanism: s.Expression | None) -> N
     m.world.arm.servo = word == "On"
 
 
-def _turn(m: Machine, node: s.Expression, axis: s.Expression | None = None) -> None:
+def _change_turns(m: Machine, node: s.Expression, axis: s.Expression | None = None) -> None:
     """JRC: the joint counts a turn more or less, and the arm stays where it is."""
     turns = expressions.integer(m, node, "the turns of JRC")
-    which = SIXTH if axis is None else expressions.integer(m, axis, "the axis of JRC")
+    which = SIXTH_AXIS if axis is None else expressions.integer(m, axis, "the axis of JRC")
     if turns not in (-1, 0, 1):
         raise out_of_range(f"{turns} turns of JRC")
     if not m.world.options.joint_turns:
         m.world.note("JRC does nothing while the parameter JRCEXE is 0")
         return
-    if which != SIXTH:
+    if which != SIXTH_AXIS:
         raise Unknown("JRC of an axis whose turns a parameter gives")
     if turns == 0:
         raise Failed(3910, "JRC 0 of an axis of the arm")
@@ -107,37 +107,37 @@ def _turn(m: Machine, node: s.Expression, axis: s.Expression | None = None) -> N
         arm.joints = (*arm.joints[:5], arm.joints[5] + 360.0 * turns, *arm.joints[6:])
     one, two = arm.flags
     if two is not None:
-        nibble = (two >> SHIFT & 15) + turns & 15
-        arm.flags = (one, two & ~(15 << SHIFT) | nibble << SHIFT)
+        nibble = (two >> TURN_SHIFT & 15) + turns & 15
+        arm.flags = (one, two & ~(15 << TURN_SHIFT) | nibble << TURN_SHIFT)
 
 
-SIXTH: Final = 6
-SHIFT: Final = 20
+SIXTH_AXIS: Final = 6
+TURN_SHIFT: Final = 20
 """Of the four bits of joint 6 in FL2."""
 
 # -------------------------------------------------------------------------------------- hands
 
 
-def _hand(m: Machine, node: s.Expression, value: float) -> None:
+def _move_hand(m: Machine, node: s.Expression, value: float) -> None:
     order_hand(m, expressions.integer(m, node, "the hand"), value)
 
 
 def order_hand(m: Machine, hand: int, value: float) -> None:
     """An order to open (1) or to close (0) a hand."""
-    if not 1 <= hand <= HANDS:
+    if not 1 <= hand <= MOST_HANDS:
         raise out_of_range(f"the hand {hand}")
     m.world.arm.hands[hand] = value
-    m.world.task.switch(HAND.format(hand), value)
+    m.world.task.switch(HAND_SIGNAL.format(hand), value)
 
 
-HANDS: Final = 8
-HAND: Final = "hand{}"
+MOST_HANDS: Final = 8
+HAND_SIGNAL: Final = "hand{}"
 """The event of a hand: 1 as it opens, 0 as it closes."""
 
 # ----------------------------------------------------------------------------------- softness
 
 
-def _soft(m: Machine, mode: s.Expression, axes: s.Expression | None = None) -> None:
+def _set_softness(m: Machine, mode: s.Expression, axes: s.Expression | None = None) -> None:
     """Cmp: without a force on the arm it stays where it is sent."""
     word, arm = expressions.bare(mode), m.world.arm
     if word not in ("Jnt", "Pos", "Tool", "Off") or (axes is None) != (word == "Off"):
@@ -150,12 +150,12 @@ def _soft(m: Machine, mode: s.Expression, axes: s.Expression | None = None) -> N
     m.world.note("Cmp has no effect: nothing pushes the arm here")
 
 
-WORDS: Final[Mapping[str, Callable[..., None]]] = {
-    "TOOL": _tool,
-    "BASE": _base,
-    "SERVO": _servo,
-    "JRC": _turn,
-    "HOPEN": lambda m, hand, *_: _hand(m, hand, 1.0),
-    "HCLOSE": lambda m, hand: _hand(m, hand, 0.0),
-    "CMP": _soft,
+ARM_WORDS: Final[Mapping[str, Callable[..., None]]] = {
+    "TOOL": _set_tool_statement,
+    "BASE": _set_base,
+    "SERVO": _switch_servo,
+    "JRC": _change_turns,
+    "HOPEN": lambda m, hand, *_: _move_hand(m, hand, 1.0),
+    "HCLOSE": lambda m, hand: _move_hand(m, hand, 0.0),
+    "CMP": _set_softness,
 }

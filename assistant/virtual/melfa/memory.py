@@ -107,7 +107,7 @@ class Element:
             raise Failed(4370, f"{self.cell.name} is no array here")
 
 
-Place = Cell | Element
+Storage = Cell | Element
 
 
 @dataclass(slots=True)
@@ -128,9 +128,9 @@ class Memory:
     """Variables by upper-case name, made when they are first met."""
 
     scope: Scope
-    places: dict[str, Place] = field(default_factory=dict)
+    places: dict[str, Storage] = field(default_factory=dict)
 
-    def place(self, name: str) -> Place:
+    def place(self, name: str) -> Storage:
         found = self.places.get(name)
         if found is None:
             found = self.places[name] = self.scope.cell(name)

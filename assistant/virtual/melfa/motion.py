@@ -37,7 +37,7 @@ def move(m: Machine, node: s.Motion) -> None:
     if word in m.world.commands:
         m.world.given(word, expressions.values(m, node.arguments))
         return
-    kind = KINDS.get(word)
+    kind = MOVE_KINDS.get(word)
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
     m.world.needs_mechanism("a motion")
@@ -45,10 +45,10 @@ def move(m: Machine, node: s.Motion) -> None:
     if node.append is None:
         kind(m, node)
         return
-    if appended.is_watched(m, node.append):
-        appended.watch(m, node.append, lambda: kind(m, node))
+    if appended.is_watched_condition(m, node.append):
+        appended.watch_condition(m, node.append, lambda: kind(m, node))
         return
-    m.world.on_way, m.world.appended = appended.begin(m, node.append), False
+    m.world.on_way, m.world.appended = appended.begin_wth(m, node.append), False
     try:
         kind(m, node)
     finally:
@@ -59,22 +59,22 @@ def move(m: Machine, node: s.Motion) -> None:
 
 
 def _joint(m: Machine, node: s.Motion) -> None:
-    goal = _goal(m, node)
+    goal = _move_goal(m, node)
     if isinstance(goal, Joints):
         _to_joints(m, goal)
     else:
-        flange = _flange(m, goal)
-        _go(m, _moved(m, "joint", flange, at=goal), goal.flags)
+        flange = _goal_flange(m, goal)
+        _command_motion(m, _motion_event(m, "joint", flange, at=goal), goal.flags)
 
 
 def _to_joints(m: Machine, goal: Joints) -> None:
-    arm, joints = m.world.arm, _axes(goal)
+    arm, joints = m.world.arm, _goal_axes(goal)
     before = arm.flange
     arm.at_joints(joints)
-    m.world.go(_moved(m, "joint", arm.flange, joints=joints[:AXES], at=goal), before)
+    m.world.go(_motion_event(m, "joint", arm.flange, joints=joints[:AXES], at=goal), before)
 
 
-def _axes(goal: Joints) -> tuple[float, ...]:
+def _goal_axes(goal: Joints) -> tuple[float, ...]:
     """The joints up to the last that is defined."""
     count = max((i + 1 for i, v in enumerate(goal.values) if v is not None), default=0)
     joints = tuple(v for v in goal.values[:count] if v is not None)
@@ -84,8 +84,8 @@ def _axes(goal: Joints) -> tuple[float, ...]:
 
 
 def _linear(m: Machine, node: s.Motion) -> None:
-    goal = _goal(m, node)
-    _straight(m, _shown(m, goal) if isinstance(goal, Joints) else goal, _agree(m, node))
+    goal = _move_goal(m, node)
+    _straight(m, _joints_position(m, goal) if isinstance(goal, Joints) else goal, _agree(m, node))
 
 
 def _agree(m: Machine, node: s.Motion) -> bool:
@@ -93,13 +93,13 @@ def _agree(m: Machine, node: s.Motion) -> bool:
     return node.type is None or expressions.integer(m, node.type[1], "the type") == 0
 
 
-def _shown(m: Machine, joints: Joints) -> Position:
+def _joints_position(m: Machine, joints: Joints) -> Position:
     """Where the tip stands at joints, with the tool and the base that hold."""
     arm = m.world.arm
     if arm.robot is None:
         raise Unknown("where the arm stands at joints")
     there = Arm(arm.robot, tip=arm.tip, foot=arm.foot)
-    there.at_joints(_axes(joints))
+    there.at_joints(_goal_axes(joints))
     return there.shown()
 
 
@@ -107,8 +107,8 @@ def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
     """agree: whether the structure flags of both ends must be the same."""
     if agree:
         _same_posture(m.world.arm.flags[0], goal.flags[0])
-    flange = _flange(m, goal)
-    _go(m, _moved(m, "linear", flange, at=goal), goal.flags)
+    flange = _goal_flange(m, goal)
+    _command_motion(m, _motion_event(m, "linear", flange, at=goal), goal.flags)
 
 
 def _same_posture(one: int | None, other: int | None) -> None:
@@ -116,20 +116,20 @@ def _same_posture(one: int | None, other: int | None) -> None:
         raise Failed(2810, "the posture flags of start and end differ")
 
 
-def _goal(m: Machine, node: s.Motion) -> Position | Joints:
+def _move_goal(m: Machine, node: s.Motion) -> Position | Joints:
     """The target of Mov and Mvs, moved along the tool by the distance behind it."""
     target, *more = node.arguments
-    goal = m.world.arm.shown() if target is None else _place(expressions.value(m, target))
+    goal = m.world.arm.shown() if target is None else _target_value(expressions.value(m, target))
     if not more or more[0] is None:
         return goal
     distance = expressions.plain(m, more[0], "the distance")
     if isinstance(goal, Joints):
-        goal = _shown(m, goal)
+        goal = _joints_position(m, goal)
     away = poses.pose_of(goal, m.world.arm.robot).offset(z=distance)
     return poses.position_of(away, goal, m.world.arm.robot)
 
 
-def _place(value: Value) -> Position | Joints:
+def _target_value(value: Value) -> Position | Joints:
     if isinstance(value, Bare):
         raise Unknown("a move to a constant that may be a position or joints")
     if not isinstance(value, Position | Joints):
@@ -137,28 +137,28 @@ def _place(value: Value) -> Position | Joints:
     return value
 
 
-def _flange(m: Machine, goal: Position) -> Pose:
+def _goal_flange(m: Machine, goal: Position) -> Pose:
     return m.world.arm.placed(goal)
 
 
-def _go(m: Machine, moved: Moved, flags: tuple[int | None, int | None]) -> None:
+def _command_motion(m: Machine, moved: Moved, flags: tuple[int | None, int | None]) -> None:
     """A motion to a position. flags: of the posture and of turns at its end."""
     arm = m.world.arm
     before = arm.flange
     assert moved.flange is not None
     arm.at_position(moved.flange, flags)
     if flags[0] is not None:
-        stated = _configuration(flags[0], flags[1] or 0)
+        stated = _flags_configuration(flags[0], flags[1] or 0)
         moved = replace(moved, how=replace(moved.how, configuration=stated))
     m.world.go(moved, before)
 
 
 @lru_cache(256)
-def _configuration(one: int, two: int) -> tuple[int, ...]:
+def _flags_configuration(one: int, two: int) -> tuple[int, ...]:
     return tuple(from_flags([[one, two]])[0].tolist())
 
 
-def _moved(
+def _motion_event(
     m: Machine,
     kind: str,
     flange: Pose | None,
@@ -196,12 +196,13 @@ def _moved(
 # ------------------------------------------------------------------------------------- arcs
 
 
-def _three(m: Machine, node: s.Motion) -> tuple[Position, Position, Position]:
+def _three_positions(m: Machine, node: s.Motion) -> tuple[Position, Position, Position]:
     if len(node.arguments) < 3 or None in node.arguments[:3]:
         raise Failed(3120, f"{node.keyword} takes three positions")
     given = [expressions.value(m, a) for a in node.arguments[:3]]
     first, second, third = (
-        _shown(m, v) if isinstance(v, Joints) else position(v, "a place of an arc") for v in given
+        _joints_position(m, v) if isinstance(v, Joints) else position(v, "a place of an arc")
+        for v in given
     )
     return first, second, third
 
@@ -213,45 +214,45 @@ def _to_start(m: Machine, start: Position) -> None:
     if arm.flange is None:
         raise Unknown("where an arc begins")
     tip = arm.flange @ arm.tip
-    if not poses.same_place(tip, flange @ arm.tip, BEGINNING):
+    if not poses.same_place(tip, flange @ arm.tip, START_DISTANCE):
         _straight(m, start)
 
 
-BEGINNING: Final = 0.05
+START_DISTANCE: Final = 0.05
 """mm between where the arm stands and where an arc begins: rounding of positions."""
 
 
 def _through(m: Machine, node: s.Motion) -> None:
     """Mvr: start, a place on the way, end."""
-    start, via, end = _three(m, node)
+    start, via, end = _three_positions(m, node)
     _to_start(m, start)
-    if circle_through(*(_at(m, p) for p in (start, via, end))) is None:
+    if circle_through(*(_tool_point(m, p) for p in (start, via, end))) is None:
         _straight(m, end)
         return
     if _agree(m, node):
         _same_posture(start.flags[0], end.flags[0])
-    _arc(m, _flange(m, via), end)
+    _move_on_arc(m, _goal_flange(m, via), end)
 
 
 def _round_other_side(m: Machine, node: s.Motion) -> None:
     """Mvr2: start, end, a place of the circle that is not on the way."""
-    start, end, reference = _three(m, node)
+    start, end, reference = _three_positions(m, node)
     _to_start(m, start)
-    a, b, c = (_at(m, p) for p in (start, end, reference))
+    a, b, c = (_tool_point(m, p) for p in (start, end, reference))
     circle = circle_through(a, c, b)
     if circle is None:
         _straight(m, end)
         return
     if _agree(m, node):
         _same_posture(start.flags[0], end.flags[0])
-    _arc_by(m, circle.middle(b, a), end)
+    _move_by_point(m, circle.middle(b, a), end)
 
 
 def _about(m: Machine, node: s.Motion) -> None:
     """Mvr3: start, end, centre; less than half a turn."""
-    start, end, centre = _three(m, node)
+    start, end, centre = _three_positions(m, node)
     _to_start(m, start)
-    a, b, c = (_at(m, p) for p in (start, end, centre))
+    a, b, c = (_tool_point(m, p) for p in (start, end, centre))
     if np.array_equal(a, b):
         _straight(m, end)
         return
@@ -261,52 +262,52 @@ def _about(m: Machine, node: s.Motion) -> None:
         raise Failed(2803, "the centre of an arc")
     if _agree(m, node):
         _same_posture(start.flags[0], end.flags[0])
-    _arc_by(m, circle.middle(a, b), end)
+    _move_by_point(m, circle.middle(a, b), end)
 
 
-PASSING: Final = 1.0
+PASSING_SPEED: Final = 1.0
 """mm of the corner half-way round a whole circle, which goes on without a stop."""
 
 
 def _whole_circle(m: Machine, node: s.Motion) -> None:
     """Mvc: start and two places on the way, back to the start; the posture stays."""
-    start, first, second = _three(m, node)
+    start, first, second = _three_positions(m, node)
     _to_start(m, start)
-    a, b, c = (_at(m, p) for p in (start, first, second))
+    a, b, c = (_tool_point(m, p) for p in (start, first, second))
     circle = circle_through(a, b, c)
     if circle is None:
         raise Failed(2803, "the places of a circle")
     kept = poses.pose_of(start, m.world.arm.robot)
-    half = poses.position_of(Pose(_vector(c), kept.quaternion), start)
-    _arc_by(m, circle.middle(a, c), half, passing=PASSING)
-    _arc_by(m, circle.middle(c, a), start)
+    half = poses.position_of(Pose(_tuple_of(c), kept.quaternion), start)
+    _move_by_point(m, circle.middle(a, c), half, passing=PASSING_SPEED)
+    _move_by_point(m, circle.middle(c, a), start)
 
 
-def _vector(place: Floats) -> Vector:
+def _tuple_of(place: Floats) -> Vector:
     x, y, z = (float(v) for v in place)
     return x, y, z
 
 
-def _at(m: Machine, value: Position) -> Floats:
+def _tool_point(m: Machine, value: Position) -> Floats:
     return np.array(poses.pose_of(value, m.world.arm.robot).position)
 
 
-def _arc_by(m: Machine, middle: Floats, end: Position, passing: float = 0.0) -> None:
+def _move_by_point(m: Machine, middle: Floats, end: Position, passing: float = 0.0) -> None:
     """An arc through a place that is worked out, turned as at its end.
 
     passing: mm of the corner at the end of an arc that goes on without a stop.
     """
     turned = poses.pose_of(end, m.world.arm.robot).quaternion
-    via = poses.position_of(Pose(_vector(middle), turned), end)
-    _arc(m, _flange(m, via), end, passing)
+    via = poses.position_of(Pose(_tuple_of(middle), turned), end)
+    _move_on_arc(m, _goal_flange(m, via), end, passing)
 
 
-def _arc(m: Machine, via: Pose, end: Position, passing: float = 0.0) -> None:
-    moved = _moved(m, "circular", _flange(m, end), via, at=end)
-    _go(m, replace(moved, blend=max(moved.blend, passing)), end.flags)
+def _move_on_arc(m: Machine, via: Pose, end: Position, passing: float = 0.0) -> None:
+    moved = _motion_event(m, "circular", _goal_flange(m, end), via, at=end)
+    _command_motion(m, replace(moved, blend=max(moved.blend, passing)), end.flags)
 
 
-KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {
+MOVE_KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {
     "MOV": _joint,
     "MVS": _linear,
     "MVR": _through,

@@ -39,7 +39,7 @@ def unary(sign: str, operand: Value) -> Value:
 
 def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
     """Two values and an operator between them."""
-    sign = SPELLED.get(sign, sign)
+    sign = SPELLINGS.get(sign, sign)
     if isinstance(left, Position | Joints | Bare) or isinstance(right, Position | Joints | Bare):
         return _of_positions(m, sign, left, right)
     if isinstance(left, str) or isinstance(right, str):
@@ -51,9 +51,9 @@ def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
             return bool(BITWISE[sign](left, right))
         return BITWISE[sign](whole(left, "an operand"), whole(right, "an operand"))
     if sign in ARITHMETIC:
-        return _kept(ARITHMETIC[sign](number(left), number(right)))
-    if sign in OPEN:
-        return _kept(OPEN[sign](m.world.options, number(left), number(right)))
+        return _in_range(ARITHMETIC[sign](number(left), number(right)))
+    if sign in OPTION_OPERATORS:
+        return _in_range(OPTION_OPERATORS[sign](m.world.options, number(left), number(right)))
     raise Failed(4220, f"the operator {sign}")
 
 
@@ -68,14 +68,14 @@ def _divided(left: float, right: float) -> float:
     return left / right
 
 
-EXACT: Final = 1 << 53
+EXACT_INTEGERS: Final = 1 << 53
 """Whole numbers below it are exact in double precision."""
 
 
-def _kept(made: int | float) -> int | float:
+def _in_range(made: int | float) -> int | float:
     """A result in double precision; raises Unknown where that has no number for it."""
     if isinstance(made, int):
-        return made if abs(made) < EXACT else float(made)
+        return made if abs(made) < EXACT_INTEGERS else float(made)
     if not math.isfinite(made):
         raise Unknown("a number that is not finite")
     return made
@@ -91,7 +91,7 @@ def _power(options: Options, left: float, right: float) -> int | float:
         raise Unknown(f"{left} to the power of {right}") from None
     if isinstance(made, complex):
         raise Unknown("the power of a negative number to one that is not whole")
-    return int(made) if made.is_integer() and abs(made) < EXACT else made
+    return int(made) if made.is_integer() and abs(made) < EXACT_INTEGERS else made
 
 
 def _quotient(options: Options, left: float, right: float) -> int:
@@ -119,14 +119,14 @@ def _remainder(options: Options, left: float, right: float) -> int:
     return a - b * _quotient(options, a, b)
 
 
-WIDEST: Final = 64
+WIDEST_SHIFT: Final = 64
 
 
 def _shifted(options: Options, left: float, right: float, sign: int) -> int:
     """Shifts are logical: what moves in is 0 (RT ToolBox list); beyond 15 bits by an option."""
     a, b = whole(left), whole(right)
     bits = options.bits
-    if not 0 <= b < WIDEST:
+    if not 0 <= b < WIDEST_SHIFT:
         raise Unknown(f"a shift by {b} bits")
     if bits is None and (a < 0 or a << b >= 1 << 15):
         raise open_point("a shift beyond fifteen bits", "bits")
@@ -137,7 +137,7 @@ def _shifted(options: Options, left: float, right: float, sign: int) -> int:
     return (made + half) % (2 * half) - half
 
 
-SPELLED: Final = {"><": "<>", "=<": "<=", "=>": ">="}
+SPELLINGS: Final = {"><": "<>", "=<": "<=", "=>": ">="}
 
 RELATIONS: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
     "=": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le,
@@ -149,7 +149,7 @@ BITWISE: Final[Mapping[str, Callable[[int, int], int]]] = {
 ARITHMETIC: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": _divided,
 }  # fmt: skip
-OPEN: Final[Mapping[str, Callable[[Options, Any, Any], int | float]]] = {
+OPTION_OPERATORS: Final[Mapping[str, Callable[[Options, Any, Any], int | float]]] = {
     "\\": _quotient,
     "MOD": _remainder,
     "^": _power,
@@ -173,12 +173,12 @@ def _of_positions(m: Machine, sign: str, left: Value, right: Value) -> Value:
     robot = m.world.arm.robot
     if isinstance(left, Joints) or isinstance(right, Joints):
         if sign in ("*", "/") and isinstance(right, int | float):
-            return poses.scaled(joints(left), _factor(sign, right))
+            return poses.scaled(joints(left), _scale_factor(sign, right))
         if sign in ("+", "-"):
             return poses.elementwise(joints(left), joints(right), ARITHMETIC[sign])
         raise Failed(4390, f"the operator {sign} between joints")
     if sign in ("*", "/") and isinstance(right, int | float):
-        return poses.scaled(position(left), _factor(sign, right))
+        return poses.scaled(position(left), _scale_factor(sign, right))
     if sign in ("+", "-"):
         if isinstance(left, Bare) and isinstance(right, Bare):
             raise Unknown("a sum of two constants without flags")
@@ -192,5 +192,5 @@ def _of_positions(m: Machine, sign: str, left: Value, right: Value) -> Value:
     raise Failed(4390, f"the operator {sign} between positions")
 
 
-def _factor(sign: str, given: float) -> float:
+def _scale_factor(sign: str, given: float) -> float:
     return float(given) if sign == "*" else _divided(1.0, given)

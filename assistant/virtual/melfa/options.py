@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Literal
 
-from assistant.virtual.kernel.dates import BEGAN
+from assistant.virtual.kernel.dates import CLOCK_START
 
 Frame = tuple[float, float, float, float, float, float]
 """X, Y, Z in mm and A, B, C in degrees, as parameters have them."""
@@ -103,5 +103,5 @@ class Options:
     joint_turns: bool = False
     waits_end_corners: bool = False
     pulses: Literal["at once", "timed"] = "at once"
-    began: datetime = BEGAN
+    began: datetime = CLOCK_START
     timers: int = 0

@@ -10,16 +10,16 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.world import World
 
 
-def moves(world: World) -> bool:
+def arm_moves(world: World) -> bool:
     """Whether the arm is on its way for this program."""
     mine = world.slot is None or world.slot.controller.owner is world.slot
     return mine and not world.task.kernel.motion.stands()
 
 
-def pause(world: World, late: bool) -> bool:
+def pause_arm(world: World, late: bool) -> bool:
     """Has the arm stand; whether it has to go on later. late: at the end of its motion."""
     kernel = world.task.kernel
-    if world.paused or not moves(world):
+    if world.paused or not arm_moves(world):
         return False
     if late:
         kernel.motion.settle(world.task)
@@ -29,7 +29,7 @@ def pause(world: World, late: bool) -> bool:
     return True
 
 
-def resume(world: World) -> bool:
+def resume_arm(world: World) -> bool:
     """Lets the arm go on; False if it was moved elsewhere meanwhile."""
     if not world.paused:
         return False
@@ -38,9 +38,9 @@ def resume(world: World) -> bool:
     return True
 
 
-def cut(world: World) -> None:
+def cut_motion(world: World) -> None:
     """Ends the motion where the arm is."""
-    if world.paused or moves(world):
+    if world.paused or arm_moves(world):
         world.paused = False
         standing = world.task.kernel.motion.cut(world.task)
         if standing is not None:
@@ -50,7 +50,7 @@ def cut(world: World) -> None:
 def before_motion(world: World) -> None:
     """A motion while another one is paused: that one is not made to its end."""
     if world.paused:
-        cut(world)
+        cut_motion(world)
 
 
 def arm_now(world: World) -> Arm:

@@ -10,13 +10,13 @@ from assistant.virtual.melfa.lines import Wire
 
 GREETING: Final = b"GATEWAY 1"
 """What a program says first to a gateway, and a gateway to it."""
-PIECE: Final = 50
+MOST_SENT: Final = 50
 """Bytes that a gateway hands over at once."""
-FOR_EVER: Final = 99_999_000
+ENDLESS: Final = 99_999_000
 """Milliseconds that stand for no end of a wait."""
 
 
-class Peer(Wire):
+class SimulatedClient(Wire):
     """Says its texts at once; to who greets a gateway they are bytes, which are asked for."""
 
     def __init__(self, texts: Iterable[str]) -> None:
@@ -57,10 +57,10 @@ class Peer(Wire):
                 if taken is not None:
                     self._taken = taken
                     self._answer(b"B%04X" % len(taken))
-                elif int(wait) < FOR_EVER:
+                elif int(wait) < ENDLESS:
                     self._answer(b"T")
             case [b"G"]:
-                piece, self._taken = self._taken[:PIECE], self._taken[PIECE:]
+                piece, self._taken = self._taken[:MOST_SENT], self._taken[MOST_SENT:]
                 self._answer(b"D" + piece.hex().upper().encode())
             case [b"P"]:
                 self._answer(b"B%04X" % (len(self._left[0]) if self._left else 0))

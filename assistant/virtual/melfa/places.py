@@ -32,11 +32,11 @@ from assistant.virtual.melfa.world import World
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-LOOSE: Final = (None, None)
+NO_FLAGS: Final = (None, None)
 """Flags of a position that the manuals give none."""
 
 
-def _place(value: Value) -> Floats:
+def _point_of(value: Value) -> Floats:
     """X, Y, Z in mm."""
     x, y, z = position(value).values[:3]
     if x is None or y is None or z is None:
@@ -45,7 +45,7 @@ def _place(value: Value) -> Floats:
 
 
 def _distance(_: World, one: Value, other: Value) -> float:
-    return float(np.linalg.norm(_place(one) - _place(other)))
+    return float(np.linalg.norm(_point_of(one) - _point_of(other)))
 
 
 # ------------------------------------------------------------------------------------ frames
@@ -55,10 +55,10 @@ def _inverse(world: World, value: Value) -> Position:
     return poses.inverse(position(value), world.arm.robot)
 
 
-def _frame(world: World, origin: Value, along: Value, beside: Value) -> Position:
+def _frame_of(world: World, origin: Value, along: Value, beside: Value) -> Position:
     """Fram: the origin, a place on its X axis, and one where Y is positive."""
     _six_axes(world)
-    o, x, y = _place(origin), _place(along), _place(beside)
+    o, x, y = _point_of(origin), _point_of(along), _point_of(beside)
     first, normal = x - o, np.cross(x - o, y - o)
     length, size = float(np.linalg.norm(first)), float(np.linalg.norm(normal))
     if size <= FLAT * length * float(np.linalg.norm(y - o)):
@@ -66,7 +66,7 @@ def _frame(world: World, origin: Value, along: Value, beside: Value) -> Position
     first, normal = first / length, normal / size
     turned = np.stack([first, np.cross(normal, first), normal], axis=-1)
     made = Pose.of(o, rotations.canonical(rotations.from_matrix(turned)))
-    return poses.position_of(made, Position(eight(()), LOOSE))
+    return poses.position_of(made, Position(eight(()), NO_FLAGS))
 
 
 def _aligned(world: World, value: Value) -> Position:
@@ -79,7 +79,7 @@ def _aligned(world: World, value: Value) -> Position:
 
 def _right_angle(angle: float) -> float:
     quarters = angle / 90.0
-    if abs(quarters - math.floor(quarters) - 0.5) < HALFWAY:
+    if abs(quarters - math.floor(quarters) - 0.5) < HALF_TURN_LIMIT:
         raise Unknown(f"which right angle is nearest to {angle:g} degrees")
     near = 90.0 * round(quarters)
     while abs(near) > 180.0:
@@ -87,10 +87,12 @@ def _right_angle(angle: float) -> float:
     return near + 0.0
 
 
-HALFWAY: Final = 1e-9
+HALF_TURN_LIMIT: Final = 1e-9
 
 
-def _middle(world: World, one: Value, other: Value, detour: Value, kind: Value) -> Position:
+def _middle_position(
+    world: World, one: Value, other: Value, detour: Value, kind: Value
+) -> Position:
     """PosMid: halfway on a straight move, by the shorter way round."""
     _six_axes(world)
     first, last = position(one), position(other)
@@ -101,16 +103,16 @@ def _middle(world: World, one: Value, other: Value, detour: Value, kind: Value) 
         raise Unknown("the middle of a move that is not of equivalent rotation")
     a, b = poses.pose_of(first), poses.pose_of(last)
     angle = float(rotations.angle_between(a.quaternion, b.quaternion))
-    if whole(detour) != 0 and angle > STILL:
+    if whole(detour) != 0 and angle > NO_TURN:
         raise Unknown("the middle of a move by the longer way round")
     if angle > OPPOSITE:
         raise Unknown("the middle of a turn by half a turn")
     turned = rotations.between(a.quaternion, b.quaternion, 0.5)
-    made = Pose.of((_place(one) + _place(other)) / 2.0, rotations.canonical(turned))
+    made = Pose.of((_point_of(one) + _point_of(other)) / 2.0, rotations.canonical(turned))
     return poses.position_of(made, first)
 
 
-STILL: Final = 1e-6
+NO_TURN: Final = 1e-6
 OPPOSITE: Final = 179.999
 """Degrees between two postures that are the same, and that every way round is as long between."""
 
@@ -143,7 +145,7 @@ def _in_capsule(_: World, value: Value, one: Value, other: Value, radius: Value)
     within = number(radius, "the radius")
     if within < 0:
         raise out_of_range("the radius of an area")
-    p, a, b = _place(value), _place(one), _place(other)
+    p, a, b = _point_of(value), _point_of(one), _point_of(other)
     along = b - a
     length = float(along @ along)
     share = 0.0 if length == 0.0 else min(1.0, max(0.0, float((p - a) @ along) / length))
@@ -152,19 +154,19 @@ def _in_capsule(_: World, value: Value, one: Value, other: Value, radius: Value)
 
 def _in_turned_box(_: World, value: Value, *rest: Value) -> int:
     """Zone3: -1 where its three places make no plane (CR1D 4-342)."""
-    a, b, c = (_place(v) for v in rest[:3])
+    a, b, c = (_point_of(v) for v in rest[:3])
     if any(number(v) < 0 for v in rest[3:5]):
         raise out_of_range("the width or height of an area")
     if circle_through(a, b, c) is None:
         return -1
-    _place(value)
+    _point_of(value)
     raise Unknown("the box of Zone3, which the manual tells by a drawing only")
 
 
 # ---------------------------------------------------------------------------------- the arm
 
 
-def _arm(world: World) -> Arm:
+def _arm_with_robot(world: World) -> Arm:
     """The arm of its own for a conversion, with the tool and the base that it counts with."""
     given = world.arm
     if given.robot is None:
@@ -186,20 +188,20 @@ def _arm(world: World) -> Arm:
 
 
 def to_position(world: World, value: Value) -> Position:
-    arm = _arm(world)
+    arm = _arm_with_robot(world)
     arm.at_joints(tuple(v for v in joints(value).values if v is not None))
     return arm.shown()
 
 
 def _to_joints(world: World, value: Value) -> Joints:
-    arm, given = _arm(world), position(value)
+    arm, given = _arm_with_robot(world), position(value)
     arm.at_position(arm.placed(given), given.flags)
     return arm.shown_joints()
 
 
-def _reached(world: World, value: Value) -> int:
+def _is_reached(world: World, value: Value) -> int:
     """PosCq: whether a position or joints are within the range of motion."""
-    robot = _robot(world)
+    robot = _robot_of(world)
     if isinstance(value, Bare):
         raise Unknown("whether a constant is a position or joints")
     if isinstance(value, Joints):
@@ -216,7 +218,7 @@ def _reached(world: World, value: Value) -> int:
     return 1
 
 
-def _robot(world: World) -> Robot:
+def _robot_of(world: World) -> Robot:
     if world.arm.robot is None:
         raise Unknown("the arm")
     return world.arm.robot
@@ -224,51 +226,51 @@ def _robot(world: World) -> Robot:
 
 # -------------------------------------------------------------------------------------- flags
 
-LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
+POSTURE_LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
 """Of FL1 for 0 and 1: bits 2, 1 and 0."""
 
 
-def _letter(_: World, value: Value, which: Value) -> str:
-    one, at = _flag(value, 0), whole(which)
+def _posture_letter(_: World, value: Value, which: Value) -> str:
+    one, at = _posture_flag(value, 0), whole(which)
     if at not in range(3):
         raise out_of_range(f"the structure flag {at}")
-    return LETTERS[at][one >> (2 - at) & 1]
+    return POSTURE_LETTERS[at][one >> (2 - at) & 1]
 
 
-def _lettered(_: World, value: Value, letters: Value) -> Position:
+def _with_posture(_: World, value: Value, letters: Value) -> Position:
     """SetFl1 takes the letters from the last one on: "LR" is L (COSIROP)."""
-    given, one = position(value), _flag(value, 0)
+    given, one = position(value), _posture_flag(value, 0)
     for letter in reversed(text(letters).upper()):
-        place = next((i for i, pair in enumerate(LETTERS) if letter in pair), None)
+        place = next((i for i, pair in enumerate(POSTURE_LETTERS) if letter in pair), None)
         if place is None:
             raise out_of_range(f"the structure flag {letter}")
         bit = 1 << (2 - place)
-        one = one | bit if LETTERS[place].index(letter) else one & ~bit
+        one = one | bit if POSTURE_LETTERS[place].index(letter) else one & ~bit
     return Position(given.values, (one, given.flags[1]))
 
 
-def _turns(_: World, value: Value, axis: Value) -> int:
+def _read_turns(_: World, value: Value, axis: Value) -> int:
     """RdFl2: four bits of each axis, with a sign."""
-    nibble = _flag(value, 1) >> _shift(axis) & 15
+    nibble = _posture_flag(value, 1) >> _turn_shift(axis) & 15
     return nibble - 16 if nibble > 7 else nibble
 
 
-def _turned(_: World, value: Value, axis: Value, turns: Value) -> Position:
+def _with_turns(_: World, value: Value, axis: Value, turns: Value) -> Position:
     given, count = position(value), whole(turns)
     if not -8 <= count <= 7:
         raise out_of_range(f"{count} turns")
-    shift, two = _shift(axis), _flag(value, 1)
+    shift, two = _turn_shift(axis), _posture_flag(value, 1)
     made = two & ~(15 << shift) | (count & 15) << shift
     return Position(given.values, (given.flags[0], made))
 
 
-def _shift(axis: Value) -> int:
+def _turn_shift(axis: Value) -> int:
     if whole(axis) not in range(1, 9):
         raise out_of_range(f"the axis {whole(axis)}")
     return 4 * (whole(axis) - 1)
 
 
-def _flag(value: Value, which: int) -> int:
+def _posture_flag(value: Value, which: int) -> int:
     flag = position(value).flags[which]
     if flag is None:
         raise Unknown(f"FL{which + 1} of a position without flags")
@@ -278,13 +280,13 @@ def _flag(value: Value, which: int) -> int:
 # -------------------------------------------------------------------------------------- arcs
 
 
-def arc(one: Value, via: Value, other: Value) -> tuple[int, float, float, float, Position]:
+def arc_data(one: Value, via: Value, other: Value) -> tuple[int, float, float, float, Position]:
     """CalArc: whether there is one, its radius, angle in radian, length and centre."""
-    a, b, c = _place(one), _place(via), _place(other)
+    a, b, c = _point_of(one), _point_of(via), _point_of(other)
     spread = max(float(np.linalg.norm(a - b)), float(np.linalg.norm(b - c)))
     if spread == 0.0:
         return -2, -1.0, 0.0, 0.0, _centre(np.zeros(3))
-    if spread < NEAR:
+    if spread < NEAR_RADIUS:
         raise Unknown("whether an arc goes through places that are so near")
     circle = circle_through(a, b, c)
     if circle is None:
@@ -293,18 +295,18 @@ def arc(one: Value, via: Value, other: Value) -> tuple[int, float, float, float,
     return 1, radius, angle, radius * angle, _centre(circle.centre)
 
 
-NEAR: Final = 0.01
+NEAR_RADIUS: Final = 0.01
 """mm; the manual speaks of approximately the same place."""
 
 
 def _centre(place: Floats) -> Position:
-    return Position(eight((*(float(v) for v in place), 0.0, 0.0, 0.0)), LOOSE)
+    return Position(eight((*(float(v) for v in place), 0.0, 0.0, 0.0)), NO_FLAGS)
 
 
 # --------------------------------------------------------------------------------- the tables
 
 
-def _built(kind: type[Position] | type[Joints], radian: range) -> Callable[..., Value]:
+def _constructor(kind: type[Position] | type[Joints], radian: range) -> Callable[..., Value]:
     """Of SetPos and SetJnt: elements of which some are angles in radian."""
 
     def made(world: World, *given: Value | None) -> Value:
@@ -324,25 +326,25 @@ def _built(kind: type[Position] | type[Joints], radian: range) -> Callable[..., 
     return made
 
 
-PLAIN: Final[Mapping[str, Callable[..., Value]]] = {
+POSITION_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "DIST": _distance,
     "INV": _inverse,
-    "FRAM": _frame,
+    "FRAM": _frame_of,
     "ALIGN": _aligned,
-    "POSMID": _middle,
+    "POSMID": _middle_position,
     "ZONE": _in_box,
     "ZONE2": _in_capsule,
     "ZONE3": _in_turned_box,
-    "POSCQ": _reached,
+    "POSCQ": _is_reached,
     "JTOP": to_position,
     "PTOJ": _to_joints,
-    "RDFL1": _letter,
-    "SETFL1": _lettered,
-    "RDFL2": _turns,
-    "SETFL2": _turned,
+    "RDFL1": _posture_letter,
+    "SETFL1": _with_posture,
+    "RDFL2": _read_turns,
+    "SETFL2": _with_turns,
 }
-BUILT: Final[Mapping[str, Callable[..., Value]]] = {
-    "SETPOS": _built(Position, range(3, 6)),
-    "SETJNT": _built(Joints, range(6)),
+CONSTRUCTORS: Final[Mapping[str, Callable[..., Value]]] = {
+    "SETPOS": _constructor(Position, range(3, 6)),
+    "SETJNT": _constructor(Joints, range(6)),
 }
 """Functions whose arguments may be left out."""

@@ -44,7 +44,7 @@ Command = Callable[[Given], Value | None]
 Commands = Mapping[str, Command]
 
 
-def by_name(commands: Commands | None) -> dict[str, Command]:
+def commands_by_name(commands: Commands | None) -> dict[str, Command]:
     """Plug-ins by upper-case name without `$`; a command of two words has one blank in it."""
     found = {" ".join(name.upper().split()): command for name, command in (commands or {}).items()}
     return {name.removesuffix("$"): command for name, command in found.items()}

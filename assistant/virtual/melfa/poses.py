@@ -34,10 +34,10 @@ def pose_of(value: Position, robot: Robot | None = None) -> Pose:
     if robot is not None and robot.five_axis:
         from assistant.robots.arms import five_axis
 
-        x, y, z, a, b = _all(six[:5])
+        x, y, z, a, b = _all_numbers(six[:5])
         made = five_axis.from_ab(np.array([[x, y, z]]), np.array([[a, b]]))[0]
         return Pose.of(np.array([x, y, z]), rotations.canonical(made))
-    x, y, z, a, b, c = _all(six)
+    x, y, z, a, b, c = _all_numbers(six)
     return Pose.of(np.array([x, y, z]), rotations.from_euler((c, b, a), "ZYX"))
 
 
@@ -56,7 +56,7 @@ def position_of(pose: Pose, like: Position | None = None, robot: Robot | None = 
     return Position((*pose.position, *angles, *more), flags)
 
 
-def _all(values: Elements) -> tuple[float, ...]:
+def _all_numbers(values: Elements) -> tuple[float, ...]:
     found = tuple(v for v in values if v is not None)
     if len(found) < len(values):
         raise Failed(2800, "a position with elements that are not defined")
@@ -68,27 +68,27 @@ def _all(values: Elements) -> tuple[float, ...]:
 
 def composed(left: Position, right: Position, robot: Robot | None) -> Position:
     """`P1*P2`: the second one in the frame of the first, with its flags."""
-    return position_of(_plain(left, robot) @ _plain(right, robot), left)
+    return position_of(_plain_numbers(left, robot) @ _plain_numbers(right, robot), left)
 
 
 def divided(left: Position, right: Position, robot: Robot | None) -> Position:
     """`P1/P2`: the first one times the inverse of the second."""
-    return position_of(_plain(left, robot) @ _plain(right, robot).inverse(), left)
+    return position_of(_plain_numbers(left, robot) @ _plain_numbers(right, robot).inverse(), left)
 
 
 def divided_from_left(left: Position, right: Position, robot: Robot | None) -> Position:
     """The first one seen from the second."""
-    return position_of(_plain(right, robot).inverse() @ _plain(left, robot), left)
+    return position_of(_plain_numbers(right, robot).inverse() @ _plain_numbers(left, robot), left)
 
 
 def inverse(value: Position, robot: Robot | None) -> Position:
-    return position_of(_plain(value, robot).inverse(), value)
+    return position_of(_plain_numbers(value, robot).inverse(), value)
 
 
 def elementwise(left: Both, right: Both, combine: Callable[[float, float], float]) -> Both:
     """`P1+P2`, `J1-J2`: element by element, with the flags of the left one."""
     values = tuple(
-        _pair(at, a, b, combine)
+        _element_pair(at, a, b, combine)
         for at, (a, b) in enumerate(zip(left.values, right.values, strict=True))
     )
     return replace(left, values=values)
@@ -99,7 +99,7 @@ def scaled(value: Both, factor: float) -> Both:
     return replace(value, values=tuple(None if v is None else v * factor for v in value.values))
 
 
-def _pair(
+def _element_pair(
     at: int, a: float | None, b: float | None, combine: Callable[[float, float], float]
 ) -> float | None:
     if a is not None and b is not None:
@@ -111,7 +111,7 @@ def _pair(
     return a if b is None else combine(0.0, b)
 
 
-def _plain(value: Position, robot: Robot | None) -> Pose:
+def _plain_numbers(value: Position, robot: Robot | None) -> Pose:
     """A pose that is calculated with, of an arm of six axes."""
     if robot is not None and robot.five_axis:
         raise Unknown("products of positions of an arm of five axes")

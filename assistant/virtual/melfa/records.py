@@ -13,15 +13,7 @@ from typing import Final
 
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.stops import Failed, Unknown
-from assistant.virtual.melfa.values import (
-    Elements,
-    Joints,
-    Kind,
-    Position,
-    Value,
-    eight,
-    number,
-)
+from assistant.virtual.melfa.values import Elements, Joints, Kind, Position, Value, eight, number
 
 ALL_DIGITS: Final = 10_000_000
 """From here on seven digits are not enough for the whole part of a number."""
@@ -29,7 +21,7 @@ ALL_DIGITS: Final = 10_000_000
 # ------------------------------------------------------------------------------------ writing
 
 
-def written(value: Value, options: Options) -> str:
+def record_text(value: Value, options: Options) -> str:
     """One item of Print#."""
     match value:
         case str():
@@ -37,15 +29,15 @@ def written(value: Value, options: Options) -> str:
         case Position(values, (one, two)):
             if one is None or two is None:
                 raise Unknown("the flags of a position that is printed")
-            return f"{_bracket(values, options)}({one},{two})"
+            return f"{_bracket_text(values, options)}({one},{two})"
         case Joints(values):
-            return _bracket(values, options)
+            return _bracket_text(values, options)
         case int() | float():
-            return _number(number(value), options)
+            return _number_record(number(value), options)
     raise Unknown("how Print # writes a constant that may be a position or joints")
 
 
-def _number(value: float, options: Options) -> str:
+def _number_record(value: float, options: Options) -> str:
     if not math.isfinite(value):
         raise Unknown("a number that is not finite")
     if abs(value) >= ALL_DIGITS:
@@ -54,14 +46,14 @@ def _number(value: float, options: Options) -> str:
     return made if "e" not in made else f"{value:.12f}".rstrip("0").rstrip(".")
 
 
-def _bracket(values: Elements, options: Options) -> str:
+def _bracket_text(values: Elements, options: Options) -> str:
     """Elements up to the last one that is defined."""
     count = max((i + 1 for i, v in enumerate(values) if v is not None), default=0)
     made = ("" if v is None else f"{v + 0.0:.{options.places}f}" for v in values[:count])
     return f"({','.join(made)})"
 
 
-def padded(text: str, width: int) -> str:
+def padded_text(text: str, width: int) -> str:
     """Up to the next column that items begin in."""
     return text + " " * (-len(text) % width)
 
@@ -69,10 +61,10 @@ def padded(text: str, width: int) -> str:
 # ------------------------------------------------------------------------------------ reading
 
 _ITEM: Final = re.compile(r"(?:\([^()]*\)|[^,()])*")
-_PLACE: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
+_POSITION_ITEM: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
 
 
-def items(line: str) -> Iterator[str]:
+def record_items(line: str) -> Iterator[str]:
     """What stands between commas outside of brackets."""
     at = 0
     while True:
@@ -87,17 +79,17 @@ def items(line: str) -> Iterator[str]:
         at = end + 1
 
 
-def read(item: str, kind: Kind) -> Value:
+def record_value(item: str, kind: Kind) -> Value:
     """An item for a variable of a type; error 3500 if it is of another one."""
     match kind:
         case "text":
             return item
         case "position" | "joints":
-            return _place(item, kind)
-    return _plain(item, item)
+            return _position_value(item, kind)
+    return _plain_number(item, item)
 
 
-def _plain(text: str, item: str) -> float:
+def _plain_number(text: str, item: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -107,12 +99,12 @@ def _plain(text: str, item: str) -> float:
     return value
 
 
-def _place(item: str, kind: Kind) -> Value:
-    found = _PLACE.fullmatch(item)
+def _position_value(item: str, kind: Kind) -> Value:
+    found = _POSITION_ITEM.fullmatch(item)
     if found is None or (kind == "joints" and found[2] is not None):
         raise Failed(3500, f"`{item}` is no {kind}")
     parts = [part.strip() for part in found[1].split(",")]
-    values = eight(tuple(_plain(part, item) if part else None for part in parts))
+    values = eight(tuple(_plain_number(part, item) if part else None for part in parts))
     if kind == "joints":
         return Joints(values)
     if found[2] is None:
@@ -120,5 +112,5 @@ def _place(item: str, kind: Kind) -> Value:
     flags = [part.strip().rstrip(".") for part in found[2].split(",")]
     if len(flags) != 2:
         raise Unknown("a position with other than two flags that comes over a line")
-    one, two = (_plain(flag, item) for flag in flags)
+    one, two = (_plain_number(flag, item) for flag in flags)
     return Position(values, (int(one), int(two)))

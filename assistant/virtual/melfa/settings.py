@@ -27,25 +27,25 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
 
 
-def command(m: Machine, node: s.Command) -> None:
+def run_command(m: Machine, node: s.Command) -> None:
     """Runs a command; raises Unknown for one that is not simulated."""
     word = " ".join(node.keyword.upper().split())
-    if m.world.commands and _plugged(m, word, node.arguments):
+    if m.world.commands and _run_plugin(m, word, node.arguments):
         return
-    if word in STRUCTURE:
-        STRUCTURE[word](m, node)
-    elif word in WORDS:
+    if word in BLOCK_WORDS:
+        BLOCK_WORDS[word](m, node)
+    elif word in COMMAND_WORDS:
         known, count = vocabulary.statement(word), len(node.arguments)
         if known and not known.least <= count <= (count if known.most is None else known.most):
             raise Failed(3120, f"{node.keyword} with {count} arguments")
-        WORDS[word](m, *node.arguments)
-    elif word in TUNING:
+        COMMAND_WORDS[word](m, *node.arguments)
+    elif word in TUNING_WORDS:
         m.world.note(f"{node.keyword} has no effect on this run")
-    elif word not in QUIET:
+    elif word not in WORDS_WITHOUT_EFFECT:
         raise Unknown(f"the statement {node.keyword}")
 
 
-def _plugged(m: Machine, word: str, nodes: tuple[s.Expression | None, ...]) -> bool:
+def _run_plugin(m: Machine, word: str, nodes: tuple[s.Expression | None, ...]) -> bool:
     """Runs the plug-in of a command, which may have its first word of arguments in its name."""
     first = nodes[0] if nodes else None
     two = f"{word} {expressions.bare(first)}".upper()
@@ -53,21 +53,21 @@ def _plugged(m: Machine, word: str, nodes: tuple[s.Expression | None, ...]) -> b
     if name not in m.world.commands:
         return False
     rest = nodes[1:] if name == two else nodes
-    m.world.given(name, tuple(None if a is None else _loose(m, a) for a in rest))
+    m.world.given(name, tuple(None if a is None else _loose_argument(m, a) for a in rest))
     return True
 
 
-def _loose(m: Machine, node: s.Expression) -> Value:
+def _loose_argument(m: Machine, node: s.Expression) -> Value:
     """The value of an argument of a plug-in; a bare word is a text."""
     word = expressions.bare(node)
-    return word if word in LOOSE else expressions.value(m, node)
+    return word if word in LOOSE_WORDS else expressions.value(m, node)
 
 
-LOOSE: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
+LOOSE_WORDS: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
 
-QUIET: Final = frozenset(("ENDIF", "END SELECT", "TITLE"))
+WORDS_WITHOUT_EFFECT: Final = frozenset(("ENDIF", "END SELECT", "TITLE"))
 """Ends of blocks, and what is a comment."""
-TUNING: Final = frozenset((
+TUNING_WORDS: Final = frozenset((
     "OADL", "LOADSET", "FINE", "PREC", "MVTUNE", "SPDOPT", "COLCHK", "COLLVL", "CAVCHK", "CMPG",
     "TORQ",
 ))  # fmt: skip
@@ -76,39 +76,39 @@ TUNING: Final = frozenset((
 # ------------------------------------------------------------------------------------ motion
 
 
-def _speed(m: Machine, node: s.Expression) -> None:
+def _set_speed(m: Machine, node: s.Expression) -> None:
     speed = expressions.plain(m, node, "the speed")
     if speed <= 0:
         raise out_of_range(f"the speed {speed}")
     m.world.settings.speed = min(float(speed), OPTIMUM)
 
 
-def _percent(m: Machine, node: s.Expression | None, what: str) -> float:
+def _percent_of(m: Machine, node: s.Expression | None, what: str) -> float:
     value = FULL if node is None else float(expressions.plain(m, node, what))
     if not 0 < value <= FULL:
         raise out_of_range(f"{what} of {value} percent")
     return value
 
 
-def _override(m: Machine, node: s.Expression, *others: s.Expression | None) -> None:
+def _set_override(m: Machine, node: s.Expression, *others: s.Expression | None) -> None:
     for other in others:
-        _percent(m, other, "the override of Mva")
-    m.world.settings.override = _percent(m, node, "the override")
+        _percent_of(m, other, "the override of Mva")
+    m.world.settings.override = _percent_of(m, node, "the override")
 
 
-def _joint_override(m: Machine, node: s.Expression) -> None:
-    m.world.settings.joint_override = _percent(m, node, "the joint override")
+def _set_joint_override(m: Machine, node: s.Expression) -> None:
+    m.world.settings.joint_override = _percent_of(m, node, "the joint override")
 
 
-def _acceleration(m: Machine, *nodes: s.Expression | None) -> None:
+def _set_acceleration(m: Machine, *nodes: s.Expression | None) -> None:
     first, second, *_ = (*nodes, None, None)
     m.world.settings.acceleration = (
-        _percent(m, first, "the acceleration"),
-        _percent(m, second, "the deceleration"),
+        _percent_of(m, first, "the acceleration"),
+        _percent_of(m, second, "the deceleration"),
     )
 
 
-def _corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> None:
+def _set_corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> None:
     """`Cnt 1,a,b`: a corner from a before the place to b behind it; the smaller one limits."""
     on = expressions.integer(m, switch, "the switch of Cnt")
     given = [float(expressions.plain(m, node, "a corner")) for node in sizes if node is not None]
@@ -132,7 +132,7 @@ def define_pallet(m: Machine, arguments: tuple[s.Expression | None, ...]) -> Non
         expressions.integer(m, a, "an argument of Def Plt") for a in arguments[5:]
     )
     places = tuple(None if c is None else position(c, "a corner of the pallet") for c in corners)
-    m.pallets[number] = pallets.grid(
+    m.pallets[number] = pallets.pallet_grid(
         number, places, (first, second), direction, fixed=m.world.options.pallets == "start"
     )
 
@@ -166,16 +166,16 @@ def _wait(m: Machine, node: s.Expression) -> None:
             interrupts.attend(m)
 
 
-def _halt(m: Machine) -> None:
+def _halt_program(m: Machine) -> None:
     m.world.stand()
     m.world.halt()
 
 
-def _error(m: Machine, node: s.Expression) -> None:
+def _raise_error(m: Machine, node: s.Expression) -> None:
     number = expressions.integer(m, node, "the number of an error")
     if number not in USER_ERRORS:
         raise out_of_range(f"the error {number}")
-    if number < CAUTION:
+    if number < FIRST_CAUTION:
         raise Failed(number, "raised by the program")
     m.world.warn(number)
     m.world.task.tell(Said(f"error {number}"))
@@ -188,38 +188,38 @@ def _reset_error(m: Machine) -> None:
 
 
 USER_ERRORS: Final = range(9000, 9300)
-CAUTION: Final = 9200
+FIRST_CAUTION: Final = 9200
 """From here on the program runs on."""
 
 
-def _end(_: Machine) -> None:
+def _end_program(_: Machine) -> None:
     raise Ended
 
 
-WORDS: Final[Mapping[str, Callable[..., None]]] = {
-    **mechanism.WORDS,
-    **data.WORDS,
-    "SPD": _speed,
-    "OVRD": _override,
-    "JOVRD": _joint_override,
-    "ACCEL": _acceleration,
-    "CNT": _corner,
+COMMAND_WORDS: Final[Mapping[str, Callable[..., None]]] = {
+    **mechanism.ARM_WORDS,
+    **data.DATA_WORDS,
+    "SPD": _set_speed,
+    "OVRD": _set_override,
+    "JOVRD": _set_joint_override,
+    "ACCEL": _set_acceleration,
+    "CNT": _set_corner,
     "DLY": _delay,
     "WAIT": _wait,
-    "HLT": _halt,
-    "ERROR": _error,
+    "HLT": _halt_program,
+    "ERROR": _raise_error,
     "RESET ERR": _reset_error,
-    "END": _end,
+    "END": _end_program,
     "EXIT FUNCTION": lambda m: m.leave(),
     "FEND": lambda m: m.leave(),
-    **multitask.WORDS,
+    **multitask.SLOT_WORDS,
     **interrupts.WORDS,
 }
 
-STRUCTURE: Final[Mapping[str, Callable[[Machine, Any], None]]] = {
+BLOCK_WORDS: Final[Mapping[str, Callable[[Machine, Any], None]]] = {
     "ELSE": blocks.skip_rest,
     "DEFAULT": blocks.skip_rest,
     "WHILE": blocks.test_while,
     "WEND": blocks.back_to_while,
-    "BREAK": blocks.leave,
+    "BREAK": blocks.leave_block,
 }

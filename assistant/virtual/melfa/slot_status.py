@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.world import World
 
 
-def _line(slot: Slot) -> Value:
+def _slot_line(slot: Slot) -> Value:
     """The number of the step that runs."""
     running = slot.world.running if slot.world is not None else []
     number = running[-1].code.rows[running[-1].here].number if running else None
@@ -22,21 +22,21 @@ def _line(slot: Slot) -> Value:
     return number
 
 
-def _program(slot: Slot) -> Value:
+def _slot_program(slot: Slot) -> Value:
     if not slot.program:
         raise Unknown(f"the program of slot {slot.number}, which has none")
     return slot.program
 
 
-def _level(slot: Slot) -> Value:
+def _error_level(slot: Slot) -> Value:
     """Of the error: 1 for a caution, 2 for a low one, 3 for a high one."""
     error = slot.controller.error
     if error is None:
         return 0
-    return 1 if error.number in CAUTIONS else 3 if error.number in HIGH else 2
+    return 1 if error.number in CAUTION_ERRORS else 3 if error.number in HIGH_ERRORS else 2
 
 
-def _number(slot: Slot) -> Value:
+def _error_number(slot: Slot) -> Value:
     error = slot.controller.error
     if error is None:
         return 0
@@ -45,34 +45,34 @@ def _number(slot: Slot) -> Value:
     return error.number
 
 
-CAUTIONS: Final = range(9200, 9300)
-HIGH: Final = range(9000, 9100)
+CAUTION_ERRORS: Final = range(9200, 9300)
+HIGH_ERRORS: Final = range(9000, 9100)
 """Errors of the user's that are of the high level; those that are raised here else are low."""
 
-STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+SLOT_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_RUN": lambda slot: int(slot.state == "runs"),
     "M_WAI": lambda slot: int(slot.state == "waits"),
     "M_PSA": lambda slot: int(slot.state == "reset"),
-    "M_LINE": _line,
-    "C_PRG": _program,
+    "M_LINE": _slot_line,
+    "C_PRG": _slot_program,
 }
 """Of a slot, the own one where no index stands."""
 
-ERRORS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+ERROR_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_ERR": lambda slot: int(slot.controller.error is not None),
-    "M_ERRLVL": _level,
-    "M_ERRNO": _number,
+    "M_ERRLVL": _error_level,
+    "M_ERRNO": _error_number,
 }
 """Of the controller."""
 
 
-def read(world: World, name: str, index: tuple[int, ...]) -> Value | None:
+def read_slot_status(world: World, name: str, index: tuple[int, ...]) -> Value | None:
     """A status variable about slots; None for another one, or without a controller."""
     slot = world.slot
     if slot is None or len(index) > 1:
         return None
-    if name in ERRORS and not index:
-        return ERRORS[name](slot)
-    if name not in STATUS:
+    if name in ERROR_STATUS and not index:
+        return ERROR_STATUS[name](slot)
+    if name not in SLOT_STATUS:
         return None
-    return STATUS[name](slot.controller.slot(index[0]) if index else slot)
+    return SLOT_STATUS[name](slot.controller.slot(index[0]) if index else slot)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from assistant.virtual.kernel import Ending, Task
 from assistant.virtual.melfa import pausing
-from assistant.virtual.melfa.looking import levels, place
+from assistant.virtual.melfa.looking import call_levels, statement_place
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import World
 
@@ -110,7 +110,7 @@ class Slot:
         assert task is not None
         controller, world = self.controller, self.world
         assert world is not None
-        paused = pausing.pause(world, late=False)
+        paused = pausing.pause_arm(world, late=False)
         controller.paused = self if paused else controller.paused
         had = controller.release(self)
         self._held, self._stops, task.essential = True, False, False
@@ -122,14 +122,14 @@ class Slot:
             if controller.paused is not self:
                 raise Unknown("how a stopped motion goes on that another slot has ended")
             controller.paused = None
-            pausing.resume(world)
+            pausing.resume_arm(world)
 
     def _body(self, task: Task) -> Ending:
         controller = self.controller
         world = World(task, controller.arm, timers=controller.timers, shared=controller.shared)
         world.options, world.commands = controller.options, controller.commands
         world.slot, self.world = self, world
-        task.where, task.levels = (lambda: place(world)), (lambda: levels(world))
+        task.where, task.levels = (lambda: statement_place(world)), (lambda: call_levels(world))
         try:
             self._cycles(world)
         except Failed as failed:

@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 def execute(m: Machine, statement: s.Statement) -> None:
     """Runs one statement; the row that comes next is set already."""
     if isinstance(statement, s.Command):
-        settings.command(m, statement)
+        settings.run_command(m, statement)
         return
-    run = FORMS.get(type(statement))
+    run = STATEMENT_FORMS.get(type(statement))
     if run is None:
         raise Unknown(f"the statement {type(statement).__name__}")
     run(m, statement)
 
 
-def _nothing(_m: Machine, _node: Any) -> None:
+def _no_effect(_m: Machine, _node: Any) -> None:
     """Definitions are taken in before the program runs."""
 
 
-def _motion(m: Machine, node: s.Motion) -> None:
+def _run_motion(m: Machine, node: s.Motion) -> None:
     motion.move(m, node)
 
 
@@ -49,27 +49,29 @@ def _assign(m: Machine, node: s.Assign) -> None:
     target, key = node.target, node.target.key
     value = expressions.value(m, node.value)
     if m.is_result(target):
-        _result(m, target, value)
+        _assign_result(m, target, value)
     elif m.world.commands and f"{key}=" in m.world.commands:
         m.world.given(f"{key}=", (*expressions.values(m, target.arguments or ()), value))
     elif not m.is_own(key) and key in m.code.signals:
         first, width, mask = expressions.io_of(m, m.code.signals[key])
-        _switch(m, node, first, width, whole(value), mask)
-    elif key in status.WIDTHS and not m.is_own(key):
-        first = _index(m, target)
-        if not status.WIDTHS[key][0]:
+        _switch_signals(m, node, first, width, whole(value), mask)
+    elif key in status.SIGNAL_WIDTHS and not m.is_own(key):
+        first = _element_index(m, target)
+        if not status.SIGNAL_WIDTHS[key][0]:
             raise Failed(3210, f"{target.name} is written")
-        _switch(m, node, first, status.WIDTHS[key][1], whole(value))
-    elif status.REGISTERS.get(key) and not m.is_own(key):
-        m.world.set_register(_index(m, target), value)
+        _switch_signals(m, node, first, status.SIGNAL_WIDTHS[key][1], whole(value))
+    elif status.REGISTER_OUTPUTS.get(key) and not m.is_own(key):
+        m.world.set_register(_element_index(m, target), value)
     elif key == "M_TIMER":
-        m.world.set_timer(status.timer_number(_index(m, target)), float(whole(value)))
+        m.world.set_timer(status.timer_number(_element_index(m, target)), float(whole(value)))
     elif key == "M_HND":
-        mechanism.order_hand(m, _index(m, target), float(whole(value)))
+        mechanism.order_hand(m, _element_index(m, target), float(whole(value)))
     elif key == "M_TOOL":
         mechanism.choose_tool(m, whole(value))
     elif key == "C_COM" and not m.is_own(key):
-        communication.set_target(m.world, _index(m, target), text(value, "the target of a line"))
+        communication.set_target(
+            m.world, _element_index(m, target), text(value, "the target of a line")
+        )
     elif expressions.is_status(key) and not m.is_own(key):
         raise Unknown(f"setting the status variable {target.name}")
     elif node.delay is not None:
@@ -78,7 +80,7 @@ def _assign(m: Machine, node: s.Assign) -> None:
         expressions.store(m, target, value)
 
 
-def _result(m: Machine, target: s.Variable, value: Any) -> None:
+def _assign_result(m: Machine, target: s.Variable, value: Any) -> None:
     """The result of the Function that runs."""
     if target.component:
         m.set_result(with_component(m.result(), target.component, value, m.world.options))
@@ -86,13 +88,15 @@ def _result(m: Machine, target: s.Variable, value: Any) -> None:
         m.set_result(value)
 
 
-def _index(m: Machine, target: s.Variable) -> int:
+def _element_index(m: Machine, target: s.Variable) -> int:
     if not target.arguments or len(target.arguments) != 1:
         raise Failed(4370, f"{target.name} without one number")
     return expressions.integer(m, target.arguments[0], f"the number of {target.name}")
 
 
-def _switch(m: Machine, node: s.Assign, first: int, width: int, value: int, mask: int = -1) -> None:
+def _switch_signals(
+    m: Machine, node: s.Assign, first: int, width: int, value: int, mask: int = -1
+) -> None:
     """Sets outputs; with a time it is a pulse."""
     if node.delay is None:
         m.world.switch(first, width, value, mask)
@@ -111,7 +115,7 @@ def _switch(m: Machine, node: s.Assign, first: int, width: int, value: int, mask
 # ------------------------------------------------------------------------------------ jumps
 
 
-def _if(m: Machine, node: s.If) -> None:
+def _run_if(m: Machine, node: s.If) -> None:
     if node.then is None:
         blocks.enter_if(m, node)
         return
@@ -124,16 +128,16 @@ def _if(m: Machine, node: s.If) -> None:
         execute(m, branch)
 
 
-def _jump(m: Machine, node: s.Jump) -> None:
+def _run_jump(m: Machine, node: s.Jump) -> None:
     if node.keyword == "GoSub":
         m.gosub(node.target)
     else:
         m.jump(node.target)
 
 
-def _on(m: Machine, node: s.OnJump) -> None:
+def _on_jump(m: Machine, node: s.OnJump) -> None:
     which = expressions.integer(m, node.subject, "the place of a jump")
-    if not 0 <= which <= LARGEST:
+    if not 0 <= which <= LARGEST_INDEX:
         raise out_of_range(f"the place {which} of a jump")
     passed = not 1 <= which <= len(node.targets)
     m.took(0 if passed else which)
@@ -142,13 +146,13 @@ def _on(m: Machine, node: s.OnJump) -> None:
     target = node.targets[which - 1]
     if target is None:
         raise out_of_range(f"the empty place {which} of a jump")
-    _jump(m, s.Jump(node.keyword, target))
+    _run_jump(m, s.Jump(node.keyword, target))
 
 
-LARGEST: Final = 32767
+LARGEST_INDEX: Final = 32767
 
 
-def _call(m: Machine, node: s.Call) -> None:
+def _call_subroutine(m: Machine, node: s.Call) -> None:
     if node.function.key in m.world.commands:
         given = node.function.arguments or ()
         arguments = expressions.values(m, given)
@@ -162,12 +166,12 @@ def _call_program(m: Machine, node: s.CallP) -> None:
     m.call_program(name, tuple(expressions.value(m, a) for a in node.arguments))
 
 
-def _parameters(m: Machine, node: s.FPrm) -> None:
+def _take_parameters(m: Machine, node: s.FPrm) -> None:
     if len(node.variables) != len(m.arguments):
         raise Failed(3120, f"{len(m.arguments)} arguments for {len(node.variables)}")
     for variable, value in zip(node.variables, m.arguments, strict=True):
         kind = expressions.reference(m, variable)[0].kind
-        wanted = "number" if kind in expressions.NUMBERS else kind
+        wanted = "number" if kind in expressions.NUMBER_KINDS else kind
         if not isinstance(value, Bare) and kind_of(value) != wanted:
             raise Failed(3810, f"an argument for {variable.name} of another type")
         expressions.store(m, variable, value)
@@ -176,12 +180,12 @@ def _parameters(m: Machine, node: s.FPrm) -> None:
 # ------------------------------------------------------------------------------ definitions
 
 
-def _const(m: Machine, node: s.Const) -> None:
+def _define_constant(m: Machine, node: s.Const) -> None:
     place, index = expressions.reference(m, node.variable)
     place.set(expressions.value(m, node.value), index)
 
 
-def _other(m: Machine, node: s.DefOther) -> None:
+def _define_other(m: Machine, node: s.DefOther) -> None:
     if node.kind.upper() == "ARCH":
         m.world.note("Def Arch has no effect: Mva is not simulated")
         return
@@ -190,7 +194,7 @@ def _other(m: Machine, node: s.DefOther) -> None:
     settings.define_pallet(m, node.arguments)
 
 
-def _function(m: Machine, _: s.Function) -> None:
+def _end_function(m: Machine, _: s.Function) -> None:
     """A Function that is run into: the first one of a program is its beginning."""
     block = m.code.functions.get("MAIN")
     if block is None:
@@ -198,28 +202,28 @@ def _function(m: Machine, _: s.Function) -> None:
     m.enter_main(block)
 
 
-FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
-    s.Motion: _motion,
+STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    s.Motion: _run_motion,
     s.Assign: _assign,
-    s.If: _if,
+    s.If: _run_if,
     s.ElseIf: blocks.skip_rest,
     s.For: blocks.begin_for,
     s.Next: blocks.next_turn,
-    s.Select: blocks.choose,
+    s.Select: blocks.choose_case,
     s.Case: blocks.skip_rest,
-    s.Jump: _jump,
-    s.OnJump: _on,
+    s.Jump: _run_jump,
+    s.OnJump: _on_jump,
     s.CallP: _call_program,
-    s.Call: _call,
-    s.FPrm: _parameters,
-    s.DefNames: _nothing,
-    s.DefIo: _nothing,
-    s.DefFunction: _nothing,
-    s.DefOther: _other,
-    s.Dim: _nothing,
-    s.Const: _const,
-    s.Static: _nothing,
-    **communication.FORMS,
+    s.Call: _call_subroutine,
+    s.FPrm: _take_parameters,
+    s.DefNames: _no_effect,
+    s.DefIo: _no_effect,
+    s.DefFunction: _no_effect,
+    s.DefOther: _define_other,
+    s.Dim: _no_effect,
+    s.Const: _define_constant,
+    s.Static: _no_effect,
+    **communication.FILE_FORMS,
     **interrupts.FORMS,
-    s.Function: _function,
+    s.Function: _end_function,
 }

@@ -16,27 +16,31 @@ from assistant.virtual.melfa.world import World
 
 STANDARD_GRAVITY: Final = 9.80665
 
-ARM: Final[Mapping[str, Callable[[Arm], Value]]] = {
+ARM_STATUS: Final[Mapping[str, Callable[[Arm], Value]]] = {
     "P_CURR": Arm.shown,
     "P_FBC": Arm.shown,
     "J_CURR": Arm.shown_joints,
     "J_FBC": Arm.shown_joints,
     "P_TOOL": lambda arm: arm.tool,
     "P_BASE": lambda arm: arm.base,
-    "M_TOOL": lambda arm: _number(arm.tool_number, "the number of a tool that a position gives"),
-    "M_BSNO": lambda arm: _number(arm.base_number, "the number of a base that a position gives"),
+    "M_TOOL": lambda arm: _known_number(
+        arm.tool_number, "the number of a tool that a position gives"
+    ),
+    "M_BSNO": lambda arm: _known_number(
+        arm.base_number, "the number of a base that a position gives"
+    ),
     "M_SVO": lambda arm: int(arm.servo),
 }
 """Of the mechanism, which an index of 1 names too."""
 
 
-def _number(number: int | None, what: str) -> int:
+def _known_number(number: int | None, what: str) -> int:
     if number is None:
         raise Unknown(what)
     return number
 
 
-SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
+SLOT_SETTINGS: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_SPD": lambda world: world.settings.speed,
     "M_OVRD": lambda world: world.settings.override,
     "M_JOVRD": lambda world: world.settings.joint_override,
@@ -50,15 +54,15 @@ SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
 }
 """Of a slot, its own one where no index stands."""
 
-CLOCK: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
+CLOCK_FORMATS: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
 """How the date and the time of day are written: 2007/04/01, 13:01:30 (their manuals)."""
 
-ON_WAY: Final[Mapping[str, Callable[[Progress], float]]] = {
+MOTION_STATUS: Final[Mapping[str, Callable[[Progress], float]]] = {
     "M_RDST": lambda progress: progress.left,
     "M_RATIO": lambda progress: progress.done,
 }
 
-CONSTANT: Final[Mapping[str, Value]] = {
+CONSTANTS: Final[Mapping[str, Value]] = {
     "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
     "M_NSPD": OPTIMUM, "M_NOVRD": FULL, "M_NJOVRD": FULL, "M_NACL": FULL, "M_NDACL": FULL,
     "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
@@ -66,27 +70,27 @@ CONSTANT: Final[Mapping[str, Value]] = {
 }  # fmt: skip
 """What does not change while a program runs here: nothing goes wrong and nobody interferes."""
 
-WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
+SIGNAL_WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
     "M_IN": (False, 1), "M_INB": (False, 8), "M_IN8": (False, 8), "M_INW": (False, 16),
     "M_IN16": (False, 16), "M_IN32": (False, 32), "M_OUT": (True, 1), "M_OUTB": (True, 8),
     "M_OUT8": (True, 8), "M_OUTW": (True, 16), "M_OUT16": (True, 16), "M_OUT32": (True, 32),
 }  # fmt: skip
 """Signals: whether it is an output, and its bits."""
 
-REGISTERS: Final[Mapping[str, bool]] = {"M_DIN": False, "M_DOUT": True}
+REGISTER_OUTPUTS: Final[Mapping[str, bool]] = {"M_DIN": False, "M_DOUT": True}
 """Registers of a field bus: whether it is an output."""
 
 IO_WIDTHS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Of `Def Io`."""
 
 
-def _told(world: World, hand: int) -> int:
+def _hand_state(world: World, hand: int) -> int:
     if hand not in world.arm.hands:
         raise Unknown(f"how hand {hand} is when power comes on (parameter HANDINIT)")
     return int(world.arm.hands[hand])
 
 
-def _checked(world: World, number: int) -> int:
+def _hand_check(world: World, number: int) -> int:
     """M_HndCq: inputs 900 to 907 (COSIROP: HOPEN)."""
     if number not in range(1, 9):
         raise out_of_range(f"the hand check input {number}")
@@ -94,54 +98,59 @@ def _checked(world: World, number: int) -> int:
 
 
 FIRST_CHECK: Final = 900
-HANDS: Final[Mapping[str, Callable[[World, int], Value]]] = {"M_HND": _told, "M_HNDCQ": _checked}
+HAND_STATUS: Final[Mapping[str, Callable[[World, int], Value]]] = {
+    "M_HND": _hand_state,
+    "M_HNDCQ": _hand_check,
+}
 """Of hands, by their number."""
-OWN: Final = (1,)
-TIMERS: Final = range(1, 9)
+OWN_MECHANISM: Final = (1,)
+TIMER_NUMBERS: Final = range(1, 9)
 
 
 def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
     """The value of a status variable; raises Unknown for one that is not simulated."""
     index = tuple(whole(a, f"the index of {name}") for a in arguments)
-    if name in WIDTHS and len(index) == 1:
-        output, width = WIDTHS[name]
+    if name in SIGNAL_WIDTHS and len(index) == 1:
+        output, width = SIGNAL_WIDTHS[name]
         value = world.read(output, index[0], width)
-        return _signed(world, value, width)
-    if name in REGISTERS and len(index) == 1:
-        return world.register(REGISTERS[name], index[0])
+        return _signed_group(world, value, width)
+    if name in REGISTER_OUTPUTS and len(index) == 1:
+        return world.register(REGISTER_OUTPUTS[name], index[0])
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
-    if name in HANDS and len(index) == 1:
-        return HANDS[name](world, index[0])
-    about_slots = slot_status.read(world, name, index)
+    if name in HAND_STATUS and len(index) == 1:
+        return HAND_STATUS[name](world, index[0])
+    about_slots = slot_status.read_slot_status(world, name, index)
     if about_slots is not None:
         return about_slots
     if name == "M_OPEN" and len(index) == 1:
-        return _open(world, index[0])
-    if name in ON_WAY and index in ((), OWN):
-        return _progress(world, name)
+        return _file_state(world, index[0])
+    if name in MOTION_STATUS and index in ((), OWN_MECHANISM):
+        return _motion_progress(world, name)
     if name == "M_RSPD" and len(index) <= 1:
-        return _speed(world, *index)
-    if name in SLOT and len(index) <= 1:
-        return SLOT[name](world.of_slot(*index))
-    if name in ARM and index in ((), OWN):
-        return ARM[name](pausing.arm_now(world))
-    if name in CLOCK and not index:
-        return format(dates.at(world.task.kernel.now, world.options.began), CLOCK[name])
-    if name in CONSTANT and index in ((), OWN):
-        return CONSTANT[name]
+        return _motion_speed(world, *index)
+    if name in SLOT_SETTINGS and len(index) <= 1:
+        return SLOT_SETTINGS[name](world.of_slot(*index))
+    if name in ARM_STATUS and index in ((), OWN_MECHANISM):
+        return ARM_STATUS[name](pausing.arm_now(world))
+    if name in CLOCK_FORMATS and not index:
+        return format(
+            dates.date_at(world.task.kernel.now, world.options.began), CLOCK_FORMATS[name]
+        )
+    if name in CONSTANTS and index in ((), OWN_MECHANISM):
+        return CONSTANTS[name]
     raise Unknown(f"the status variable {name}")
 
 
-def _progress(world: World, name: str) -> float:
+def _motion_progress(world: World, name: str) -> float:
     """Of the motion that is made, or was made last."""
     progress = world.task.kernel.motion.progress()
     if progress is None:
         raise Unknown(f"the status variable {name}")
-    return ON_WAY[name](progress)
+    return MOTION_STATUS[name](progress)
 
 
-def _speed(world: World, *slot: int) -> float:
+def _motion_speed(world: World, *slot: int) -> float:
     """Of the motion that a slot has commanded, mm/s."""
     mine = world.slot
     if mine is None:
@@ -153,27 +162,27 @@ def _speed(world: World, *slot: int) -> float:
     return 0.0 if progress is None else progress.speed
 
 
-def _open(world: World, number: int) -> int:
+def _file_state(world: World, number: int) -> int:
     """Whether somebody is at the other end of a file; -1 where it is not open."""
     channel = world.files.get(number)
     return -1 if channel is None else int(channel.line.connected())
 
 
 def timer_number(number: int) -> int:
-    if number not in TIMERS:
+    if number not in TIMER_NUMBERS:
         raise out_of_range(f"the timer {number}")
     return number
 
 
-def bits(world: World, name: str, index: tuple[Value, ...]) -> int | None:
+def group_bits(world: World, name: str, index: tuple[Value, ...]) -> int | None:
     """The signals of a group as a number without a sign; None for another status variable."""
-    if name not in WIDTHS or len(index) != 1:
+    if name not in SIGNAL_WIDTHS or len(index) != 1:
         return None
-    output, width = WIDTHS[name]
+    output, width = SIGNAL_WIDTHS[name]
     return world.read(output, whole(index[0], f"the index of {name}"), width)
 
 
-def _signed(world: World, value: int, width: int) -> int:
+def _signed_group(world: World, value: int, width: int) -> int:
     """A number of 16 or 32 bits whose highest one is set may be shown as negative or not."""
     if width in (16, 32) and value >> (width - 1):
         if world.options.signed is None:

@@ -19,7 +19,7 @@ COMPONENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
 FLAGS: Final = ("FL1", "FL2")
 JOINTS: Final = tuple(f"J{axis}" for axis in range(1, 9))
 
-USUAL: Final = (7, 0)
+DEFAULT_FLAGS: Final = (7, 0)
 """Flags of a constant that states none (CR1D 4.3.12)."""
 
 
@@ -28,7 +28,7 @@ class Position:
     """values: eight of COMPONENTS, mm and degrees. flags: FL1 and FL2; None where not known."""
 
     values: Elements
-    flags: tuple[int | None, int | None] = USUAL
+    flags: tuple[int | None, int | None] = DEFAULT_FLAGS
 
 
 ORIGIN: Final = Position((0.0,) * 6 + (None,) * 2, (0, 0))
@@ -58,7 +58,7 @@ class Bare:
 Value = int | float | bool | str | Position | Joints | Bare
 """A truth is what a comparison gives: 1 or 0 where a number is wanted."""
 
-RANGES: Final = {"integer": 1 << 15, "long": 1 << 31}
+INTEGER_RANGES: Final = {"integer": 1 << 15, "long": 1 << 31}
 """Bound of whole types: 16 and 32 bits with a sign."""
 
 
@@ -131,9 +131,9 @@ def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
     """A value that is to go into a variable: a whole one takes no more than its bits."""
     if isinstance(value, str) and len(value) > options.longest_text:
         raise open_point(f"a text of {len(value)} characters", "longest_text")
-    if kind not in RANGES or isinstance(value, str) or options.overflow is None:
+    if kind not in INTEGER_RANGES or isinstance(value, str) or options.overflow is None:
         return value
-    bound, rounded = RANGES[kind], whole(value, what)
+    bound, rounded = INTEGER_RANGES[kind], whole(value, what)
     if -bound <= rounded < bound:
         return rounded
     if options.overflow == "error":
@@ -148,7 +148,7 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
             return number(value, what)
         case "integer" | "long":
             rounded = whole(value, what)
-            if not -RANGES[kind] <= rounded < RANGES[kind]:
+            if not -INTEGER_RANGES[kind] <= rounded < INTEGER_RANGES[kind]:
                 raise open_point(f"{rounded} does not fit into {what}", "overflow")
             return rounded
         case "text":
@@ -174,7 +174,7 @@ def component(value: Value, name: str, options: Options) -> int | float:
     if isinstance(value, Joints):
         if name not in JOINTS:
             raise Failed(4220, f"joints have no component {name}")
-        element = _defined(value.values[JOINTS.index(name)], name)
+        element = _defined_element(value.values[JOINTS.index(name)], name)
         return math.radians(element) if _in_radian(name, options) else element
     given = position(value, f"what has a component {name}")
     if name in FLAGS:
@@ -184,7 +184,7 @@ def component(value: Value, name: str, options: Options) -> int | float:
         return flag
     if name not in COMPONENTS:
         raise Failed(4220, f"positions have no component {name}")
-    element = _defined(given.values[COMPONENTS.index(name)], name)
+    element = _defined_element(given.values[COMPONENTS.index(name)], name)
     return math.radians(element) if _in_radian(name, options) else element
 
 
@@ -195,7 +195,7 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
             raise Failed(4220, f"joints have no component {name}")
         given_joint = float(number(new, name))
         element = _degrees(given_joint) if _in_radian(name, options) else given_joint
-        return Joints(_put(value.values, JOINTS.index(name), element))
+        return Joints(_with_element(value.values, JOINTS.index(name), element))
     given = position(value, f"what has a component {name}")
     if name in FLAGS:
         one, two = given.flags
@@ -205,7 +205,7 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
         raise Failed(4220, f"positions have no component {name}")
     element = float(number(new, name))
     element = _degrees(element) if _in_radian(name, options) else element
-    return replace(given, values=_put(given.values, COMPONENTS.index(name), element))
+    return replace(given, values=_with_element(given.values, COMPONENTS.index(name), element))
 
 
 def _in_radian(name: str, options: Options) -> bool:
@@ -219,11 +219,11 @@ def _in_radian(name: str, options: Options) -> bool:
 ADDITIONAL: Final = ("L1", "L2", "J7", "J8")
 
 
-def _put(values: Elements, at: int, value: float) -> Elements:
+def _with_element(values: Elements, at: int, value: float) -> Elements:
     return (*values[:at], value, *values[at + 1 :])
 
 
-def _defined(value: float | None, name: str) -> float:
+def _defined_element(value: float | None, name: str) -> float:
     if value is None:
         raise Failed(3700, f"the component {name} is not defined")
     return value

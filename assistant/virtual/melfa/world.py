@@ -13,12 +13,12 @@ from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.peers import Peer
+from assistant.virtual.melfa.peers import SimulatedClient
 from assistant.virtual.melfa.plugins import Command, Given
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value
 from assistant.virtual.melfa.values import number as number_of
-from assistant.virtual.on_way import told
+from assistant.virtual.on_way import ordered_triggers
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.timers import Timer
@@ -105,7 +105,7 @@ class World:
         said = self.task.kernel.peers
         if said is None:
             raise Unknown("lines of a program that runs without a controller")
-        peer = Peer(said)
+        peer = SimulatedClient(said)
         peer.heard = lambda data: self.task.tell(Sent(data))
         return peer
 
@@ -180,7 +180,9 @@ class World:
         if self.on_way is not None and self.appended:
             raise Unknown("which of two motions something is appended to")
         self.appended = True
-        self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way or ()))
+        self.task.kernel.motion.go(
+            self.task, moved, ordered_triggers(moved, before, self.on_way or ())
+        )
 
     def warn(self, number: int) -> None:
         """A caution holds from now on, or with 0 none does any more."""

@@ -154,13 +154,13 @@ class Flight:
         start = self.start
         speeds = start.speed or 0.0, math.inf if going_on else 0.0
         plan = plan_of(moves, start.joints, self.model.robot, self._drive(), speeds)
-        places, ends = _borders(moves, plan)
+        places, ends = _corner_borders(moves, plan)
         begin = 0.0
         for order, end in zip(orders, ends[last].tolist(), strict=True):
             order.begin, order.end = begin, end
             begin = end
         times = plan.passing(places[last]), plan.passing(ends[last])
-        first = 0.0 if start.speed is None else _at(plan, orders[0].end / 2.0)
+        first = 0.0 if start.speed is None else _time_at(plan, orders[0].end / 2.0)
         guessed = tuple(np.unique(np.searchsorted(last, plan.course.knots.guessed)).tolist())
         return Planned(plan, start.time - first, first, *times, moves.joints[last], guessed)
 
@@ -203,7 +203,7 @@ class Flight:
         return drive_of(self.model.robot, load=max(known) if len(known) == len(masses) else None)
 
 
-def _borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
+def _corner_borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
     """(n,) along the course, where the corner at the end of each move begins, and that end."""
     course, n = plan.course, len(moves)
     ends = np.cumsum(sums(course.row, course.distance, n))
@@ -228,7 +228,7 @@ def _borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
     return places, ends
 
 
-def moment(planned: Planned, order: Order, at: OnWay) -> float:
+def trigger_time(planned: Planned, order: Order, at: OnWay) -> float:
     """Seconds from the beginning of a plan, when something on the way of an order is come to."""
     begin, end = order.begin, order.end
     first, last = (float(v) for v in planned.plan.passing(np.array([begin, end])))
@@ -236,11 +236,11 @@ def moment(planned: Planned, order: Order, at: OnWay) -> float:
         case "time":
             when = last - at.amount
         case "start":
-            when = _at(planned.plan, begin + at.amount)
+            when = _time_at(planned.plan, begin + at.amount)
         case "end":
-            when = _at(planned.plan, end - at.amount)
+            when = _time_at(planned.plan, end - at.amount)
         case "share":
-            when = _at(planned.plan, begin + (end - begin) * at.amount / 100.0)
+            when = _time_at(planned.plan, begin + (end - begin) * at.amount / 100.0)
     return min(max(when - at.ahead, first), last)
 
 
@@ -255,18 +255,18 @@ def progress(planned: Planned, orders: Sequence[Order], gone: float) -> Progress
     return Progress(end - place, 100.0 * (place - begin) / (end - begin), speed)
 
 
-def gone_on(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg, Start]:
+def cut_plan(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg, Start]:
     """A plan that is only followed to the middle of one of its orders, from which on they are
     planned anew.
     """
     order, plan = orders[index], planned.plan
-    seconds = _at(plan, (order.begin + order.end) / 2.0)
+    seconds = _time_at(plan, (order.begin + order.end) / 2.0)
     speed = plan.place(seconds)[1]
     start = Start(planned.joints[index - 1], planned.began + seconds, speed)
     return planned.leg(seconds), start
 
 
-def held(
+def stopped_leg(
     planned: Planned, orders: Sequence[Order], clock: float, robot: Robot
 ) -> tuple[Leg, Floats, list[Order]]:
     """A plan that is only followed until a time of the kernel; the joints (a,) where the arm stands
@@ -283,5 +283,5 @@ def held(
     return planned.leg(stood), plan.at(np.array([stood])).joints[0], rest
 
 
-def _at(plan: Plan, place: float) -> float:
+def _time_at(plan: Plan, place: float) -> float:
     return float(plan.passing(np.array([place]))[0])

@@ -22,8 +22,8 @@ from assistant.virtual.events import Moved
 
 Reason = Literal["reach", "joints", "configuration", "nowhere"]
 
-ANY: Final = (UNSTATED, 0, 0, 0, 0, 0)
-KINDS: Final = {"joint": Kind.JOINT, "linear": Kind.LINEAR, "circular": Kind.END}
+ANY_CONFIGURATION: Final = (UNSTATED, 0, 0, 0, 0, 0)
+KIND_OF_MOVE: Final = {"joint": Kind.JOINT, "linear": Kind.LINEAR, "circular": Kind.END}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool
     strict: whether axes that turn further than a configuration says are refused; else they turn as
     little as they can in its arm branch.
     """
-    rows = _Rows(motions, robot)
+    rows = _GoalRows(motions, robot)
     joints, refusal = rows.joints(start, strict)
     last = rows.last if refusal is None else rows.last[: refusal.index]
     count = int(last[-1]) + 1 if len(last) else 0
@@ -100,7 +100,7 @@ def _set_times(
     motions: Sequence[Moved],
     of: Rows,
     tips: tuple[Floats, Floats],
-    rows: _Rows,
+    rows: _GoalRows,
     start: Floats,
     speeds: tuple[Floats, Floats],
 ) -> None:
@@ -120,7 +120,7 @@ def _set_times(
                 speed[own] = way / seconds if way > 0.0 else math.inf
 
 
-class _Rows:
+class _GoalRows:
     """n motions as k rows. of: (k,) the motion of each; last: (n,) the last row of each."""
 
     def __init__(self, motions: Sequence[Moved], robot: Robot) -> None:
@@ -136,7 +136,7 @@ class _Rows:
                 kinds.append(Kind.VIA)
             flanges.append(motion.flange)
             of.append(index)
-            kinds.append(KINDS[motion.kind])
+            kinds.append(KIND_OF_MOVE[motion.kind])
             tools.setdefault(motion.tool, len(tools))
         self.of, self.kinds = np.array(of), np.array(kinds, dtype=np.uint8)
         self.last = np.searchsorted(self.of, np.arange(len(motions)), side="right") - 1
@@ -164,7 +164,9 @@ class _Rows:
         open_, branch = ~stated & ~named & self.known, np.full(len(self.of), -1)
         rows = np.flatnonzero(stated)
         if len(rows):
-            wanted = np.array([motions[i].how.configuration or ANY for i in self.of[rows]])
+            wanted = np.array(
+                [motions[i].how.configuration or ANY_CONFIGURATION for i in self.of[rows]]
+            )
             joints[rows] = robot.joints_of(self.p[rows], self.q[rows], wanted)
             if not strict:
                 branch[rows] = robot.branch_of(wanted)

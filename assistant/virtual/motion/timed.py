@@ -27,13 +27,13 @@ from assistant.virtual.motion.flight import (
     Order,
     Planned,
     Start,
-    gone_on,
-    held,
-    moment,
+    cut_plan,
     progress,
+    stopped_leg,
+    trigger_time,
 )
 from assistant.virtual.motion.goals import Refusal
-from assistant.virtual.motion.refusals import LATE, message
+from assistant.virtual.motion.refusals import CORNER_PATH_FAILURE, refusal_message
 
 NEVER_LATE: Final = 0.1
 """Seconds behind the beginning of a corner at which the next motion still comes in time: as if the
@@ -144,7 +144,7 @@ class Timed:
         if not last.stops and kernel.clock - last.release > NEVER_LATE:
             self._pass(self._to_rest(), len(self._flight.orders) - 1)
             if "rapid" in self.robot.languages:
-                kernel.tell(task, Noted(LATE), last.place)
+                kernel.tell(task, Noted(CORNER_PATH_FAILURE), last.place)
 
     # -------------------------------------------------------------------------------- time
 
@@ -212,7 +212,7 @@ class Timed:
         if len(orders) > MOST_ORDERS:
             at = max(at, len(orders) - LEAST_ORDERS)
         if at >= FEW_ORDERS:
-            leg, start = gone_on(made, orders, at)
+            leg, start = cut_plan(made, orders, at)
             self.legs.append(leg)
             self._flight.begin(at, start)
             self._flying = self._braking = None
@@ -271,7 +271,7 @@ class Timed:
             change.done = True
             kernel.change(order.task, what, order.place)
 
-        when = made.began + moment(made, order, what.at)
+        when = made.began + trigger_time(made, order, what.at)
         change.timer = kernel.at(max(when, kernel.clock), act)
 
     def _to_rest(self) -> Planned:
@@ -290,7 +290,7 @@ class Timed:
         del kernel.log[order.row :]
         if kernel.live is not None:
             self._flight.leave_out(refusal.index)
-        text = message(refusal, self.robot, order.place)
+        text = refusal_message(refusal, self.robot, order.place)
         kernel.fail(order.task, order.place, Ending("error", text))
 
     # ----------------------------------------------------------------------------- looking
@@ -357,7 +357,9 @@ class Timed:
         self._held = True
         if not self._flight.orders:
             return
-        leg, joints, rest = held(self._to_rest(), self._flight.orders, kernel.clock, self.robot)
+        leg, joints, rest = stopped_leg(
+            self._to_rest(), self._flight.orders, kernel.clock, self.robot
+        )
         self.legs.append(leg)
         start = Start(joints, kernel.clock)
         for order in self._flight.orders:

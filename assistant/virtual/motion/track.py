@@ -61,12 +61,12 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
             *(found.positions, found.quaternions, found.joints),
         )
         speed[rows] = np.where(inside < leg.last, found.speeds, 0.0)
-    names, signals = _signals(log, t)
+    names, signals = _signal_samples(log, t)
     quaternion = rotations.unflipped(quaternion)
     return Track(t, position, quaternion, joints, speed, signals, names)
 
 
-def _signals(log: Sequence[Logged], t: Floats) -> tuple[tuple[str, ...], Floats]:
+def _signal_samples(log: Sequence[Logged], t: Floats) -> tuple[tuple[str, ...], Floats]:
     changes = [(row.time, row.what) for row in log if isinstance(row.what, Switched)]
     names = tuple(dict.fromkeys(what.signal for _, what in changes))
     signals = np.zeros((len(t), len(names)))

@@ -11,7 +11,7 @@ from assistant.virtual.kernel import Task
 from assistant.virtual.proving.driver import Driver, Moment
 from assistant.virtual.proving.wires import Wiring
 
-PLAIN: Final = 15
+PLAIN_ANSWERS: Final = 15
 """Bits of the largest number that is tried: with one more it may have a sign, or be too large for a
 variable, and the manuals do not tell what becomes of it."""
 
@@ -47,7 +47,7 @@ class Answers:
                 continue
             near = {n + by for n in self.numbers for by in (0, 1, -1)} | {
                 0,
-                (1 << min(bits, PLAIN)) - 1,
+                (1 << min(bits, PLAIN_ANSWERS)) - 1,
             }
             values = sorted(value for value in near if 0 <= value < 1 << bits)
             yield from (wiring.spread(name, float(value)) for value in values)
@@ -57,13 +57,13 @@ class Answers:
         if len(read) > 1:
             for value in (1.0, 0.0):
                 yield {wire: value for name in read for wire in wiring.wires(name)}
-        for wires, _ in rows(wiring, dict.fromkeys(read, Moment())):
+        for wires, _ in answer_rows(wiring, dict.fromkeys(read, Moment())):
             for number in self.numbers:
                 if number < 1 << len(wires):
                     yield {wire: float(number >> i & 1) for i, wire in enumerate(wires)}
 
 
-def rows(wiring: Wiring, names: Mapping[str, Moment]) -> list[tuple[list[str], Moment]]:
+def answer_rows(wiring: Wiring, names: Mapping[str, Moment]) -> list[tuple[list[str], Moment]]:
     """Wires with numbers that follow each other: bits that are read as one number."""
     single = {
         int(n): when for n, when in names.items() if n.isdecimal() and not wiring.named.get(n)

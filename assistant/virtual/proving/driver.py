@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
-from assistant.virtual.branches import Way
+from assistant.virtual.branches import BranchKey
 from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Switched, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.kernel import NEVER
@@ -101,7 +101,7 @@ Readings = tuple[tuple[str, Moment], ...]
 class Taken:
     """A way that was gone, and the inputs that were read shortly before. own: by the statement."""
 
-    way: Way
+    way: BranchKey
     read: Readings
     own: Readings = ()
 
@@ -137,14 +137,14 @@ class Driver(Mapping[str, float]):
     scenario: Scenario
     answering: Answering | None = None
     state: dict[str, float] = field(default_factory=dict)
-    taken: dict[Way, Taken] = field(default_factory=dict)
+    taken: dict[BranchKey, Taken] = field(default_factory=dict)
     reads: set[str] = field(default_factory=set)
     ended: dict[object, Moment] = field(default_factory=dict)
     watched: dict[str, dict[Moment, None]] = field(default_factory=dict)
     met: dict[tuple[object, bool], Readings] = field(default_factory=dict)
     unanswered: object = None
     iterations: dict[tuple[str, int], list[Readings]] = field(default_factory=dict)
-    last: dict[int, Way] = field(default_factory=dict)
+    last: dict[int, BranchKey] = field(default_factory=dict)
     timing: dict[tuple[str, int], tuple[float, int, int]] = field(default_factory=dict)
     answers: int = 0
     ended_by_timer: bool = False

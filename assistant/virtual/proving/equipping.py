@@ -29,7 +29,7 @@ class Cell:
         return bool(self.tools or self.frames or self.standing)
 
 
-def equipped(family: str, tree: object, cell: Cell) -> tuple[SourceText, set[str]]:
+def with_equipment(family: str, tree: object, cell: Cell) -> tuple[SourceText, set[str]]:
     """The text of a file with the values of a cell, and the names of those that it declares."""
     assert isinstance(tree, rapid.File) or hasattr(tree, "source")
     source = getattr(tree, "source", None) or SourceText("")
@@ -43,13 +43,13 @@ def equipped(family: str, tree: object, cell: Cell) -> tuple[SourceText, set[str
 Change = tuple[Span, str]
 
 
-def _plain(value: rapid.Expression) -> str:
+def _unchanged_text(value: rapid.Expression) -> str:
     """A value that is written out, as text."""
     match value:
         case rapid.AggregateNode(items):
-            return f"[{','.join(map(_plain, items))}]"
+            return f"[{','.join(map(_unchanged_text, items))}]"
         case rapid.Prefix(operator, operand):
-            return operator + _plain(operand)
+            return operator + _unchanged_text(operand)
         case rapid.BoolLiteral(truth):
             return str(truth).upper()
         case rapid.StringLiteral(text):
@@ -59,14 +59,14 @@ def _plain(value: rapid.Expression) -> str:
     raise AssertionError(value)
 
 
-def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:
+def _equip_rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:
     """The second part of a tool is its tip, the last two of a work object are its frames."""
     changes: list[Change] = []
     found: set[str] = set()
     for node in nodes(tree.parts if isinstance(tree, rapid.File) else ()):
         stands = cell.standing.get(still_frame_name(carrying_unit(node)).lower())
         if stands is not None and isinstance(node, rapid.AggregateNode):
-            values = zip(node.items[1:4], ("TRUE", '""', _listed(stands)), strict=True)
+            values = zip(node.items[1:4], ("TRUE", '""', _listed_numbers(stands)), strict=True)
             changes += ((item.span, value) for item, value in values if item.span is not None)
         if not isinstance(node, rapid.Data) or not isinstance(node.value, rapid.AggregateNode):
             continue
@@ -77,9 +77,9 @@ def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
         elif node.type.lower() == "wobjdata" and name in cell.frames and len(items) == 5:
             given = [(3, cell.frames[name].user), (4, cell.frames[name].object)]
         if node.value.span is None and node.span is not None:  # the cell file alone states it
-            parts = [_plain(item) for item in items]
+            parts = [_unchanged_text(item) for item in items]
             for place, pose in given:
-                parts[place] = _listed(pose)
+                parts[place] = _listed_numbers(pose)
                 found.add(name)
             end = node.span.end - text[node.span.start : node.span.end].endswith(";")
             changes.append((Span(end, end), f":=[{','.join(parts)}]"))
@@ -87,25 +87,27 @@ def _rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
         for place, pose in given:
             span = items[place].span
             if span is not None:
-                changes.append((span, _listed(pose)))
+                changes.append((span, _listed_numbers(pose)))
                 found.add(name)
     return changes, found
 
 
-def _listed(pose: Pose) -> str:
-    position, turned = (",".join(map(_number, part)) for part in (pose.position, pose.quaternion))
+def _listed_numbers(pose: Pose) -> str:
+    position, turned = (
+        ",".join(map(_number_text, part)) for part in (pose.position, pose.quaternion)
+    )
     return f"[[{position}],[{turned}]]"
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     return f"{value:.12f}".rstrip("0").rstrip(".")
 
 
-PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
+TOOL_PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
 """Names of parameters, whose values stand in positions with a P before the name."""
 
 
-def _melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:  # noqa: ARG001
+def _equip_melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:  # noqa: ARG001
     """A frame is a base, from which the robot is seen, or a factor of positions."""
     from assistant.virtual.melfa.poses import position_of
 
@@ -113,7 +115,7 @@ def _melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
     changes: list[Change] = []
     found: set[str] = set()
     for name in (*cell.tools, *cell.frames):
-        own = short.get(name, f"P?{name}" if PARAMETER.fullmatch(name) else name)
+        own = short.get(name, f"P?{name}" if TOOL_PARAMETER.fullmatch(name) else name)
         pose = cell.tools[name] if name in cell.tools else cell.frames[name].pose
         if name not in cell.tools and re.search(rf"(?i)\bBase\s+{own}\b", text):
             pose = pose.inverse()
@@ -125,7 +127,7 @@ def _melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]
 
 
 _FAMILIES: Final[Mapping[str, Callable[[object, str, Cell], tuple[list[Change], set[str]]]]] = {
-    "RA": _rapid,
-    "MB": _melfa,
+    "RA": _equip_rapid,
+    "MB": _equip_melfa,
 }
 """By the family of a language."""

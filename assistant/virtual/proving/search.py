@@ -12,16 +12,16 @@ from itertools import product
 from random import Random
 from typing import Final
 
-from assistant.virtual.branches import Branch, Branches, Way
+from assistant.virtual.branches import Branch, Branches, BranchKey
 from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
 from assistant.virtual.events import Awaited, Kept, Logged, Place, Run, Stopped, Waited
 from assistant.virtual.kernel import Board, Kernel
 from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.script import Script, by_numbers, follow
-from assistant.virtual.proving.answers import PLAIN, Answers, rows
+from assistant.virtual.proving.answers import PLAIN_ANSWERS, Answers, answer_rows
 from assistant.virtual.proving.driver import POLLS, Driver, Moment, Readings, Scenario
-from assistant.virtual.proving.lasting import OVER, RAN_ON, broken_off, first_run
-from assistant.virtual.proving.messages import messages, said
+from assistant.virtual.proving.lasting import OVER, RAN_ON, first_run_seconds, limit_run
+from assistant.virtual.proving.messages import likely_messages, sent_words
 from assistant.virtual.proving.sides import STATEMENT_TIME, Side
 from assistant.virtual.proving.wires import Wiring
 from assistant.virtual.rounding import Rounding
@@ -40,9 +40,9 @@ LOOKS: Final = 2
 """Times as many statements as the time of a wait holds."""
 LEAST_STEPS: Final = 500
 """Statements that a run of the source counts as having at least."""
-IN_VAIN: Final = 10
+MOST_IN_VAIN: Final = 10
 """Runs with inputs at random that take no new branch before the search gives up."""
-FEW: Final = 2
+FEW_RUNS: Final = 2
 """For so many runs one may be that nobody can judge, with inputs of which the manuals tell less."""
 MOST_SILENT: Final = 5
 """Times that a wait which is tried again and again gets no answer."""
@@ -160,10 +160,10 @@ class _Search:
     def __post_init__(self) -> None:
         self.random = Random(f"proof {self.budget.seed}")  # noqa: S311 - the same for a seed
         self.known: tuple[Branches, Branches] = self.first.branches(), self.second.branches()
-        self.taken: tuple[dict[Way, None], dict[Way, None]] = {}, {}
-        self.numbers = _numbers(self.first.text())
+        self.taken: tuple[dict[BranchKey, None], dict[BranchKey, None]] = {}, {}
+        self.numbers = _number_values(self.first.text())
         texts = re.findall(r'"([^",\\\n]{1,40})"', self.first.text())
-        self.messages = messages(self.first.text())
+        self.messages = likely_messages(self.first.text())
         self.texts = ["1", *dict.fromkeys(text for text in texts if text.isascii()), "2"]
         self.tried: set[Scenario] = set()
         self.aimed: set[Scenario] = set()
@@ -192,7 +192,7 @@ class _Search:
         self.until = time.thread_time() + self.budget.seconds
         played: list[Scenario] = []
         vain = 0
-        while self.found.runs < self.budget.runs and vain < IN_VAIN:
+        while self.found.runs < self.budget.runs and vain < MOST_IN_VAIN:
             scenario = Scenario() if self._begins() else self._next(played)
             if scenario is None or (self.found.runs and time.thread_time() > self.until):
                 break
@@ -212,7 +212,7 @@ class _Search:
             if place not in self.passed:
                 self.found.stalled.append(stops[0])
                 self.found.stalling += len(stops)
-        if FEW * self.missed > self.found.runs:
+        if FEW_RUNS * self.missed > self.found.runs:
             self.found.unknown = self.found.unjudged
         self.found.total = len(self.known[0]), len(self.known[1])
         left = [
@@ -245,7 +245,7 @@ class _Search:
                     self.tried.add(scenario)
                     self.aimed.add(scenario)
                     return scenario
-        for _ in range(IN_VAIN if self._open() else 0):
+        for _ in range(MOST_IN_VAIN if self._open() else 0):
             scenario = self._drawn(self.random.choice(played))
             if scenario not in self.tried:
                 self.tried.add(scenario)
@@ -373,13 +373,13 @@ class _Search:
             follow(kernel, side.scripted(script), first)
         if side.answers:
             kernel.person.panel = Panel(lambda name: driver[name])
-        kernel.peers = said(self.found.runs, self.messages, self.texts)
+        kernel.peers = sent_words(self.found.runs, self.messages, self.texts)
         side.begin(kernel)
         left = self.until - time.thread_time()
         if not self.found.runs:
-            left = first_run(self.budget.seconds, answered)
+            left = first_run_seconds(self.budget.seconds, answered)
         ample = math.inf if after is None else self._ample(after)
-        broken_off(kernel, left, after, self.most if answered else math.inf, ample)
+        limit_run(kernel, left, after, self.most if answered else math.inf, ample)
         return kernel.run(), driver
 
     def _compare(self, one: Run, two: Run, ours: Driver, theirs: Driver) -> None:
@@ -437,7 +437,7 @@ class _Search:
         slower, _ = self._run_through(
             self.first, scenario, self.steps, None, SLOWER * STATEMENT_TIME
         )
-        before, after = _kept(one), _kept(slower)
+        before, after = _kept_values(one), _kept_values(slower)
         # A run that was broken off sooner has fewer values: that makes them no other ones.
         return {
             name
@@ -499,7 +499,7 @@ class _Search:
     ) -> Iterator[Scenario]:
         """The scenario up to a moment, with each other value of an input from then on."""
         before = played.until(moment)
-        value = wiring.value(name, dict(_state(before)))
+        value = wiring.value(name, dict(_driver_state(before)))
         for other in self._others(wiring, name, value, numbers):
             yield before.changed(moment, wiring.spread(name, other))
 
@@ -509,7 +509,7 @@ class _Search:
         """Every combination of a few inputs where they are read; of more, each one changed."""
         moment = max(names.values(), key=lambda one: one.order)
         before = played.until(moment)
-        state = dict(_state(before))
+        state = dict(_driver_state(before))
         values = {name: wiring.value(name, state) for name in names}
         others = {
             name: [value, *self._others(wiring, name, value, self.numbers)]
@@ -547,7 +547,9 @@ class _Search:
         """Numbers that a statement compares with: of its line, else of those below it."""
         lines = (self.first, self.second)[at].text().split("\n")
         below = "\n".join(lines[line : line + BELOW])
-        return (_numbers(lines[line - 1]) if line <= len(lines) else []) or _numbers(below)
+        return (_number_values(lines[line - 1]) if line <= len(lines) else []) or _number_values(
+            below
+        )
 
     def _varied(
         self, wiring: Wiring, read: Readings, played: Scenario, numbers: list[int]
@@ -559,7 +561,7 @@ class _Search:
         if len(names) > 1:
             for _ in range(TOGETHER):
                 yield self._together(wiring, names, played, numbers)
-        for wires, moment in rows(wiring, names):
+        for wires, moment in answer_rows(wiring, names):
             for number in self._some(numbers, len(wires)):
                 bits = {wire: float(number >> i & 1) for i, wire in enumerate(wires)}
                 yield played.until(moment).changed(moment, bits)
@@ -586,7 +588,7 @@ class _Search:
         """Numbers of so many bits: those of the text, one more or less, none at all, and any."""
         most = 1 << bits
         near = {n + by for n in numbers for by in (-1, 0, 1) if 0 <= n + by < most}
-        plain = 1 << min(bits, PLAIN)
+        plain = 1 << min(bits, PLAIN_ANSWERS)
         near |= {0, plain - 1, self.random.randrange(plain)}
         listed = sorted(near)
         return self.random.sample(listed, min(TRIED_VALUES, len(listed)))
@@ -627,14 +629,14 @@ def _comes_and_goes(
     for start in range(max(len(moments) - 2, 1)):
         three = moments[start : start + 3]
         made = played.until(three[0])
-        value = wiring.value(name, dict(_state(made)))
+        value = wiring.value(name, dict(_driver_state(made)))
         for moment in three:
             value = 1.0 - value
             made = made.changed(moment, wiring.spread(name, value))
         yield made
 
 
-def _kept(run: Run) -> Mapping[str, list[float | str]]:
+def _kept_values(run: Run) -> Mapping[str, list[float | str]]:
     """The values that shared data had one after the other, by its name."""
     found: dict[str, list[float | str]] = defaultdict(list)
     for event in run.events:
@@ -643,12 +645,12 @@ def _kept(run: Run) -> Mapping[str, list[float | str]]:
     return found
 
 
-def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:
+def _driver_state(scenario: Scenario) -> Iterator[tuple[str, float]]:
     """What wires are at the end of a scenario."""
     for _, state in scenario.changes:
         yield from state
 
 
-def _numbers(text: str) -> list[int]:
+def _number_values(text: str) -> list[int]:
     """Whole numbers of a text, each once."""
     return sorted({int(digits) for digits in re.findall(r"\b\d{1,5}\b", text)})

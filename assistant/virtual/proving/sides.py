@@ -73,7 +73,7 @@ class Side:
 
     def begin(self, kernel: Kernel) -> None:
         """Has the program run as soon as the kernel does."""
-        _KINDS[self.family].begin(self, kernel)
+        _LANGUAGE_KINDS[self.family].begin(self, kernel)
 
     def scripted(self, script: Script) -> Script:
         """A script that may name outputs as the other program does."""
@@ -91,11 +91,11 @@ class Side:
         return self.outputs.get(name, name)
 
     def branches(self) -> Branches:
-        return _KINDS[self.family].branches(self.trees)
+        return _LANGUAGE_KINDS[self.family].branches(self.trees)
 
     def constants(self) -> Iterator[tuple[Pose, Printed]]:
         """Poses that its text holds, and what it prints of them; none where it is all the same."""
-        return _KINDS[self.family].constants(self.text())
+        return _LANGUAGE_KINDS[self.family].constants(self.text())
 
     def sources(self) -> list[SourceText]:
         """Of all files; a pseudo-program has none."""
@@ -109,16 +109,16 @@ class Side:
 
 def can_run(family: str) -> bool:
     """Whether there is an interpreter of a family of languages."""
-    return family in _KINDS
+    return family in _LANGUAGE_KINDS
 
 
 def counts_signals(family: str) -> bool:
     """Whether programs of a family know signals by their numbers."""
-    return _KINDS[family].counts_signals
+    return _LANGUAGE_KINDS[family].counts_signals
 
 
 @dataclass(frozen=True, slots=True)
-class _Kind:
+class _LanguageKind:
     begin: Callable[[Side, Kernel], None]
     branches: Callable[[Sequence[Any]], Branches]
     counts_signals: bool
@@ -135,7 +135,7 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
     controller.known |= cell
     if side.shared:
         kernel.kept = lambda: _held_in_rapid(controller, side.shared)
-    there, loaded = _apart(side.trees)
+    there, loaded = _separate_loaded(side.trees)
     for tree in loaded:
         name = _file_name(tree)
         controller.disk.path(name).write_text(tree.source.text, encoding="utf-8")
@@ -164,7 +164,7 @@ def _held_in_rapid(controller: RapidController, names: Mapping[str, str]) -> Hel
     return found
 
 
-def _apart(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
+def _separate_loaded(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
     """The files that are there from the start, and those that a program loads while it runs.
 
     What a list of modules names is there from the start.
@@ -226,7 +226,7 @@ def _melfa_branches(trees: Sequence[Any]) -> Branches:
     return branches(trees)
 
 
-def _alike(_: str) -> Iterator[tuple[Pose, Printed]]:
+def _no_constants(_: str) -> Iterator[tuple[Pose, Printed]]:
     yield from ()
 
 
@@ -242,9 +242,15 @@ def _melfa_constants(text: str) -> Iterator[tuple[Pose, Printed]]:
         yield pose, Printed(max(halves[:3]), sum(halves[3:]))
 
 
-_KINDS: Final[Mapping[str, _Kind]] = {
-    "RA": _Kind(_begin_rapid, _rapid_branches, counts_signals=False, constants=_alike),
-    PSEUDO: _Kind(_begin_pseudo, _no_branches, counts_signals=False, constants=_alike),
-    "MB": _Kind(_begin_melfa, _melfa_branches, counts_signals=True, constants=_melfa_constants),
+_LANGUAGE_KINDS: Final[Mapping[str, _LanguageKind]] = {
+    "RA": _LanguageKind(
+        _begin_rapid, _rapid_branches, counts_signals=False, constants=_no_constants
+    ),
+    PSEUDO: _LanguageKind(
+        _begin_pseudo, _no_branches, counts_signals=False, constants=_no_constants
+    ),
+    "MB": _LanguageKind(
+        _begin_melfa, _melfa_branches, counts_signals=True, constants=_melfa_constants
+    ),
 }
 """By the family of a language."""

@@ -66,7 +66,7 @@ def place_of(cell: Cell, name: str) -> Place:
     return Place(get, change)
 
 
-def element(array: Place, indices: tuple[int, ...], name: str) -> Place:
+def array_element(array: Place, indices: tuple[int, ...], name: str) -> Place:
     """Of an array; indices from 1."""
 
     def row() -> tuple[list[Value], int]:
@@ -95,7 +95,7 @@ def element(array: Place, indices: tuple[int, ...], name: str) -> Place:
     return Place(get, change)
 
 
-def component(whole: Place, field_: str) -> Place:
+def value_component(whole: Place, field_: str) -> Place:
     """x, y or z of a position or pose, or a joint."""
 
     def get() -> Value:
@@ -117,8 +117,8 @@ def _component(value: Value, name: str) -> float:
         case Pose(position=position) if name in AXES:
             return position[AXES.index(name)]
         case Target(pose=pose) | (Pose() as pose) if name in ANGLES:
-            return _angles(pose)[name]
-        case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
+            return _euler_angles(pose)[name]
+        case JointTarget(joints=joints) if (at := _joint_index(name, len(joints))) is not None:
             return joints[at]
         case Target(external=places) | JointTarget(external=places) if name in EXTERNAL:
             place = places[EXTERNAL.index(name)]
@@ -132,14 +132,14 @@ def _with_component(value: Value, name: str, given: Value) -> Value:
     number = number_of(given)
     match value:
         case Target(pose=pose) if name in AXES:
-            return replace(value, pose=_moved(pose, name, number))
+            return replace(value, pose=_moved_pose(pose, name, number))
         case Pose() if name in AXES:
-            return _moved(value, name, number)
+            return _moved_pose(value, name, number)
         case Target(pose=pose) if name in ANGLES:
-            return replace(value, pose=turned(pose, {name: number}))
+            return replace(value, pose=turned_pose(pose, {name: number}))
         case Pose() if name in ANGLES:
-            return turned(value, {name: number})
-        case JointTarget(joints=joints) if (at := _joint(name, len(joints))) is not None:
+            return turned_pose(value, {name: number})
+        case JointTarget(joints=joints) if (at := _joint_index(name, len(joints))) is not None:
             return replace(value, joints=(*joints[:at], number, *joints[at + 1 :]))
         case Target(external=places) | JointTarget(external=places) if name in EXTERNAL:
             at = EXTERNAL.index(name)
@@ -147,24 +147,24 @@ def _with_component(value: Value, name: str, given: Value) -> Value:
     raise NotRun(f"the component `{name}` of {kind_of(value)}")
 
 
-def _moved(pose: Pose, name: str, number: float) -> Pose:
+def _moved_pose(pose: Pose, name: str, number: float) -> Pose:
     x, y, z = (number if axis == name else v for axis, v in zip(AXES, pose.position, strict=True))
     return replace(pose, position=(x, y, z))
 
 
-def _angles(pose: Pose) -> dict[str, float]:
+def _euler_angles(pose: Pose) -> dict[str, float]:
     about_z, about_y, about_x = rotations.to_euler(np.array(pose.quaternion), "ZYX")
     return dict(zip(ANGLES, map(float, (about_x, about_y, about_z)), strict=True))
 
 
-def turned(pose: Pose, angles: Mapping[str, float]) -> Pose:
+def turned_pose(pose: Pose, angles: Mapping[str, float]) -> Pose:
     """The pose with other angles for some of those that it has."""
-    about_x, about_y, about_z = ({**_angles(pose), **angles}[name] for name in ANGLES)
+    about_x, about_y, about_z = ({**_euler_angles(pose), **angles}[name] for name in ANGLES)
     turn = rotations.from_euler(np.array([about_z, about_y, about_x]), "ZYX")
     return Pose.of(np.array(pose.position), turn)
 
 
-def _joint(name: str, count: int) -> int | None:
+def _joint_index(name: str, count: int) -> int | None:
     """The place of `j1`, `j2`, … among the joints."""
     number = name[1:]
     if name[:1] != "j" or not number.isdecimal() or not 1 <= int(number) <= count:
@@ -172,17 +172,17 @@ def _joint(name: str, count: int) -> int | None:
     return int(number) - 1
 
 
-def first_of(variable: Variable, initial: Value | None) -> Value | None:
+def first_value(variable: Variable, initial: Value | None) -> Value | None:
     """What a variable begins with; arrays without a first value are filled."""
     if initial is not None or not variable.size:
         return DEFAULTS.get(variable.type) if initial is None else copied(initial)
-    return _filled(variable.size, DEFAULTS.get(variable.type, []))
+    return _filled_array(variable.size, DEFAULTS.get(variable.type, []))
 
 
-def _filled(size: tuple[int, ...], value: Value) -> Value:
+def _filled_array(size: tuple[int, ...], value: Value) -> Value:
     if not size:
         return copied(value)
-    return [_filled(size[1:], value) for _ in range(size[0])]
+    return [_filled_array(size[1:], value) for _ in range(size[0])]
 
 
 def copied(value: Value) -> Value:
@@ -225,7 +225,7 @@ def kind_of(value: Value) -> str:
     return "an array"
 
 
-def said(value: Value | None) -> str:
+def value_text(value: Value | None) -> str:
     """A value as people read it."""
     match value:
         case None:
@@ -241,4 +241,4 @@ def said(value: Value | None) -> str:
             return f"[{position}] [{', '.join(f'{v:g}' for v in pose.quaternion)}]"
         case JointTarget(joints=joints):
             return f"[{', '.join(f'{v:g}' for v in joints)}]"
-    return f"[{', '.join(map(said, value))}]"
+    return f"[{', '.join(map(value_text, value))}]"

@@ -15,7 +15,7 @@ from assistant.virtual.pseudo.ends import NotRun, Over
 from assistant.virtual.pseudo.expressions import condition
 from assistant.virtual.pseudo.machine import Machine
 
-CYCLE: Final = 0.0071
+LOOK_PERIOD: Final = 0.0071
 """Seconds between two looks at what time alone changes, as controllers of MELFA-BASIC have it."""
 
 
@@ -85,34 +85,34 @@ class Interrupts:
         task = self.machine.task
         nodes = [node.condition for node, _ in self.known.values()]
         timed = any(isinstance(part, Elapsed) for part in records(tuple(nodes)))
-        task.looks, task.sampling = self.look, CYCLE if timed else None
+        task.looks, task.sampling = self.look, LOOK_PERIOD if timed else None
 
 
-def _of(m: Machine) -> Interrupts:
+def _interrupts_of(m: Machine) -> Interrupts:
     assert m.interrupts is not None
     return m.interrupts
 
 
-def _define(m: Machine, node: p.Interrupt) -> None:
-    own = _of(m)
+def _define_interrupt(m: Machine, node: p.Interrupt) -> None:
+    own = _interrupts_of(m)
     own.known[node.name.lower()] = node, m.call
     own.attend()
 
 
-def _switch(m: Machine, node: p.SwitchInterrupt) -> None:
+def _switch_interrupt(m: Machine, node: p.SwitchInterrupt) -> None:
     name = node.name.lower()
     if node.state == "on":
-        _of(m).on.add(name)
+        _interrupts_of(m).on.add(name)
     else:
-        _of(m).on.discard(name)
+        _interrupts_of(m).on.discard(name)
 
 
-def _switch_all(m: Machine, node: p.SwitchInterrupts) -> None:
-    _of(m).open = node.state == "on"
+def _switch_interrupts(m: Machine, node: p.SwitchInterrupts) -> None:
+    _interrupts_of(m).open = node.state == "on"
 
 
-STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
-    p.Interrupt: _define,
-    p.SwitchInterrupt: _switch,
-    p.SwitchInterrupts: _switch_all,
+INTERRUPT_STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    p.Interrupt: _define_interrupt,
+    p.SwitchInterrupt: _switch_interrupt,
+    p.SwitchInterrupts: _switch_interrupts,
 }

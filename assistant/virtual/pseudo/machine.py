@@ -16,7 +16,7 @@ from assistant.robots import Robot
 from assistant.virtual.events import Place as TextPlace
 from assistant.virtual.kernel import Task
 from assistant.virtual.kernel.looking import Level, Shown
-from assistant.virtual.pseudo.data import Call, Cell, Place, Value, kind_of, place_of, said
+from assistant.virtual.pseudo.data import Call, Cell, Place, Value, kind_of, place_of, value_text
 from assistant.virtual.pseudo.ends import Fault, NotRun
 
 if TYPE_CHECKING:
@@ -57,10 +57,10 @@ class Machine:
     def __post_init__(self) -> None:
         program = self.program
         self.tables = _Tables(
-            {FLANGE: Tool()} | _lowered(program.tools),
-            {BASE: Frame()} | _lowered(program.frames),
-            _lowered(program.speeds),
-            _lowered(program.blends),
+            {FLANGE: Tool()} | _lower_case_keys(program.tools),
+            {BASE: Frame()} | _lower_case_keys(program.frames),
+            _lower_case_keys(program.speeds),
+            _lower_case_keys(program.blends),
         )
         self.set = frozenset(
             one.signal.lower() for part in program.statements() for one in outputs(part)
@@ -97,11 +97,11 @@ class Machine:
         return (board.outputs if out else board.inputs).read(key)
 
     def tool(self, name: str) -> Tool:
-        found = _named(self.tables.tools, name, "tool")
+        found = _table_entry(self.tables.tools, name, "tool")
         return replace(found, tip=self._mounted(name, found.tip))
 
     def frame(self, name: str) -> Frame:
-        found = _named(self.tables.frames, name, "frame")
+        found = _table_entry(self.tables.frames, name, "frame")
         if found.mechanism:
             raise NotRun(f"the frame `{name}`, which a mechanical unit moves")
         pose = self._mounted(name, found.pose)
@@ -113,14 +113,18 @@ class Machine:
         return cell.value if cell is not None and isinstance(cell.value, Pose) else declared
 
     def speed(self, speed: Speed | Name) -> Speed:
-        return _named(self.tables.speeds, speed.name, "speed") if isinstance(speed, Name) else speed
+        return (
+            _table_entry(self.tables.speeds, speed.name, "speed")
+            if isinstance(speed, Name)
+            else speed
+        )
 
     def blend(self, blend: Blend | Name) -> Blend:
         if isinstance(blend, Name):
             return (
                 FINE
                 if blend.name.lower() == "fine"
-                else _named(self.tables.blends, blend.name, "blend")
+                else _table_entry(self.tables.blends, blend.name, "blend")
             )
         return blend
 
@@ -140,8 +144,8 @@ class Machine:
                 call.procedure.name,
                 self._place(call),
                 {
-                    "Procedure": lambda names=call.names: list(_shown(names)),  # type: ignore[misc]
-                    "Program": lambda: list(_shown(self.shared)),
+                    "Procedure": lambda names=call.names: list(_shown_data(names)),  # type: ignore[misc]
+                    "Program": lambda: list(_shown_data(self.shared)),
                 },
             )
             for call in reversed(self.calls)
@@ -156,22 +160,24 @@ class _Tables:
     blends: Mapping[str, Blend]
 
 
-def _lowered(table: Mapping[str, T]) -> dict[str, T]:
+def _lower_case_keys(table: Mapping[str, T]) -> dict[str, T]:
     return {name.lower(): value for name, value in table.items()}
 
 
-def _named(table: Mapping[str, T], name: str, what: str) -> T:
+def _table_entry(table: Mapping[str, T], name: str, what: str) -> T:
     found = table.get(name.lower())
     if found is None:
         raise Fault(f"there is no {what} `{name}`")
     return found
 
 
-def _shown(names: Mapping[str, Cell | Place]) -> Iterator[Shown]:
+def _shown_data(names: Mapping[str, Cell | Place]) -> Iterator[Shown]:
     for name, cell in names.items():
         value: Value | None
         try:
             value = cell.value if isinstance(cell, Cell) else cell.get()
         except Fault:
             value = None
-        yield Shown(name, said(value), "" if value is None else kind_of(value).partition(" ")[2])
+        yield Shown(
+            name, value_text(value), "" if value is None else kind_of(value).partition(" ")[2]
+        )

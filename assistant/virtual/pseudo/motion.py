@@ -16,9 +16,9 @@ from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed, c
 from assistant.program.rewriting import records
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import to_flange
-from assistant.virtual.breaking import broken_off
+from assistant.virtual.breaking import move_until
 from assistant.virtual.events import How, Moved, OnWay, Switched
-from assistant.virtual.on_way import told
+from assistant.virtual.on_way import ordered_triggers
 from assistant.virtual.pseudo.ends import Fault, NotRun
 from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, truth_or
 from assistant.virtual.pseudo.machine import Machine
@@ -203,14 +203,14 @@ def _go(m: Machine, moved: Moved, node: p.MoveStatement | None = None) -> None:
 
     def go() -> None:
         m.flange, m.joints = moved.flange, moved.joints
-        motion.go(m.task, moved, told(moved, before, changes))
+        motion.go(m.task, moved, ordered_triggers(moved, before, changes))
 
     if until is None:
         go()
         return
     asks = until
     timed = any(isinstance(part, e.Elapsed | e.Here) for part in records(asks))
-    m.broken_off = broken_off(m.task, lambda: condition(m, asks), go, timed=timed)
+    m.broken_off = move_until(m.task, lambda: condition(m, asks), go, timed=timed)
     standing = motion.where() if m.broken_off else None
     if standing is not None:
         m.flange, m.joints = standing

@@ -9,14 +9,14 @@ from assistant.program.geometry import Pose
 from assistant.program.program import Program
 from assistant.robots import Robot
 from assistant.virtual.kernel import Ending, Kernel, Task
-from assistant.virtual.pseudo.data import Cell, first_of
+from assistant.virtual.pseudo.data import Cell, first_value
 from assistant.virtual.pseudo.ends import Fault, NotRun, Over
 from assistant.virtual.pseudo.expressions import evaluate
 from assistant.virtual.pseudo.interrupts import Interrupts
 from assistant.virtual.pseudo.machine import Machine
-from assistant.virtual.pseudo.statements import call, called
+from assistant.virtual.pseudo.statements import call, call_statement
 
-NAME: Final = "program"
+TASK_NAME: Final = "program"
 """Of its task."""
 
 
@@ -38,10 +38,10 @@ def start_program(
 
     def body(task: Task) -> Ending:
         machine = Machine(task, program, robot, text, flange=start)
-        machine.interrupts = Interrupts(machine, lambda node: called(machine, node))
+        machine.interrupts = Interrupts(machine, lambda node: call_statement(machine, node))
         task.where, task.levels = machine.where, machine.levels
         try:
-            _declare(machine)
+            _declare_variables(machine)
             entry = program.procedure(program.entry) if program.entry else None
             if entry is None:
                 raise Fault("the program has no procedure to begin with")
@@ -59,10 +59,10 @@ def start_program(
             return Ending()
         return Ending() if cycles == 1 else Ending("steps", f"more than {cycles} cycles")
 
-    return kernel.task(NAME, body)
+    return kernel.task(TASK_NAME, body)
 
 
-def _declare(machine: Machine) -> None:
+def _declare_variables(machine: Machine) -> None:
     """The program's targets and variables with their first values."""
     program, shared = machine.program, machine.shared
     for name, target in program.targets.items():
@@ -72,7 +72,7 @@ def _declare(machine: Machine) -> None:
     for name, variable in program.variables.items():
         first = None if variable.initial is None else evaluate(machine, variable.initial)
         constant = variable.storage == "constant"
-        shared[name.lower()] = Cell(first_of(variable, first), constant)
+        shared[name.lower()] = Cell(first_value(variable, first), constant)
     for name, tool in program.tools.items():
         shared.setdefault(name.lower(), Cell(tool.tip))
     for name, frame in program.frames.items():

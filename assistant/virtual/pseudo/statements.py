@@ -13,7 +13,7 @@ from assistant.program.pseudo.expressions import expression_text
 from assistant.virtual.events import Said, Stopped
 from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.pseudo import interrupts, motion
-from assistant.virtual.pseudo.data import Call, Cell, Value, copied, first_of, said
+from assistant.virtual.pseudo.data import Call, Cell, Value, copied, first_value, value_text
 from assistant.virtual.pseudo.ends import Fault, Jump, NotRun, Over, Returned
 from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, place, truth_or
 from assistant.virtual.pseudo.machine import MOST_CALLS, Machine
@@ -27,7 +27,7 @@ def execute(m: Machine, body: Body) -> None:
     while True:
         try:
             for statement in body[start:]:
-                does = STATEMENTS.get(type(statement))
+                does = STATEMENT_FORMS.get(type(statement))
                 if does is None:
                     continue
                 m.step(statement)
@@ -69,7 +69,7 @@ def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> V
         for name, variable in procedure.variables.items():
             first = None if variable.initial is None else evaluate(m, variable.initial)
             constant = variable.storage == "constant"
-            made.names[name.lower()] = Cell(first_of(variable, first), constant)
+            made.names[name.lower()] = Cell(first_value(variable, first), constant)
         execute(m, procedure.body)
     except Returned as returned:
         return returned.value
@@ -81,14 +81,14 @@ def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> V
         m.calls.pop()
 
 
-def called(m: Machine, node: p.Call) -> None:
+def call_statement(m: Machine, node: p.Call) -> None:
     procedure = m.program.procedure(node.procedure)
     if procedure is None:
         raise Fault(f"there is no procedure `{node.procedure}`")
     call(m, procedure, node.arguments)
 
 
-def _follow(m: Machine, node: p.Follow) -> None:
+def _follow_path(m: Machine, node: p.Follow) -> None:
     for number, _ in enumerate(motion.follow(m, node.path)):
         if number:
             m.task.step()
@@ -125,7 +125,7 @@ def _start_timer(m: Machine, node: p.StartTimer) -> None:
 
 def _set_signal(m: Machine, node: p.SetSignal) -> None:
     value = truth_or(evaluate(m, node.value))
-    _switch(m, node.signal.lower(), value)
+    _switch_output(m, node.signal.lower(), value)
     if node.pulse is None:
         return
     seconds = numeric(m, node.pulse, "a pulse")
@@ -139,7 +139,7 @@ def _set_signal(m: Machine, node: p.SetSignal) -> None:
         kernel.at(kernel.now + seconds, lambda: task.switch(name, back))
 
 
-def _switch(m: Machine, name: str, value: float) -> None:
+def _switch_output(m: Machine, name: str, value: float) -> None:
     declared = next((s for n, s in m.program.signals.items() if n.lower() == name), None)
     if declared is not None and declared.direction == "input":
         raise Fault(f"the input `{name}` is set")
@@ -231,7 +231,7 @@ def _goto(_: Machine, node: p.Goto) -> None:
 
 def _message(m: Machine, node: p.Message) -> None:
     parts = (evaluate(m, part) for part in node.parts)
-    m.task.tell(Said("".join(one if isinstance(one, str) else said(one) for one in parts)))
+    m.task.tell(Said("".join(one if isinstance(one, str) else value_text(one) for one in parts)))
 
 
 def _channel(_: Machine, node: p.Attach | p.Detach | p.Send) -> None:
@@ -244,17 +244,17 @@ def _travel(_: Machine, node: p.Travel) -> None:
     )
 
 
-def _kept(_: Machine, node: p.Opaque) -> None:
+def _vendor_statement(_: Machine, node: p.Opaque) -> None:
     lines = lines_of(node.text.strip()) or [""]
     raise NotRun(f"`{lines[0]}`, which is {node.language}")
 
 
-STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Move: motion.move,
     p.MoveCircular: motion.move,
     p.MoveJoints: motion.move_joints,
     p.Travel: _travel,
-    p.Follow: _follow,
+    p.Follow: _follow_path,
     p.Wait: _wait,
     p.WaitSignal: _wait_signal,
     p.WaitUntil: _wait_until,
@@ -263,7 +263,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Gripper: _gripper,
     p.SetAcceleration: _acceleration,
     p.SetOverride: _override,
-    p.Call: called,
+    p.Call: call_statement,
     p.Assign: _assign,
     p.If: _if,
     p.While: _while,
@@ -274,7 +274,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Goto: _goto,
     p.Message: _message,
     **dict.fromkeys((p.Attach, p.Detach, p.Send), _channel),
-    **interrupts.STATEMENTS,
-    p.Opaque: _kept,
+    **interrupts.INTERRUPT_STATEMENTS,
+    p.Opaque: _vendor_statement,
 }
 """Comments and labels do nothing."""

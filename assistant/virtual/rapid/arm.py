@@ -37,8 +37,8 @@ class Arm:
 
     def flange_at(self, target: Pose, tool: Record, frame: Record) -> Pose:
         """The flange where a tool reaches a target of a work object."""
-        tip, held = _tip(tool)
-        place = _frame(frame, held) @ self.displacement
+        tip, held = _tool_frame(tool)
+        place = _object_frame(frame, held) @ self.displacement
         if held:
             return place @ target @ tip.inverse()
         return tip @ (place @ target).inverse()
@@ -48,8 +48,8 @@ class Arm:
         flange = flange or self.flange
         if flange is None:
             raise NotSimulated("a position that is read while it is not known where the arm is")
-        tip, held = _tip(tool)
-        place = _frame(frame, held) @ self.displacement
+        tip, held = _tool_frame(tool)
+        place = _object_frame(frame, held) @ self.displacement
         if held:
             return place.inverse() @ flange @ tip
         return (flange @ place).inverse() @ tip
@@ -57,20 +57,20 @@ class Arm:
 
 def work_object(frame: Record, tool: Record) -> Pose:
     """In the base where it stands there, else on the flange."""
-    return _frame(frame, _tip(tool)[1])
+    return _object_frame(frame, _tool_frame(tool)[1])
 
 
-def carried(tool: Record) -> Pose:
+def is_carried(tool: Record) -> Pose:
     """The tool on the flange; none where the robot carries the work piece to it."""
-    tip, held = _tip(tool)
+    tip, held = _tool_frame(tool)
     return tip if held else IDENTITY
 
 
-def _tip(tool: Record) -> tuple[Pose, bool]:
+def _tool_frame(tool: Record) -> tuple[Pose, bool]:
     return pose_of(tool.parts["tframe"]), truth(tool.parts["robhold"])
 
 
-def _frame(frame: Record, held: bool) -> Pose:
+def _object_frame(frame: Record, held: bool) -> Pose:
     """User and object frame in one: in the base, or on the flange beside a tool in the room."""
     if truth(frame.parts["robhold"]) is held:
         raise Fault("either the tool or the work object is held by the robot, not both or neither")

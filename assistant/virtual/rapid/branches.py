@@ -6,28 +6,28 @@ from collections.abc import Iterator, Sequence
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.virtual.branches import Branch, Branches, Way
+from assistant.virtual.branches import Branch, Branches, BranchKey
 
 
 def branches(files: Sequence[s.File]) -> Branches:
     """Every way that a statement of the routines can go on."""
-    found: dict[Way, Branch] = {}
+    found: dict[BranchKey, Branch] = {}
     for file in files:
         path = (file.source.path if file.source else None) or ""
         for node in nodes(file.parts):
-            if file.source is None or not isinstance(node, DECISIONS) or node.span is None:
+            if file.source is None or not isinstance(node, DECISION_NODES) or node.span is None:
                 continue
             start = node.span.start
             line = file.source.line_column(start)[0]
-            for way, said in _ways(node):
+            for way, said in _branch_ways(node):
                 found[path, start, way] = Branch(path, line, said)
     return found
 
 
-DECISIONS = s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf
+DECISION_NODES = s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf
 
 
-def _ways(
+def _branch_ways(
     node: s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf,
 ) -> Iterator[tuple[int, str]]:
     match node:

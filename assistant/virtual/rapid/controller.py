@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Final, Literal
 
-from assistant.virtual.kernel.dates import BEGAN
+from assistant.virtual.kernel.dates import CLOCK_START
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.loading import Loaded
@@ -35,7 +35,7 @@ class Options:
     retries: int = RETRIES
     retries_raise: bool = False
     propagates: bool = True
-    began: datetime = BEGAN
+    began: datetime = CLOCK_START
     addresses: Mapping[str, str] = field(default_factory=dict)
     sockets: bool = True
 

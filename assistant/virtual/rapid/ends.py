@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, Literal
 
 from assistant.base.diagnostics import Span
-from assistant.virtual.rapid.errors import NUMBERS
+from assistant.virtual.rapid.errors import ERROR_NUMBERS
 from assistant.virtual.rapid.values import Value
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Fault(Exception):
         self.unsure = error == UNSURE
         named = bool(error) and not self.unsure
         super().__init__(f"{message} ({error})" if named else message)
-        self.number = NUMBERS[error.lower()] if named else number
+        self.number = ERROR_NUMBERS[error.lower()] if named else number
         self.at: tuple[Unit, Span | None] | None = None
         self.row = 0
         self.leaves: Frame | None = None

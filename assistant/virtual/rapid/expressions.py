@@ -15,7 +15,7 @@ from assistant.virtual.rapid.operators import infix, prefix, whole
 from assistant.virtual.rapid.poses import number, truth
 from assistant.virtual.rapid.precision import Double, Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
-from assistant.virtual.rapid.types import ALL, FIRST, SIGNALS
+from assistant.virtual.rapid.types import ALL_TYPES, FIRST_VALUES, SIGNAL_TYPES
 from assistant.virtual.rapid.values import Array, Handle, Record, Shape, Value, copied, kind_of
 
 Indices = tuple[s.Expression | s.Whole, ...]
@@ -78,7 +78,7 @@ def signal(machine: Machine, node: s.Expression) -> str:
     if not isinstance(node, s.NameRef | s.Component | s.Element):
         raise NotSimulated("a signal that is worked out")
     found = place(machine, node).get()
-    if not isinstance(found, Handle) or found.type not in SIGNALS:
+    if not isinstance(found, Handle) or found.type not in SIGNAL_TYPES:
         raise NotSimulated(f"{kind_of(found)} as a signal")
     return _connected(found)
 
@@ -189,7 +189,7 @@ def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     found = place(machine, node).get()
     if type(found) is float:
         return single(found)
-    if isinstance(found, Handle) and found.type in SIGNALS:
+    if isinstance(found, Handle) and found.type in SIGNAL_TYPES:
         return single(machine.signals.read(_connected(found)))
     return found
 
@@ -249,7 +249,7 @@ def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) ->
     if machine.types.is_unlisted(wanted.type):
         first = node.items[0] if node.items else None
         number = evaluate(machine, first) if isinstance(first, s.NumberLiteral) else 0.0
-        return Record(wanted.type, {FIRST: number, ALL: repr(node.items)})
+        return Record(wanted.type, {FIRST_VALUES: number, ALL_TYPES: repr(node.items)})
     parts = machine.types.components(wanted.type)
     if parts is None:
         raise Fault(f"an aggregate where {wanted.type} is wanted")

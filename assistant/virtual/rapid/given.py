@@ -73,11 +73,11 @@ class Given:
         return None if value is None else poses.record(value, type)
 
 
-def given(
+def sorted_arguments(
     machine: Machine, arguments: Sequence[s.Argument], name: str, count: int, options: str
 ) -> Given:
     """Arguments sorted; raises NotSimulated for other options, Fault for another count."""
-    found = any_given(machine, arguments)
+    found = any_arguments(machine, arguments)
     unknown = set(found.options) - set(options.split())
     if unknown:
         raise NotSimulated(f"`\\{min(unknown)}` of `{name}`")
@@ -86,7 +86,7 @@ def given(
     return found
 
 
-def any_given(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
+def any_arguments(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
     """Arguments sorted, whatever they are."""
     found = Given(machine, [], {})
     for argument in arguments:
@@ -108,7 +108,7 @@ def is_present(machine: Machine, variable: s.Expression) -> bool:
     return not isinstance(machine.meaning(variable.name), Absent)
 
 
-def takes(
+def table_row(
     name: str, count: int, does: Callable[[Given], Value | None], options: str = ""
 ) -> tuple[str, Function]:
     """A row of a table: a name in lower case, and what does it with its arguments sorted.
@@ -117,7 +117,7 @@ def takes(
     """
 
     def call(machine: Machine, arguments: Sequence[s.Argument]) -> Value | None:
-        return does(given(machine, arguments, name, count, options))
+        return does(sorted_arguments(machine, arguments, name, count, options))
 
     return name.lower(), call
 
@@ -126,8 +126,8 @@ Ability = Callable[[Given], Value | None]
 """What a controller has beside what all of them have: it gets the arguments of its call."""
 
 
-def ability(does: Ability) -> Function:
+def as_function(does: Ability) -> Function:
     def call(machine: Machine, arguments: Sequence[s.Argument]) -> Value | None:
-        return does(any_given(machine, arguments))
+        return does(any_arguments(machine, arguments))
 
     return call

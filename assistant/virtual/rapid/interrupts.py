@@ -16,7 +16,7 @@ from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.scopes import Known
 
-MOST: Final = 100
+MOST_QUEUED: Final = 100
 """Interrupts that are defined at one time, of a task (RAPID overview, Interrupts)."""
 
 Cancel = Callable[[], None]
@@ -51,8 +51,8 @@ class Interrupts:
         """A new interrupt for a variable with a number: the number that it is given."""
         if number in self.table:
             raise Fault("an interrupt that has a trap routine is connected", "ERR_ALRDYCNT")
-        if len(self.table) >= MOST:
-            raise Fault(f"more than {MOST} interrupts", "ERR_INOMAX")
+        if len(self.table) >= MOST_QUEUED:
+            raise Fault(f"more than {MOST_QUEUED} interrupts", "ERR_INOMAX")
         self.count += 1
         self.table[self.count] = Interrupt(self.count, trap)
         return self.count

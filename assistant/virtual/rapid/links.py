@@ -17,8 +17,8 @@ from assistant.virtual.events import Sent
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
-Status = Literal["created", "connected", "bound", "listening", "closed"]
-RETRY: Final = 0.05
+SocketStatus = Literal["created", "connected", "bound", "listening", "closed"]
+RETRY_PERIOD: Final = 0.05
 """Real seconds after which a connection that was refused is tried again."""
 BACKLOG: Final = 5
 MOST_LOOKED_AT: Final = 4096
@@ -29,7 +29,7 @@ class Link:
     """own: None while it is closed. before: bytes that came and were not asked for yet."""
 
     own: socket.socket | None = None
-    status: Status = "closed"
+    status: SocketStatus = "closed"
     before: bytes = b""
 
     def open(self) -> socket.socket:
@@ -42,7 +42,7 @@ class Link:
             raise NotSimulated("SocketCreate of a socket that is not closed")
         self.take(socket.socket(socket.AF_INET, socket.SOCK_STREAM), "created")
 
-    def take(self, own: socket.socket, status: Status) -> None:
+    def take(self, own: socket.socket, status: SocketStatus) -> None:
         own.setblocking(False)
         self.own, self.status, self.before = own, status, b""
 
@@ -91,7 +91,7 @@ class Link:
                 came.append((one, host))
             return bool(came)
 
-        _wait(task, has_come, seconds, "a connection")
+        _wait_for_link(task, has_come, seconds, "a connection")
         client.take(came[0][0], "connected")
         return came[0][1]
 
@@ -112,10 +112,10 @@ class Link:
             if code not in (errno.EINPROGRESS, errno.EALREADY, errno.EWOULDBLOCK):
                 self.close()
                 self.create()
-                again = time.monotonic() + RETRY
+                again = time.monotonic() + RETRY_PERIOD
             return False
 
-        _wait(task, is_connected, seconds, f"a connection to port {port}")
+        _wait_for_link(task, is_connected, seconds, f"a connection to port {port}")
         self.status = "connected"
 
     def send(self, data: bytes, task: Task) -> None:
@@ -129,7 +129,7 @@ class Link:
             return not left
 
         try:
-            _wait(task, is_sent, None, "a place for what is sent")
+            _wait_for_link(task, is_sent, None, "a place for what is sent")
         except ConnectionError:
             raise Fault("the other end is closed", "ERR_SOCK_CLOSED") from None
 
@@ -140,7 +140,7 @@ class Link:
         def has_come() -> bool:
             return self._filled(most) >= least or self._is_over()
 
-        _wait(task, has_come, seconds, "data")
+        _wait_for_link(task, has_come, seconds, "data")
         if len(self.before) < least:
             raise Fault("the other end is closed", "ERR_SOCK_CLOSED")
         found, self.before = self.before[:most], self.before[most:]
@@ -219,11 +219,11 @@ class Peer(Link):
         self._there()
         if most == least:
             enough = partial(self._has, least)
-            _wait(task, enough, seconds, "data", outside=False)
+            _wait_for_link(task, enough, seconds, "data", outside=False)
             whole = b"".join(self._left)
             self._left = deque([whole[most:]] if len(whole) > most else [])
             return whole[:most]
-        _wait(task, lambda: bool(self._left), seconds, "data", outside=False)
+        _wait_for_link(task, lambda: bool(self._left), seconds, "data", outside=False)
         text = self._left.popleft()
         found, rest = text[:most], text[most:]
         if rest:
@@ -242,7 +242,7 @@ class Peer(Link):
             raise Fault("the socket is not connected", "ERR_SOCK_NOT_CONN")
 
 
-def _wait(
+def _wait_for_link(
     task: Task,
     until: Callable[[], bool],
     seconds: float | None,

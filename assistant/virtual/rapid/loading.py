@@ -9,13 +9,13 @@ from typing import Final, TypeGuard
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.virtual.rapid.ends import Fault
-from assistant.virtual.rapid.rows import targets
+from assistant.virtual.rapid.rows import target_data
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning, Pending, Storage, Unit
 from assistant.virtual.rapid.types import Types
 from assistant.virtual.rapid.values import Shape
 
 STORAGE: Final[dict[str, Storage]] = {"VAR": "VAR", "PERS": "PERS", "CONST": "CONST"}
-SETS: Final = frozenset(
+SETTING_INSTRUCTIONS: Final = frozenset(
     (
         *("set", "reset", "setdo", "setgo", "setao", "invertdo", "pulsedo"),
         *("waitdo", "waitgo", "waitao", "doutput", "goutput", "aoutput", "goutputdnum"),
@@ -23,22 +23,22 @@ SETS: Final = frozenset(
     )
 )
 """Instructions and functions whose first argument is an output."""
-READS: Final = frozenset(
+READING_FUNCTIONS: Final = frozenset(
     (
         *("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum"),
         *("isignaldi", "isignalgi", "isignalai"),
     )
 )
 """The same of an input."""
-SET_UP: Final = frozenset(("triggio", "triggequip"))
+SET_UP_TRIGGERS: Final = frozenset(("triggio", "triggequip"))
 """Instructions whose options name an output that motions set on their way."""
-CORNER: Final = {
+CORNER_MOVES: Final = {
     f"move{letter}{kind}": place
     for letter, place in (("j", 4), ("l", 4), ("c", 5))
     for kind in ("do", "ao", "go")
 }
 """Motions that set an output, and which argument it is."""
-ALIAS: Final = "aliasio"
+ALIAS_INSTRUCTIONS: Final = "aliasio"
 """Gives data of a signal the one that its first argument is, or names in text."""
 
 
@@ -55,7 +55,7 @@ class Loaded:
     files: Sequence[s.File] = ()
 
 
-def load(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Loaded:
+def load_modules(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Loaded:
     """The names and data of modules; raises Fault where two mean the same name.
 
     shared: persistents of all tasks by name in lower case, which is added to.
@@ -68,10 +68,10 @@ def load(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Load
             for item in module.items:
                 if isinstance(item, s.Record | s.Alias):
                     types.declare(item)
-            for local, name, meaning in _meanings(module, unit):
+            for local, name, meaning in _module_names(module, unit):
                 names, key = unit.names if local else named, name.lower()
                 if isinstance(meaning, Cell) and _is_shared(meaning):
-                    shared_cell = _shared(meaning, key, shared)
+                    shared_cell = _shared_cell(meaning, key, shared)
                     if names.get(key) is shared_cell:
                         continue
                     meaning = shared_cell
@@ -88,7 +88,7 @@ def _is_shared(cell: Cell) -> bool:
     return cell.pending is not None and cell.storage == "PERS" and not cell.pending.node.scope
 
 
-def _shared(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
+def _shared_cell(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
     """The one cell of a persistent: with the value of the first declaration that states one."""
     known = shared.setdefault(key, cell)
     if known.pending is not None and cell.pending is not None:
@@ -103,25 +103,25 @@ def _shared(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
     return known
 
 
-def _meanings(module: s.Module, unit: Unit) -> Iterator[tuple[bool, str, Meaning]]:
+def _module_names(module: s.Module, unit: Unit) -> Iterator[tuple[bool, str, Meaning]]:
     for item in module.items:
         match item:
             case s.Routine(local=local, name=name):
                 yield local, name, Known(item, unit)
             case s.Data():
-                yield _datum(item, unit)
+                yield _declared_cell(item, unit)
             case s.TargetRunNode():
-                yield from (_datum(datum, unit) for datum in targets(item))
+                yield from (_declared_cell(datum, unit) for datum in target_data(item))
             case s.Placeholder(text):
                 raise Fault(f"the placeholder `{text}`")
 
 
-def _datum(node: s.Data, unit: Unit) -> tuple[bool, str, Meaning]:
+def _declared_cell(node: s.Data, unit: Unit) -> tuple[bool, str, Meaning]:
     cell = Cell(Shape(""), STORAGE[node.storage], pending=Pending(node, unit))
     return node.scope == "LOCAL", node.name, cell
 
 
-def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
+def used_signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
     """Names of outputs, and of all signals, that the modules use as such, in lower case."""
     outputs: set[str] = set()
     known: set[str] = set()
@@ -130,19 +130,22 @@ def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
             continue
         name = node.name.lower()
         given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
-        if name in SET_UP:
+        if name in SET_UP_TRIGGERS:
             on_way = (a.value for a in node.arguments if isinstance(a, s.Option))
             named = {one.name.lower() for one in on_way if isinstance(one, s.NameRef)}
             outputs |= named
             known |= named
-        if name == ALIAS and given and isinstance(given[0], s.StringLiteral):
+        if name == ALIAS_INSTRUCTIONS and given and isinstance(given[0], s.StringLiteral):
             known.add(given[0].value.lower())
-        place = CORNER.get(name, 0)
-        if name in SETS | READS | CORNER.keys() and len(given) > place:
+        place = CORNER_MOVES.get(name, 0)
+        if (
+            name in SETTING_INSTRUCTIONS | READING_FUNCTIONS | CORNER_MOVES.keys()
+            and len(given) > place
+        ):
             signal = given[place]
             if isinstance(signal, s.NameRef):
                 known.add(signal.name.lower())
-                if name not in READS:
+                if name not in READING_FUNCTIONS:
                     outputs.add(signal.name.lower())
     return frozenset(outputs), frozenset(known)
 
@@ -160,4 +163,4 @@ def works_signals_out(files: Iterable[s.File]) -> bool:
 def _is_alias(node: object) -> TypeGuard[s.ProcedureCall]:
     if not isinstance(node, s.ProcedureCall) or not isinstance(node.name, str):
         return False
-    return node.name.lower() == ALIAS
+    return node.name.lower() == ALIAS_INSTRUCTIONS

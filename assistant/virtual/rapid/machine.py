@@ -14,7 +14,7 @@ from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.events import Moved, Switched
 from assistant.virtual.kernel.task import Task
-from assistant.virtual.on_way import told
+from assistant.virtual.on_way import ordered_triggers
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.interrupts import Interrupts
@@ -120,7 +120,7 @@ class Machine:
 
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
-        self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way))
+        self.task.kernel.motion.go(self.task, moved, ordered_triggers(moved, before, self.on_way))
         self.task.interrupted()
 
     def settle(self) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from assistant.program.geometry import Pose
 from assistant.robots.configurations import from_confdata
 from assistant.virtual.events import How, Moved
-from assistant.virtual.rapid.arm import Arm, carried, work_object
+from assistant.virtual.rapid.arm import Arm, is_carried, work_object
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import evaluate
 from assistant.virtual.rapid.given import Given
@@ -22,34 +22,34 @@ from assistant.virtual.rapid.predefined import wobj0
 from assistant.virtual.rapid.scopes import Place
 from assistant.virtual.rapid.values import Record, Shape, copied
 
-OPTIONS = "conc id v t z inpos wobj tload noeoffs"
+MOVE_OPTIONS = "conc id v t z inpos wobj tload noeoffs"
 """What a move may say beside its target, speed, zone and tool, and is simulated here."""
 
 
-def joint(given: Given) -> None:
+def move_joint(given: Given) -> None:
     _to_target(given, "joint", 0)
 
 
-def linear(given: Given) -> None:
+def move_linear(given: Given) -> None:
     _to_target(given, "linear", 0)
 
 
-def circular(given: Given) -> None:
+def move_circular(given: Given) -> None:
     via = given.record(0, "robtarget")
     _to_target(given, "circular", 1, via)
 
 
-def absolute(given: Given) -> None:
+def move_absolute(given: Given) -> None:
     """MoveAbsJ: no displacement and no work object changes where the joints go."""
     arm, target = given.machine.arm, given.record(0, "jointtarget")
-    tool, frame, before = _tool(given, 3), _frame(given), arm.flange
+    tool, frame, before = _tool_argument(given, 3), _frame_argument(given), arm.flange
     arm.joints = joints_of(target)
     arm.flange = flange_of(given.machine, arm.joints)
     arm.tool, arm.frame = tool, frame
     arm.configuration, arm.external = None, record(copied(target.parts["extax"]), "extjoint")
-    speed, blend, how = _speed(given, 1), _blend(given, 2), _how(given, 1)
+    speed, blend, how = _speed(given, 1), _blend(given, 2), _motion_style(given, 1)
     moved = Moved(
-        "joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend, how=how
+        "joint", arm.flange, is_carried(tool), joints=arm.joints, speed=speed, blend=blend, how=how
     )
     given.machine.go(replace(moved, external=tuple(axes_of(arm.external))), before)
 
@@ -70,7 +70,7 @@ def _to_target(
 ) -> None:
     arm, target = given.machine.arm, given.record(first, "robtarget")
     before = arm.flange
-    tool, frame = _tool(given, first + 3), _frame(given)
+    tool, frame = _tool_argument(given, first + 3), _frame_argument(given)
     flange = arm.flange_at(pose_of(target), tool, frame)
     between = None if via is None else arm.flange_at(pose_of(via), tool, frame)
     arm.flange, arm.joints, arm.tool, arm.frame = flange, None, tool, frame
@@ -78,13 +78,13 @@ def _to_target(
     arm.external = record(copied(target.parts["extax"]), "extjoint")
     speed, blend = _speed(given, first + 1), _blend(given, first + 2)
     place = work_object(frame, tool) @ arm.displacement
-    how = replace(_how(given, first + 1), configuration=_configuration(arm, kind))
-    moved = Moved(kind, flange, carried(tool), between, speed=speed, blend=blend, how=how)
+    how = replace(_motion_style(given, first + 1), configuration=_configuration(arm, kind))
+    moved = Moved(kind, flange, is_carried(tool), between, speed=speed, blend=blend, how=how)
     external = tuple(axes_of(arm.external))
     given.machine.go(replace(moved, frame=place, external=external), before)
 
 
-def _how(given: Given, index: int) -> How:
+def _motion_style(given: Given, index: int) -> How:
     """index: of the speed among the arguments."""
     arm, rotation = given.machine.arm, number(given.record(index, "speeddata").parts["v_ori"])
     share = arm.acceleration / 100.0
@@ -105,29 +105,29 @@ def _configuration(arm: Arm, kind: str) -> tuple[int, ...] | None:
     if arm.configuration is None or not watched:
         return None
     stated = [number(part) for part in arm.configuration.parts.values()]
-    return _neutral(*stated)
+    return _neutral_configuration(*stated)
 
 
 @lru_cache(256)
-def _neutral(*stated: float) -> tuple[int, ...] | None:
+def _neutral_configuration(*stated: float) -> tuple[int, ...] | None:
     """The columns of a configuration in whole numbers."""
     if not all(part.is_integer() and abs(part) < 128 for part in stated):
         return None
     return tuple(from_confdata([[int(part) for part in stated]])[0].tolist())
 
 
-def _tool(given: Given, index: int) -> Record:
-    return _persistent(given.place(index), "tooldata")
+def _tool_argument(given: Given, index: int) -> Record:
+    return _persistent_argument(given.place(index), "tooldata")
 
 
-def _frame(given: Given) -> Record:
+def _frame_argument(given: Given) -> Record:
     node = given.options.get("wobj")
     if node is None:
         return wobj0()
     return record(copied(evaluate(given.machine, node, Shape("wobjdata"))), "wobjdata")
 
 
-def _persistent(place: Place, type: str) -> Record:
+def _persistent_argument(place: Place, type: str) -> Record:
     if place.storage == "VAR":
         raise Fault(f"a VAR as {type}, which has to be persistent")
     return record(copied(place.get()), type)

@@ -21,16 +21,16 @@ LONGEST_TEXT: Final = 80
 
 def infix(sign: str, left: Value, right: Value) -> Value:
     """The value of two operands; raises Fault where a controller stops or refuses them."""
-    if isinstance(left, float) and isinstance(right, float) and sign in NUMBERS:
+    if isinstance(left, float) and isinstance(right, float) and sign in NUMBER_OPERATORS:
         one, two, kind = paired(left, right)
-        found = NUMBERS[sign](one, two)
+        found = NUMBER_OPERATORS[sign](one, two)
         if found is True or found is False:
             return found
         if -LARGEST <= found <= LARGEST:
             return single(found) if kind is float else kind(found)
         return kind(_finite(found, kind))
-    if sign in TRUTHS:
-        return TRUTHS[sign](truth(left), truth(right))
+    if sign in TRUTH_OPERATORS:
+        return TRUTH_OPERATORS[sign](truth(left), truth(right))
     if sign in ("=", "<>"):
         try:
             return equal(left, right) is (sign == "=")
@@ -38,7 +38,7 @@ def infix(sign: str, left: Value, right: Value) -> Value:
             raise Fault(str(error)) from None
     if sign == "+" and isinstance(left, str) and isinstance(right, str):
         return joined(left + right)
-    vector = _vectors(sign, left, right)
+    vector = _vector_result(sign, left, right)
     if vector is None:
         raise Fault(f"`{sign}` cannot join {kind_of(left)} and {kind_of(right)}")
     return vector
@@ -89,28 +89,28 @@ def _remainder(left: float, right: float) -> float:
     return math.fmod(a, b) + 0.0
 
 
-def _vectors(sign: str, left: Value, right: Value) -> Value | None:
+def _vector_result(sign: str, left: Value, right: Value) -> Value | None:
     """Operators of pos and orient; None for what there is not."""
-    if _is(left, "pos") and _is(right, "pos") and sign in ("+", "-", "*"):
-        return _pos(VECTORS[sign](vector_of(left), vector_of(right)))
-    if _is(left, "pos") and _are_numbers(right) and sign in ("*", "/"):
+    if _is_record(left, "pos") and _is_record(right, "pos") and sign in ("+", "-", "*"):
+        return _pos_result(VECTOR_OPERATORS[sign](vector_of(left), vector_of(right)))
+    if _is_record(left, "pos") and _are_numbers(right) and sign in ("*", "/"):
         factor = _float(right) if sign == "*" else _divide(1.0, _float(right))
-        return _pos(np.multiply(vector_of(left), factor))
-    if _are_numbers(left) and _is(right, "pos") and sign == "*":
-        return _pos(np.multiply(vector_of(right), _float(left)))
-    if _is(left, "orient") and _is(right, "orient") and sign == "*":
+        return _pos_result(np.multiply(vector_of(left), factor))
+    if _are_numbers(left) and _is_record(right, "pos") and sign == "*":
+        return _pos_result(np.multiply(vector_of(right), _float(left)))
+    if _is_record(left, "orient") and _is_record(right, "orient") and sign == "*":
         q = rotations.canonical(rotations.multiply(quaternion_of(left), quaternion_of(right)))
         w, x, y, z = (float(part) for part in q)
         return orient((w, x, y, z))
     return None
 
 
-def _pos(values: Floats) -> Record:
+def _pos_result(values: Floats) -> Record:
     x, y, z = (float(part) for part in values)
     return pos((x, y, z))
 
 
-def _is(value: Value, type: str) -> bool:
+def _is_record(value: Value, type: str) -> bool:
     return isinstance(value, Record) and value.type == type
 
 
@@ -129,13 +129,13 @@ def _finite(value: float, kind: type[float]) -> float:
     return value
 
 
-TRUTHS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
+TRUTH_OPERATORS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
     "AND": operator.and_,
     "OR": operator.or_,
     "XOR": operator.xor,
 }
 """Both sides are worked out: that the second may be left out is not documented."""
-NUMBERS: Final[Mapping[str, Callable[[float, float], Any]]] = {
+NUMBER_OPERATORS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -150,7 +150,7 @@ NUMBERS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "<>": operator.ne,
 }
 """Of two numbers, a number or a truth."""
-VECTORS: Final[Mapping[str, Callable[..., Floats]]] = {
+VECTOR_OPERATORS: Final[Mapping[str, Callable[..., Floats]]] = {
     "+": np.add,
     "-": np.subtract,
     "*": np.cross,

@@ -13,7 +13,7 @@ from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.scopes import Absent, Cell, Meaning, Place, Signal, Storage
 from assistant.virtual.rapid.values import Shape, copied, fitted, is_like, kind_of, sizes
 
-REFERS_TO: Final[Mapping[str, tuple[Storage, ...]]] = {
+REFERENCE_MODES: Final[Mapping[str, tuple[Storage, ...]]] = {
     "VAR": ("VAR", "IN"),
     "PERS": ("PERS",),
     "INOUT": ("VAR", "IN", "PERS"),
@@ -21,13 +21,13 @@ REFERS_TO: Final[Mapping[str, tuple[Storage, ...]]] = {
 """What data a parameter of each mode may refer to."""
 
 
-def parameters(
+def bound_parameters(
     machine: Machine, routine: s.Routine, arguments: Sequence[s.Argument]
 ) -> dict[str, Meaning]:
     """What the names of the parameters mean during a call; arguments are worked out in order."""
     found: dict[str, Meaning] = {}
-    required = iter(_of(routine, optional=False))
-    optional = {one.name.lower(): one for one in _of(routine, optional=True)}
+    required = iter(_parameter_argument(routine, optional=False))
+    optional = {one.name.lower(): one for one in _parameter_argument(routine, optional=True)}
     for argument in arguments:
         if isinstance(argument, s.Positional):
             one, value = next(required, None), argument.value
@@ -35,13 +35,13 @@ def parameters(
                 raise Fault(f"`{routine.name}` is given too many arguments")
             if argument.name is not None and argument.name.lower() != one.name.lower():
                 raise Fault(f"`{argument.name}` where `{routine.name}` takes `{one.name}`")
-            found[one.name.lower()] = _bound(machine, one, value)
+            found[one.name.lower()] = _bound_parameter(machine, one, value)
         elif isinstance(argument, s.Option):
-            one = _option(routine, optional, argument.name)
-            found[one.name.lower()] = _bound(machine, one, argument.value)
+            one = _optional_parameter(routine, optional, argument.name)
+            found[one.name.lower()] = _bound_parameter(machine, one, argument.value)
         elif is_present(machine, argument.variable):
-            one = _option(routine, optional, argument.name)
-            found[one.name.lower()] = _bound(machine, one, argument.variable)
+            one = _optional_parameter(routine, optional, argument.name)
+            found[one.name.lower()] = _bound_parameter(machine, one, argument.variable)
     missing = next(required, None)
     if missing is not None:
         raise Fault(f"`{routine.name}` is not given `{missing.name}`")
@@ -55,7 +55,7 @@ def parameters(
     return {**dict.fromkeys(optional, Absent()), **found}
 
 
-def _of(routine: s.Routine, optional: bool) -> Iterator[s.ParameterNode]:
+def _parameter_argument(routine: s.Routine, optional: bool) -> Iterator[s.ParameterNode]:
     for group in routine.parameters:
         if group.optional is optional:
             for one in group.alternatives:
@@ -64,14 +64,16 @@ def _of(routine: s.Routine, optional: bool) -> Iterator[s.ParameterNode]:
                 yield one
 
 
-def _option(routine: s.Routine, optional: dict[str, s.ParameterNode], name: str) -> s.ParameterNode:
+def _optional_parameter(
+    routine: s.Routine, optional: dict[str, s.ParameterNode], name: str
+) -> s.ParameterNode:
     parameter = optional.get(name.lower())
     if parameter is None:
         raise Fault(f"`{routine.name}` has no optional parameter `{name}`")
     return parameter
 
 
-def _bound(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -> Meaning:
+def _bound_parameter(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -> Meaning:
     """What one parameter means."""
     shape = Shape(machine.types.name(one.type), (-1,) * max(one.dimensions, 0))
     if shape.type == "switch":
@@ -80,7 +82,7 @@ def _bound(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -
         raise Fault(f"the parameter `{one.name}` is given no value")
     if shape.type.startswith("signal"):
         return Signal(signal(machine, value))
-    if one.mode in REFERS_TO:
+    if one.mode in REFERENCE_MODES:
         return _reference(machine, one, value, shape)
     found = fitted(copied(evaluate(machine, value, shape)), shape)
     if not is_like(found, shape):
@@ -90,7 +92,7 @@ def _bound(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -
 
 def _reference(machine: Machine, one: s.ParameterNode, value: s.Expression, wanted: Shape) -> Place:
     found = place(machine, value)
-    if found.storage not in REFERS_TO[one.mode]:
+    if found.storage not in REFERENCE_MODES[one.mode]:
         raise Fault(f"the parameter `{one.name}` refers to what cannot be changed so")
     if found.shape.type != wanted.type or len(found.shape.sizes) != len(wanted.sizes):
         raise Fault(f"{found.shape.type} for the parameter `{one.name}`")

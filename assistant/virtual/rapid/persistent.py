@@ -10,7 +10,7 @@ from assistant.virtual.rapid.loading import Loaded
 from assistant.virtual.rapid.scopes import Cell
 from assistant.virtual.rapid.types import Types
 from assistant.virtual.rapid.values import Value
-from assistant.virtual.rapid.written import read, written
+from assistant.virtual.rapid.written import read_value, value_text
 
 
 def saved(controller: Controller, file: s.File) -> str:
@@ -26,13 +26,13 @@ def saved(controller: Controller, file: s.File) -> str:
     loaded, types = program
     text = file.source.text
     found, at = [], 0
-    for start, end, value in _changes(file, loaded, types, text):
+    for start, end, value in _value_changes(file, loaded, types, text):
         found += [text[at:start], value]
         at = end
     return "".join((*found, text[at:]))
 
 
-def _changes(
+def _value_changes(
     file: s.File, loaded: Loaded, types: Types, text: str
 ) -> Iterator[tuple[int, int, str]]:
     """Where a new value stands in the place of the old one, from start to end."""
@@ -44,9 +44,9 @@ def _changes(
             cell = unit.names.get(node.name.lower()) or loaded.named.get(node.name.lower())
             if not isinstance(cell, Cell) or cell.value is None:
                 continue
-            value = written(cell.value, cell.shape, types)
-            first = _first(node, cell, types, text)
-            if first is not None and value == written(first, cell.shape, types):
+            value = value_text(cell.value, cell.shape, types)
+            first = _first_values(node, cell, types, text)
+            if first is not None and value == value_text(first, cell.shape, types):
                 continue
             if node.value is not None and node.value.span is not None:
                 yield node.value.span.start, node.value.span.end, value
@@ -55,12 +55,12 @@ def _changes(
                 yield end, end, f" := {value}"
 
 
-def _first(node: s.Data, cell: Cell, types: Types, text: str) -> Value | None:
+def _first_values(node: s.Data, cell: Cell, types: Types, text: str) -> Value | None:
     """The value that a declaration states, None if that is not known."""
     if node.value is None:
         return types.first(cell.shape)
     if node.value.span is None:
         return None
     stated = text[node.value.span.start : node.value.span.end]
-    value = read(stated, cell.shape, types)
+    value = read_value(stated, cell.shape, types)
     return cell.first if value is None else value

@@ -12,7 +12,7 @@ from assistant.program.geometry import Pose, Quaternion, Vector
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.values import Record, Value, copied, kind_of
 
-MOST_OFF: Final = 1e-3
+MOST_OFF_UNIT: Final = 1e-3
 """How far the sum of squares of an orientation may be from 1, and still be one."""
 UNUSED: Final = 9e9
 """An external axis that is not there."""
@@ -52,7 +52,7 @@ def vector_of(value: Value) -> Vector:
 def quaternion_of(value: Value) -> Quaternion:
     """Of unit length; raises Fault for what is no orientation."""
     q = np.array([number(part) for part in record(value, "orient").parts.values()])
-    if not abs(float(q @ q) - 1.0) <= MOST_OFF:
+    if not abs(float(q @ q) - 1.0) <= MOST_OFF_UNIT:
         raise Fault("an orientation whose squares do not add up to 1", "ERR_ILLQUAT")
     w, x, y, z = (float(part) for part in rotations.canonical(q))
     return w, x, y, z
@@ -124,7 +124,7 @@ def jointtarget(joints: tuple[float, ...], external: Record | None) -> Record:
     )
 
 
-def moved(target: Record, to: Pose) -> Record:
+def moved_target(target: Record, to: Pose) -> Record:
     """The same robtarget elsewhere."""
     fresh = copied(target)
     assert isinstance(fresh, Record)

@@ -11,7 +11,7 @@ from typing import Final
 
 from assistant.program.geometry import IDENTITY
 from assistant.robots import Robot
-from assistant.virtual.rapid.errors import NUMBERS as ERROR_NUMBERS
+from assistant.virtual.rapid.errors import ERROR_NUMBERS
 from assistant.virtual.rapid.poses import orient, pos, pose
 from assistant.virtual.rapid.scopes import Cell, Storage
 from assistant.virtual.rapid.values import NUMBER, Clock, Record, Shape, Value, fitted
@@ -41,7 +41,7 @@ ZONE_PARTS: Final = (
     *("pzone_tcp", "pzone_ori", "pzone_eax"),
     *("zone_ori", "zone_leax", "zone_reax"),
 )
-NUMBERS: Final = {
+NUMBER_DATA: Final = {
     "pi": 3.141592654,
     "low": 0.0,
     "high": 1.0,
@@ -50,7 +50,7 @@ NUMBERS: Final = {
     "eof_bin": -1.0,
     "eof_num": 9.998e36,
 }
-SIZES: Final = {"sint": 1, "int": 2, "dint": 4, "lint": 8}
+ARRAY_SIZES: Final = {"sint": 1, "int": 2, "dint": 4, "lint": 8}
 """Bytes of whole numbers in rawbytes: the constant is negative, that with a `u` in front is not."""
 COUNTED: Final = (
     (
@@ -82,7 +82,7 @@ icondata, buttondata, btnres, errtype, busstate and iounit_state; of opnum, opca
 names alone are stated).
 """
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
-TEXTS: Final = {
+TEXT_DATA: Final = {
     "stempty": "",
     "errstr_task": "TASK",
     "errstr_context": "CONTEXT",
@@ -102,30 +102,30 @@ TEXTS: Final = {
 def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     """Fresh cells by name in lower case. robot: whose fastest tool is that of `vmax`."""
     fastest = math.inf if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
-    cells = {f"v{v}": _cell(_speed(float(v))) for v in SPEEDS}
-    cells["vmax"] = _cell(_speed(fastest))
-    cells |= {name: _cell(_zone(name, sizes)) for name, sizes in ZONES.items()}
-    cells |= {name: _cell(value) for name, value in NUMBERS.items()}
-    cells |= {name: _cell(-float(size)) for name, size in SIZES.items()}
-    cells |= {f"u{name}": _cell(float(size)) for name, size in SIZES.items()}
+    cells = {f"v{v}": _constant_cell(_speed_record(float(v))) for v in SPEEDS}
+    cells["vmax"] = _constant_cell(_speed_record(fastest))
+    cells |= {name: _constant_cell(_zone_record(name, sizes)) for name, sizes in ZONES.items()}
+    cells |= {name: _constant_cell(value) for name, value in NUMBER_DATA.items()}
+    cells |= {name: _constant_cell(-float(size)) for name, size in ARRAY_SIZES.items()}
+    cells |= {f"u{name}": _constant_cell(float(size)) for name, size in ARRAY_SIZES.items()}
     cells |= {
-        name.lower(): _cell(float(number))
+        name.lower(): _constant_cell(float(number))
         for first, names in COUNTED
         for number, name in enumerate(names.split(), first)
     }
-    cells |= {name: _cell(text) for name, text in TEXTS.items()}
-    cells |= ERRORS
-    cells["errno"] = _cell(0.0)
-    cells["intno"] = _cell(0.0)
-    cells |= {f"reg{i}": _cell(0.0, "VAR") for i in range(1, 6)}
+    cells |= {name: _constant_cell(text) for name, text in TEXT_DATA.items()}
+    cells |= ERROR_DATA
+    cells["errno"] = _constant_cell(0.0)
+    cells["intno"] = _constant_cell(0.0)
+    cells |= {f"reg{i}": _constant_cell(0.0, "VAR") for i in range(1, 6)}
     cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
-    cells["load0"] = _cell(load(), "PERS")
-    cells["tool0"] = _cell(tool0(), "PERS")
-    cells["wobj0"] = _cell(wobj0(), "PERS")
+    cells["load0"] = _constant_cell(load_record(), "PERS")
+    cells["tool0"] = _constant_cell(tool0(), "PERS")
+    cells["wobj0"] = _constant_cell(wobj0(), "PERS")
     return cells
 
 
-def load() -> Record:
+def load_record() -> Record:
     return Record(
         "loaddata",
         {
@@ -138,7 +138,7 @@ def load() -> Record:
 
 
 def tool0() -> Record:
-    return Record("tooldata", {"robhold": True, "tframe": pose(IDENTITY), "tload": load()})
+    return Record("tooldata", {"robhold": True, "tframe": pose(IDENTITY), "tload": load_record()})
 
 
 def wobj0() -> Record:
@@ -154,17 +154,17 @@ def wobj0() -> Record:
     )
 
 
-def _speed(tcp: float) -> Record:
+def _speed_record(tcp: float) -> Record:
     rest = {"v_ori": 500.0, "v_leax": 5000.0, "v_reax": 1000.0}
     return Record("speeddata", {"v_tcp": tcp, **rest})
 
 
-def _zone(name: str, sizes: tuple[float, ...]) -> Record:
+def _zone_record(name: str, sizes: tuple[float, ...]) -> Record:
     parts = zip(ZONE_PARTS, map(float, sizes), strict=True)
     return Record("zonedata", {"finep": name == "fine", **dict(parts)})
 
 
-def _cell(value: Value, storage: Storage = "CONST") -> Cell:
+def _constant_cell(value: Value, storage: Storage = "CONST") -> Cell:
     match value:
         case str():
             return Cell(Shape("string"), storage, value)
@@ -173,4 +173,6 @@ def _cell(value: Value, storage: Storage = "CONST") -> Cell:
     return Cell(Shape("num"), storage, fitted(value, NUMBER))
 
 
-ERRORS: Final[Mapping[str, Cell]] = {name: _cell(float(n)) for name, n in ERROR_NUMBERS.items()}
+ERROR_DATA: Final[Mapping[str, Cell]] = {
+    name: _constant_cell(float(n)) for name, n in ERROR_NUMBERS.items()
+}

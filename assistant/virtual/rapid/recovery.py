@@ -13,7 +13,7 @@ from typing import Any
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Again, Fault, Jump, NotSimulated, Onward
-from assistant.virtual.rapid.errors import ANY, NAMES, NUMBERS
+from assistant.virtual.rapid.errors import ANY_ERROR, ERROR_NAMES, ERROR_NUMBERS
 from assistant.virtual.rapid.expressions import numeric
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.scopes import Cell, Frame
@@ -21,7 +21,7 @@ from assistant.virtual.rapid.scopes import Cell, Frame
 Execute = Callable[[Machine, Sequence[s.StatementNode]], None]
 
 
-def attempt(
+def run_with_recovery(
     machine: Machine,
     node: Any,
     does: Callable[[Machine, Any], None],
@@ -41,14 +41,14 @@ def attempt(
         except Fault as fault:
             if fault.at is None:
                 fault.at, fault.row = machine.at, machine.row
-            if not _recovered(machine, frame, fault, left, execute):
+            if not _recover(machine, frame, fault, left, execute):
                 return
             left = frame.retries - 1
         else:
             return
 
 
-def leave(machine: Machine, frame: Frame, fault: Fault) -> None:
+def leave_handler(machine: Machine, frame: Frame, fault: Fault) -> None:
     """Raises an error out of a routine: to where it was called, or to a point that names it."""
     fault.leaves = frame
     if fault.goal is None and fault.number is not None:
@@ -59,11 +59,11 @@ def leave(machine: Machine, frame: Frame, fault: Fault) -> None:
             machine.controller.options.propagates or frame.handling is fault
         ):
             fault.number = None
-    _point_at(machine, fault)
+    _recovery_point(machine, fault)
     raise fault
 
 
-def undo(machine: Machine, frame: Frame, execute: Execute) -> None:
+def undo_handler(machine: Machine, frame: Frame, execute: Execute) -> None:
     """Runs the UNDO handler of a routine that is left in the midst of it, if it has one."""
     handler = _handler(frame, "UNDO")
     if handler is not None:
@@ -71,7 +71,7 @@ def undo(machine: Machine, frame: Frame, execute: Execute) -> None:
         execute(machine, handler.body)
 
 
-def _recovered(machine: Machine, frame: Frame, fault: Fault, left: int, execute: Execute) -> bool:
+def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: Execute) -> bool:
     """Runs the handler of an error; whether the statement is to run again, or the next one."""
     if fault.unsure and any(_handler(one, "ERROR") for one in machine.frames):
         raise NotSimulated(f"whether a handler is there for this error: {fault}") from None
@@ -83,8 +83,8 @@ def _recovered(machine: Machine, frame: Frame, fault: Fault, left: int, execute:
         fault.number = None
         raise fault
     handler = _handler(frame, "ERROR")
-    if handler is None or not _fits(machine, frame, handler, fault.number):
-        leave(machine, frame, fault)
+    if handler is None or not _handles(machine, frame, handler, fault.number):
+        leave_handler(machine, frame, fault)
     assert handler is not None
     fault.goal = None
     frame.handling, frame.retries = fault, left
@@ -101,20 +101,20 @@ def _recovered(machine: Machine, frame: Frame, fault: Fault, left: int, execute:
     except Jump as jump:
         raise Fault(f"there is no label `{jump.label}` in the handler") from None
     else:
-        _point_at(machine, fault)
+        _recovery_point(machine, fault)
         raise Fault(f"the handler leaves the error as it is: {fault}")
     finally:
         frame.handling = None
     over = Fault(f"more than {machine.controller.options.retries} retries", "ERR_EXCRTYMAX")
     over.at, over.row = fault.at, fault.row
     if machine.controller.options.retries_raise and fault.number != over.number:
-        return _recovered(machine, frame, over, 0, execute)
-    _point_at(machine, fault)
+        return _recover(machine, frame, over, 0, execute)
+    _recovery_point(machine, fault)
     over.number = None
     raise over
 
 
-def _point_at(machine: Machine, fault: Fault) -> None:
+def _recovery_point(machine: Machine, fault: Fault) -> None:
     """Messages are to tell where an error happened, not where it was handled."""
     machine.at, machine.row = fault.at, fault.row
 
@@ -131,11 +131,11 @@ def _is_point(machine: Machine, frame: Frame, number: int) -> bool:
         handler is not None
         and bool(handler.numbers)
         and frame.handling is None
-        and _fits(machine, frame, handler, number)
+        and _handles(machine, frame, handler, number)
     )
 
 
-def _fits(machine: Machine, frame: Frame, handler: s.Handler, number: int) -> bool:
+def _handles(machine: Machine, frame: Frame, handler: s.Handler, number: int) -> bool:
     """Whether a handler is for an error: without a list for any."""
     if not handler.numbers:
         return True
@@ -144,9 +144,9 @@ def _fits(machine: Machine, frame: Frame, handler: s.Handler, number: int) -> bo
         listed = {numeric(machine, one) for one in handler.numbers}
     finally:
         machine.frames.pop()
-    return number in listed or NUMBERS[ANY] in listed
+    return number in listed or ERROR_NUMBERS[ANY_ERROR] in listed
 
 
-def name_of(number: int) -> str:
+def error_name(number: int) -> str:
     """An error as a message says it."""
-    return NAMES.get(number, str(number))
+    return ERROR_NAMES.get(number, str(number))

@@ -15,15 +15,15 @@ from assistant.virtual.events import Run
 from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.rapid.arm import Arm
-from assistant.virtual.rapid.calls import call
+from assistant.virtual.rapid.calls import call_routine
 from assistant.virtual.rapid.controller import Controller, Kind
 from assistant.virtual.rapid.ends import Cycled, Fault, NotSimulated, Over
 from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.functions import FUNCTIONS
-from assistant.virtual.rapid.given import Ability, ability
+from assistant.virtual.rapid.given import Ability, as_function
 from assistant.virtual.rapid.instructions import INSTRUCTIONS
-from assistant.virtual.rapid.loading import load, signals
-from assistant.virtual.rapid.looking import levels
+from assistant.virtual.rapid.loading import load_modules, used_signals
+from assistant.virtual.rapid.looking import call_levels
 from assistant.virtual.rapid.machine import Abilities, Machine
 from assistant.virtual.rapid.predefined import predefined
 from assistant.virtual.rapid.scopes import Cell, Frame, Known, Unit
@@ -31,7 +31,7 @@ from assistant.virtual.rapid.signals import Signals as OwnSignals
 from assistant.virtual.rapid.traps import run_trap
 from assistant.virtual.rapid.types import Types
 
-ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call)
+ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call_routine)
 Inputs = Source
 
 
@@ -99,41 +99,41 @@ def start_task(
     """
     shared = controller or Controller()
     task = kernel.task(name, lambda _: ending(), essential=kind == "normal")
-    outputs, known = signals(files)
+    outputs, known = used_signals(files)
     shared.outputs |= outputs
     shared.known |= known
     machine = Machine(
         task,
-        _with(abilities or {}),
+        _with_abilities(abilities or {}),
         Types(),
         OwnSignals(task, shared.outputs, shared.known),
-        Arm(start or _standing(kernel), joints),
+        Arm(start or _standing_arm(kernel), joints),
         robot,
         predefined=predefined(robot),
         controller=shared,
         moves=moves,
     )
     machine.interrupts.run = partial(run_trap, machine)
-    task.where, task.levels = machine.place, lambda: levels(machine)
+    task.where, task.levels = machine.place, lambda: call_levels(machine)
     shared.tasks.append(task)
     cells: list[Cell] = []
 
     def prepare() -> None:
         if any(has_errors(file.findings) for file in files):
             raise Fault("the text of a module has errors")
-        loaded = load(files, machine.types, shared.persistents)
+        loaded = load_modules(files, machine.types, shared.persistents)
         machine.named, machine.modules = dict(loaded.named), dict(loaded.units)
         cells.extend(loaded.cells)
         shared.programs.append((loaded, machine.types))
 
-    wrong = _how_it_ends(machine, prepare)
+    wrong = _ending(machine, prepare)
     if made is not None:
         made(machine)
-    turns, once = cycles or _usual(entry, kind), cycles is None and kind == "normal"
+    turns, once = cycles or _initial_pose(entry, kind), cycles is None and kind == "normal"
 
     def ending() -> Ending:
         try:
-            ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, turns, once))
+            ended = wrong or _ending(machine, lambda: _begin_cycle(machine, cells, turns, once))
         finally:
             for end in machine.at_end:
                 end()
@@ -148,7 +148,7 @@ Cycles = Callable[[Machine], str | None]
 
 def again_and_again(entry: str, most: int) -> Cycles:
     """One cycle behind the other, until there have been so many."""
-    one = _usual(entry, "static")
+    one = _initial_pose(entry, "static")
     count = 0
 
     def cycles(machine: Machine) -> str | None:
@@ -161,7 +161,7 @@ def again_and_again(entry: str, most: int) -> Cycles:
     return cycles
 
 
-def _usual(entry: str, kind: Kind) -> Cycles:
+def _initial_pose(entry: str, kind: Kind) -> Cycles:
     """One cycle of a normal task, cycles without end of another."""
     ran = False
 
@@ -177,36 +177,36 @@ def _usual(entry: str, kind: Kind) -> Cycles:
     return cycles
 
 
-def _with(own: Mapping[str, Ability]) -> Abilities:
+def _with_abilities(own: Mapping[str, Ability]) -> Abilities:
     """What every controller can do, and what is its own."""
     if not own:
         return ABILITIES
-    added = {name.lower(): ability(does) for name, does in own.items()}
-    return Abilities({**FUNCTIONS, **added}, {**INSTRUCTIONS, **added}, call)
+    added = {name.lower(): as_function(does) for name, does in own.items()}
+    return Abilities({**FUNCTIONS, **added}, {**INSTRUCTIONS, **added}, call_routine)
 
 
-def _how_it_ends(machine: Machine, does: Callable[[], None]) -> Ending | None:
+def _ending(machine: Machine, does: Callable[[], None]) -> Ending | None:
     """None if it goes to its own end."""
     try:
         does()
     except Fault as fault:
-        return Ending("error", _told(machine, str(fault)))
+        return Ending("error", _messages(machine, str(fault)))
     except NotSimulated as unknown:
-        return Ending("unknown", _told(machine, str(unknown)))
+        return Ending("unknown", _messages(machine, str(unknown)))
     except RecursionError:
-        return Ending("unknown", _told(machine, "statements nested so deep"))
+        return Ending("unknown", _messages(machine, "statements nested so deep"))
     except Over as over:
-        return Ending(over.ended, _told(machine, str(over)) if str(over) else "")
+        return Ending(over.ended, _messages(machine, str(over)) if str(over) else "")
     return None
 
 
-def _standing(kernel: Kernel) -> Pose | None:
+def _standing_arm(kernel: Kernel) -> Pose | None:
     """The flange where the arm stands, where its motion tells."""
     standing = kernel.motion.where()
     return None if standing is None else standing[0]
 
 
-def _begin(machine: Machine, cells: Sequence[Cell], cycles: Cycles, once: bool) -> None:
+def _begin_cycle(machine: Machine, cells: Sequence[Cell], cycles: Cycles, once: bool) -> None:
     """Every datum of a module has its value before the first statement.
 
     One of what is not simulated ends the run only when something asks for it. once: whether
@@ -228,7 +228,7 @@ def _begin(machine: Machine, cells: Sequence[Cell], cycles: Cycles, once: bool) 
                 raise
 
 
-def _told(machine: Machine, message: str) -> str:
+def _messages(machine: Machine, message: str) -> str:
     """The message with the place of the statement at hand."""
     place = machine.place()
     return message if place is None else f"{place[0]}:{place[1]}: {message}".lstrip(":")

@@ -18,16 +18,16 @@ from assistant.virtual.rapid.ends import (
     Over,
     Returned,
 )
-from assistant.virtual.rapid.errors import MOST_RAISED, NAMES
+from assistant.virtual.rapid.errors import ERROR_NAMES, MOST_RAISED
 from assistant.virtual.rapid.expressions import condition, evaluate, numeric, place
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.poses import number, text
 from assistant.virtual.rapid.precision import Double, as_kind, single
-from assistant.virtual.rapid.recovery import attempt, leave, name_of
-from assistant.virtual.rapid.rows import moves
+from assistant.virtual.rapid.recovery import error_name, leave_handler, run_with_recovery
+from assistant.virtual.rapid.rows import move_calls
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning
-from assistant.virtual.rapid.traps import connect
+from assistant.virtual.rapid.traps import connect_trap
 from assistant.virtual.rapid.values import NUMBER, Shape, equal
 
 Body = Sequence[s.StatementNode]
@@ -39,9 +39,9 @@ def execute(machine: Machine, body: Body) -> None:
     while True:
         try:
             for node in body[start:]:
-                _run(machine, node)
+                _run_statement(machine, node)
         except Jump as jump:
-            found = _label(body, jump.label)
+            found = _label_index(body, jump.label)
             if found is None:
                 raise
             start = found
@@ -49,20 +49,20 @@ def execute(machine: Machine, body: Body) -> None:
             return
 
 
-def _label(body: Body, label: str) -> int | None:
+def _label_index(body: Body, label: str) -> int | None:
     for i, node in enumerate(body):
         if isinstance(node, s.LabelMark) and node.name.lower() == label:
             return i
     return None
 
 
-def _run(machine: Machine, node: s.StatementNode) -> None:
+def _run_statement(machine: Machine, node: s.StatementNode) -> None:
     if isinstance(node, s.CommentLine | s.Data | s.TargetRunNode | s.LabelMark):
         return
-    does = STATEMENTS.get(type(node))
+    does = STATEMENT_FORMS.get(type(node))
     if does is None:
         raise NotSimulated(f"the statement {type(node).__name__}")
-    attempt(machine, node, does, execute)
+    run_with_recovery(machine, node, does, execute)
 
 
 def _assign(machine: Machine, node: s.Assignment) -> None:
@@ -122,7 +122,7 @@ def _return(machine: Machine, node: s.ReturnFrom) -> None:
     raise Returned(evaluate(machine, node.value, wanted))
 
 
-def _word(machine: Machine, node: s.Word) -> None:
+def _run_word(machine: Machine, node: s.Word) -> None:
     if node.word == "EXIT":
         machine.task.tell(Stopped(end=True))
         raise Over("end")
@@ -137,15 +137,17 @@ def _raise(machine: Machine, node: s.RaiseError) -> None:
     if node.value is None:
         if handling is None:
             raise Fault("RAISE without a number outside of an error handler")
-        leave(machine, machine.frame, handling)
+        leave_handler(machine, machine.frame, handling)
     if handling is not None:
         raise Fault("RAISE with a number inside of an error handler")
     assert node.value is not None
     number = whole(numeric(machine, node.value), "the number of an error")
-    known = 1 <= number <= MOST_RAISED or number in machine.controller.booked or number in NAMES
+    known = (
+        1 <= number <= MOST_RAISED or number in machine.controller.booked or number in ERROR_NAMES
+    )
     if not known:
         raise Fault(f"RAISE of the number {number}, which nobody booked", "ERR_ILLRAISE")
-    name = node.value.name if isinstance(node.value, s.NameRef) else name_of(number)
+    name = node.value.name if isinstance(node.value, s.NameRef) else error_name(number)
     raise Fault(f"the error {name} is raised", number=number)
 
 
@@ -170,7 +172,7 @@ def _compact_if(machine: Machine, node: s.CompactIf) -> None:
 
 def _for(machine: Machine, node: s.ForLoop) -> None:
     """Bounds and step are worked out once; without STEP it goes towards the end by 1."""
-    first, last, step = _counted(machine, node)
+    first, last, step = _loop_count(machine, node)
     kind = Shape("dnum") if isinstance(first, Double) else NUMBER
     runs = first <= last if step > 0.0 else first >= last
     machine.took(node, 0 if runs else 1)
@@ -190,7 +192,7 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
             names[name] = hidden
 
 
-def _counted(machine: Machine, node: s.ForLoop) -> list[float]:
+def _loop_count(machine: Machine, node: s.ForLoop) -> list[float]:
     """First and last value and step; of dnum if one of them is."""
     nodes = (node.first, node.last, *(() if node.step is None else (node.step,)))
     values = [evaluate(machine, one) for one in nodes]
@@ -227,8 +229,8 @@ def _test(machine: Machine, node: s.TestOf) -> None:
 
 
 def _moves(machine: Machine, node: s.MoveRunNode) -> None:
-    for row, move in enumerate(moves(node.run)):
-        attempt(machine, node, partial(_move, move), execute, row)
+    for row, move in enumerate(move_calls(node.run)):
+        run_with_recovery(machine, node, partial(_move, move), execute, row)
 
 
 def _move(move: s.ProcedureCall, machine: Machine, _: s.MoveRunNode) -> None:
@@ -239,14 +241,14 @@ def _placeholder(_: Machine, node: s.Placeholder) -> None:
     raise Fault(f"the placeholder `{node.text}`", "ERR_EXECPHR")
 
 
-STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.Assignment: _assign,
     s.ProcedureCall: _call,
     s.GotoLabel: _goto,
     s.ReturnFrom: _return,
-    s.Word: _word,
+    s.Word: _run_word,
     s.RaiseError: _raise,
-    s.Connect: connect,
+    s.Connect: connect_trap,
     s.IfThen: _if,
     s.CompactIf: _compact_if,
     s.ForLoop: _for,

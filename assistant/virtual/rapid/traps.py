@@ -11,7 +11,7 @@ from assistant.virtual.rapid.poses import number
 from assistant.virtual.rapid.scopes import Cell, Known
 
 
-def connect(machine: Machine, node: s.Connect) -> None:
+def connect_trap(machine: Machine, node: s.Connect) -> None:
     """CONNECT: a variable gets the number of a new interrupt."""
     variable = place(machine, node.interrupt)
     if variable.storage not in ("VAR", "IN"):

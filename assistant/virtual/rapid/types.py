@@ -11,17 +11,23 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import NotSimulated
 from assistant.virtual.rapid.values import Array, Clock, Handle, Record, Shape, Trigger, Value
 
-PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
+PLAIN_TYPES: Mapping[str, Value] = {
+    "num": 0.0,
+    "dnum": 0.0,
+    "bool": False,
+    "string": "",
+    "switch": True,
+}
 """First values of the types without components."""
 MOST_ELEMENTS: Final = 1_000_000
 """Of one array or record, counted through those in it: beyond what a controller's memory holds."""
-INPUTS: Final = ("signaldi", "signalgi", "signalai")
-OUTPUTS: Final = ("signaldo", "signalgo", "signalao")
-SIGNALS: Final = (*INPUTS, *OUTPUTS)
+INPUT_TYPES: Final = ("signaldi", "signalgi", "signalai")
+OUTPUT_TYPES: Final = ("signaldo", "signalgo", "signalao")
+SIGNAL_TYPES: Final = (*INPUT_TYPES, *OUTPUT_TYPES)
 """Types of data that stands for a signal once AliasIO says which one."""
 
 
-FIRST, ALL = "<first>", "<all>"
+FIRST_VALUES, ALL_TYPES = "<first>", "<all>"
 """What is kept of a record whose components are not known: its first number, and all as text."""
 
 
@@ -90,7 +96,7 @@ class Types:
         """Elements of data, those of the arrays and records in it counted; nothing is built."""
         if shape.sizes:
             return max(1, shape.sizes[0] * self._count(shape.element))
-        if shape.type in PLAIN:
+        if shape.type in PLAIN_TYPES:
             return 1
         if shape.type not in self._counts:
             parts = self.components(shape.type) or {}
@@ -101,17 +107,17 @@ class Types:
     def _first(self, shape: Shape) -> Value:
         if shape.sizes:
             return Array([self._first(shape.element) for _ in range(max(shape.sizes[0], 0))])
-        if shape.type in PLAIN:
-            return PLAIN[shape.type]
+        if shape.type in PLAIN_TYPES:
+            return PLAIN_TYPES[shape.type]
         if shape.type == "clock":
             return Clock()
         if shape.type == "triggdata":
             return Trigger()
         known = predefined.types().get(shape.type)
-        if known is not None and (known.kind == "HANDLE" or shape.type in SIGNALS):
+        if known is not None and (known.kind == "HANDLE" or shape.type in SIGNAL_TYPES):
             return Handle(shape.type)
         if self.is_unlisted(shape.type):
-            return Record(shape.type, {FIRST: 0.0, ALL: ""})
+            return Record(shape.type, {FIRST_VALUES: 0.0, ALL_TYPES: ""})
         parts = self.components(shape.type)
         if parts is None:
             raise NotSimulated(f"data of type {shape.type}")

@@ -21,7 +21,7 @@ _WORD: Final = re.compile(
 )
 
 
-def read(text: str, shape: Shape, types: Types) -> Value | None:
+def read_value(text: str, shape: Shape, types: Types) -> Value | None:
     """The value that a text is, None if it is none of that type."""
     words: list[re.Match[str]] = []
     at = 0
@@ -32,7 +32,7 @@ def read(text: str, shape: Shape, types: Types) -> Value | None:
         words.append(found)
         at = found.end()
     try:
-        value, rest = _value(words, shape, types)
+        value, rest = _read_words(words, shape, types)
     except (ValueError, LookupError):
         return None
     return None if rest else value
@@ -41,17 +41,17 @@ def read(text: str, shape: Shape, types: Types) -> Value | None:
 Words = list[re.Match[str]]
 
 
-def _value(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
+def _read_words(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
     """The value that the words begin with, and the words behind it; raises ValueError if none."""
     first, rest = words[0], words[1:]
     if shape.sizes:
         items: list[Value] = []
         for i in range(shape.sizes[0]):
-            item, rest = _value(
-                _behind(rest if i else words, "," if i else "["), shape.element, types
+            item, rest = _read_words(
+                _text_after(rest if i else words, "," if i else "["), shape.element, types
             )
             items.append(item)
-        return Array(items), _behind(rest, "]")
+        return Array(items), _text_after(rest, "]")
     if shape.type in NUMBERS:
         number = float(first["number"] or "x")
         fits = fitted(number, shape)
@@ -71,68 +71,68 @@ def _value(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
     for i, name in enumerate(record.parts):
         part = types.component(shape.type, name)
         assert part is not None
-        behind = _behind(rest, "," if i else "[")
-        record.parts[name], rest = _value(behind, part, types)
-    return record, _behind(rest, "]")
+        behind = _text_after(rest, "," if i else "[")
+        record.parts[name], rest = _read_words(behind, part, types)
+    return record, _text_after(rest, "]")
 
 
-def _behind(words: Words, sign: str) -> Words:
+def _text_after(words: Words, sign: str) -> Words:
     if words[0]["sign"] != sign:
         raise ValueError
     return words[1:]
 
 
-def written(value: Value, shape: Shape, types: Types) -> str:
+def value_text(value: Value, shape: Shape, types: Types) -> str:
     """An expression of literals that is the very value; raises ValueError if it has none."""
     match value:
         case bool():
             return "TRUE" if value else "FALSE"
         case float():
-            return _number(value)
+            return _number_text(value)
         case str():
-            return '"' + "".join(map(_character, value)) + '"'
+            return '"' + "".join(map(_character_text, value)) + '"'
         case Array(items):
-            return "[" + ",".join(written(item, shape.element, types) for item in items) + "]"
+            return "[" + ",".join(value_text(item, shape.element, types) for item in items) + "]"
         case Record(type, parts):
             said = []
             for name, part in parts.items():
                 of = types.component(type, name)
                 assert of is not None
-                said.append(written(fitted(part, of), of, types))
+                said.append(value_text(fitted(part, of), of, types))
             return "[" + ",".join(said) + "]"
     raise ValueError(f"data of type {shape.type} has no value")
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     """The shortest text that reads back the same: of a num nine digits, of a dnum 17 at most."""
     if not math.isfinite(value):
         raise ValueError("a number that is not known, as the speed of `vmax` without a robot")
     if isinstance(value, Double):
-        return _plain(repr(float(value)))
+        return _plain_digits(repr(float(value)))
     for digits in range(1, 10):
         text = f"{value:.{digits}G}"
         if fitted(float(text), Shape("num")) == value:
-            return _plain(text)
-    return _plain(repr(value))
+            return _plain_digits(text)
+    return _plain_digits(repr(value))
 
 
-def _plain(text: str) -> str:
+def _plain_digits(text: str) -> str:
     """`9E9` for `9E+09`, and whole numbers without a point."""
     mantissa, e, exponent = text.upper().partition("E")
     mantissa = mantissa.removesuffix(".0")
     power = int(exponent or 0)
     if -5 < power < 7 or not e:
-        return mantissa if not e else _shifted(mantissa, power)
+        return mantissa if not e else _shifted_point(mantissa, power)
     return f"{mantissa}E{power}"
 
 
-def _shifted(mantissa: str, power: int) -> str:
+def _shifted_point(mantissa: str, power: int) -> str:
     """`1.5E3` written out."""
     text = f"{float(f'{mantissa}E{power}'):.17f}".rstrip("0").rstrip(".")
     return text if float(text) == float(f"{mantissa}E{power}") else f"{mantissa}E{power}"
 
 
-def _character(character: str) -> str:
+def _character_text(character: str) -> str:
     if character in '"\\':
         return character * 2
     return character if character >= " " else f"\\{ord(character):02X}"

@@ -78,7 +78,7 @@ def test_a_message_is_what_the_encoding_says():
     assert encode("EgmSensor", message) == expected
     sent = Egm().command((1.5,) * 6, 300)
     assert decode("EgmSensor", sent).all("planned", "joints", "joints") == (1.5,) * 6
-    assert packets.sensor(sent, "joints", 6) == packets.Heard(300, (1.5,) * 6)
+    assert packets.read_sensor_packet(sent, "joints", 6) == packets.SensorCommand(300, (1.5,) * 6)
 
 
 def test_repeated_numbers_may_be_packed_and_fields_may_be_unknown():
@@ -94,11 +94,11 @@ def test_any_bytes_are_a_message_or_none(data):
     link = Egm()
     found = link.read(data)
     assert found is None or len(found.values) == 6
-    assert packets.sensor(data, "joints", 6) is None or len(data) > 60
+    assert packets.read_sensor_packet(data, "joints", 6) is None or len(data) > 60
 
 
 def test_a_damaged_message_is_none_or_another():
-    whole = packets.robot(packets.Told(1, 4, HERE, HERE), "joints")
+    whole = packets.robot_packet(packets.RobotState(1, 4, HERE, HERE), "joints")
     assert Egm().read(whole).values == HERE
     assert all(Egm().read(whole[:end]) is None for end in range(60))
     chance = random.Random(1)
@@ -121,25 +121,31 @@ def test_a_damaged_message_is_none_or_another():
     ],
 )
 def test_the_states_of_a_controller_are_told(changed, ready, stopped):
-    told = packets.Told(7, 28, HERE, HERE, **changed)
-    found = Egm().read(packets.robot(told, "joints"))
+    told = packets.RobotState(7, 28, HERE, HERE, **changed)
+    found = Egm().read(packets.robot_packet(told, "joints"))
     assert (found.counter, found.ready, found.stopped) == (7, ready, stopped)
 
 
 def test_additional_axes_and_poses_come_and_go():
     eight = (*HERE, 12.5, -3.0)
     link = Egm(axes=8)
-    assert link.read(packets.robot(packets.Told(1, 4, eight, eight), "joints")).values == eight
-    assert packets.sensor(link.command(eight, 0), "joints", 8).values == eight
+    assert (
+        link.read(packets.robot_packet(packets.RobotState(1, 4, eight, eight), "joints")).values
+        == eight
+    )
+    assert packets.read_sensor_packet(link.command(eight, 0), "joints", 8).values == eight
     link = Egm("poses")
-    assert link.read(packets.robot(packets.Told(1, 4, POSE, POSE), "poses")).values == POSE
-    assert packets.sensor(link.command(POSE, 0), "poses", 7).values == POSE
-    assert Egm().read(packets.robot(packets.Told(1, 4, POSE, POSE), "poses")) is None
+    assert (
+        link.read(packets.robot_packet(packets.RobotState(1, 4, POSE, POSE), "poses")).values
+        == POSE
+    )
+    assert packets.read_sensor_packet(link.command(POSE, 0), "poses", 7).values == POSE
+    assert Egm().read(packets.robot_packet(packets.RobotState(1, 4, POSE, POSE), "poses")) is None
 
 
 def test_numbers_that_are_none_are_no_place():
     bad = (math.nan, *HERE[1:])
-    assert Egm().read(packets.robot(packets.Told(1, 4, bad, bad), "joints")) is None
+    assert Egm().read(packets.robot_packet(packets.RobotState(1, 4, bad, bad), "joints")) is None
     wrong = Message(parts={"header": Message({"seqno": [1]})})
     assert Egm().read(encode("EgmRobot", wrong)) is None
 
@@ -242,7 +248,9 @@ def test_an_arm_that_is_elsewhere_is_not_moved():
 def test_a_late_packet_of_an_earlier_run_tells_nothing(state):
     """It tells where the arm was, which would be the begin of a jump, and comes of an old port."""
     port, elsewhere = free_port(), (5.0, *HERE[1:])
-    late = packets.robot(packets.Told(5000, 20_000, elsewhere, elsewhere, **state), "joints")
+    late = packets.robot_packet(
+        packets.RobotState(5000, 20_000, elsewhere, elsewhere, **state), "joints"
+    )
     egm, trajectory = Egm(), to(0.5)
     speeds, rises = LIMITS.columns("joints", 6)
     job = Job("joints", resampled(trajectory, LIMITS, 0.004), tuple(speeds), tuple(rises), QUICK)

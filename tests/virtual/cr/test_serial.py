@@ -8,7 +8,7 @@ import pytest
 
 from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.framing import framed, unframed
+from assistant.virtual.cr.framing import from_frame, in_frame
 from tests.virtual.cr.waiting import wait_for
 from tests.wire import Wire
 
@@ -66,10 +66,10 @@ def procedural():
 
 def test_a_frame_is_as_the_manual_has_it():
     # BFP-A4288 3.2: STX 'D' '0' length 'R' command checksum ETX; the sum is worked out by hand
-    assert framed(b"1;1;TIME") == b"\x02D009R1;1;TIME3A\x03"
-    assert unframed(b"\x02D009R1;1;TIME3A") == b"1;1;TIME"
-    assert unframed(b"\x02D009R1;1;TIME1B") is None
-    assert unframed(b"\x02D008R1;1;TIME3B") is None
+    assert in_frame(b"1;1;TIME") == b"\x02D009R1;1;TIME3A\x03"
+    assert from_frame(b"\x02D009R1;1;TIME3A") == b"1;1;TIME"
+    assert from_frame(b"\x02D009R1;1;TIME1B") is None
+    assert from_frame(b"\x02D008R1;1;TIME3B") is None
 
 
 @pytest.mark.parametrize("end", [b"\r", b"\r\n"])
@@ -113,12 +113,12 @@ def test_a_command_and_its_answer_with_the_procedure(procedural):
     for command, answer in pairs:
         line.send(ENQ)
         assert line.receive(1) == ACK
-        line.send(framed(command))
+        line.send(in_frame(command))
         assert line.receive(1) == ACK
         line.send(EOT)
         assert line.receive(1) == ENQ
         line.send(ACK)
-        assert line.until(b"\x03") == framed(answer)
+        assert line.until(b"\x03") == in_frame(answer)
         line.send(ACK)
         assert line.receive(1) == EOT
 
@@ -127,9 +127,9 @@ def test_a_damaged_frame_is_asked_for_again(procedural):
     _, line = procedural
     line.send(ENQ)
     assert line.receive(1) == ACK
-    line.send(framed(b"1;1;OVRD").replace(b"OVRD", b"OVRX"))
+    line.send(in_frame(b"1;1;OVRD").replace(b"OVRD", b"OVRX"))
     assert line.receive(1) == NAK
-    line.send(framed(b"1;1;OVRD"))
+    line.send(in_frame(b"1;1;OVRD"))
     assert line.receive(1) == ACK
     line.send(EOT)
     assert line.receive(1) == ENQ
@@ -137,9 +137,9 @@ def test_a_damaged_frame_is_asked_for_again(procedural):
     assert line.receive(1) == ENQ
     line.send(ACK)
     for _ in range(2):
-        assert line.until(b"\x03") == framed(b"QoK100")
+        assert line.until(b"\x03") == in_frame(b"QoK100")
         line.send(NAK)
-    assert line.until(b"\x03") == framed(b"QoK100")
+    assert line.until(b"\x03") == in_frame(b"QoK100")
     line.send(ACK)
     assert line.receive(1) == EOT
 

@@ -88,87 +88,87 @@ class Place:
     own: str = ""
 
 
-def _text(value: str) -> str:
+def _html(value: str) -> str:
     """As XHTML writes it."""
     return escaped(value).replace("&#x27;", "&#39;")
 
 
-def _plain(href: str) -> str:
+def _plain_fields(href: str) -> str:
     """A reference in JSON, where controllers escape the ampersand all the same."""
     return escaped(href, quote=False)
 
 
 def xhtml(answer: Answer, place: Place) -> str:
-    rows = "".join(map(_li, (*answer.items, *answer.listed)))
+    rows = "".join(map(_xhtml_item, (*answer.items, *answer.listed)))
     refers = list(answer.links) or [(place.own, "self")]
     if answer.next:
         refers.append((answer.next, "next"))
-    links = "".join(f'<a href="{_text(href)}" rel="{rel}"></a>' for href, rel in refers)
+    links = "".join(f'<a href="{_html(href)}" rel="{rel}"></a>' for href, rel in refers)
     body = f'<div class="state">{links}<ul>{rows}</ul></div>'
-    return _page(place, body)
+    return _xhtml_page(place, body)
 
 
-def event(group: int, items: Sequence[Item], place: Place) -> str:
+def event_message(group: int, items: Sequence[Item], place: Place) -> str:
     """What a WebSocket is told."""
-    rows = "".join(map(_li, items))
+    rows = "".join(map(_xhtml_item, items))
     link = f'<a href="subscription/{group}" rel="group"></a>'
-    return _page(place, f'<div class="state">{link}<ul>{rows}</ul></div>', "Event")
+    return _xhtml_page(place, f'<div class="state">{link}<ul>{rows}</ul></div>', "Event")
 
 
-def _page(place: Place, body: str, title: str = "rw") -> str:
-    base = _text(place.base)
+def _xhtml_page(place: Place, body: str, title: str = "rw") -> str:
+    base = _html(place.base)
     return (
         f'{HEAD}<head><title>{title}</title><base href="{base}"/></head><body>{body}</body></html>'
     )
 
 
-def _li(item: Item) -> str:
-    link = f'<a href="{_text(item.href)}" rel="self"></a>' if item.href else ""
+def _xhtml_item(item: Item) -> str:
+    link = f'<a href="{_html(item.href)}" rel="self"></a>' if item.href else ""
     spans = "".join(
-        f'<span class="{_text(name)}">{_text(value)}</span>' for name, value in item.fields.items()
+        f'<span class="{_html(name)}">{_html(value)}</span>' for name, value in item.fields.items()
     )
-    spans += "".join(_typed(one) for one in item.inside if not one.type)
-    rows = "".join(_li(one) for one in item.inside if one.type)
+    spans += "".join(_typed_item(one) for one in item.inside if not one.type)
+    rows = "".join(_xhtml_item(one) for one in item.inside if one.type)
     inside = f"<ul>{rows}</ul>" if rows else ""
-    return f'<li class="{_text(item.type)}" title="{_text(item.title)}">{link}{spans}{inside}</li>'
+    return f'<li class="{_html(item.type)}" title="{_html(item.title)}">{link}{spans}{inside}</li>'
 
 
-def _typed(item: Item) -> str:
-    kind, value = _text(item.fields["type"]), _text(item.fields["value"])
-    return f'<span class="{_text(item.title)}" type="{kind}">{value}</span>'
+def _typed_item(item: Item) -> str:
+    kind, value = _html(item.fields["type"]), _html(item.fields["value"])
+    return f'<span class="{_html(item.title)}" type="{kind}">{value}</span>'
 
 
-def _object(item: Item) -> dict[str, object]:
-    links = {"_links": {"self": {"href": _plain(item.href)}}} if item.href else {}
-    inside = {item.group: [_object(one) for one in item.inside]} if item.inside else {}
+def _json_object(item: Item) -> dict[str, object]:
+    links = {"_links": {"self": {"href": _plain_fields(item.href)}}} if item.href else {}
+    inside = {item.group: [_json_object(one) for one in item.inside]} if item.inside else {}
     if not item.type:
         return dict(item.fields)
     return {**links, "_type": item.type, "_title": item.title, **item.fields, **inside}
 
 
 def json_of_one(answer: Answer, place: Place) -> str:
-    onward = {"next": {"href": _plain(answer.next)}} if answer.next else {}
-    rows = [_object(item) for item in (*answer.items, *answer.listed)]
+    onward = {"next": {"href": _plain_fields(answer.next)}} if answer.next else {}
+    rows = [_json_object(item) for item in (*answer.items, *answer.listed)]
     links = {"base": {"href": place.base}, **onward}
     return json.dumps({"_links": links, "_embedded": {"_state": rows}})
 
 
 def hal(answer: Answer, place: Place) -> str:
-    onward = {"next": {"href": _plain(answer.next)}} if answer.next else {}
+    onward = {"next": {"href": _plain_fields(answer.next)}} if answer.next else {}
     links = {"base": {"href": place.base}, "self": {"href": place.own}, **onward}
     told: dict[str, object] = {"_links": links}
     if not answer.listed:
         told["status"] = {"code": SUCCESS}
     if answer.items or not answer.listed:
-        told["state"] = [_object(item) for item in answer.items]
+        told["state"] = [_json_object(item) for item in answer.items]
     if answer.listed:
-        told["_embedded"] = {"resources": [_object(item) for item in answer.listed]}
+        told["_embedded"] = {"resources": [_json_object(item) for item in answer.listed]}
     return json.dumps(told)
 
 
 def refused_xhtml(code: int, message: str, place: Place) -> str:
-    spans = f'<span class="code">{code}</span><span class="msg">{_text(message)}</span>'
-    return _page(place, f'<div class="status">{spans}</div>')
+    spans = f'<span class="code">{code}</span><span class="msg">{_html(message)}</span>'
+    return _xhtml_page(place, f'<div class="status">{spans}</div>')
 
 
 def refused_json_of_one(code: int, message: str, place: Place) -> str:

@@ -7,7 +7,7 @@ import threading
 from dataclasses import dataclass, field
 from typing import Literal
 
-Kind = Literal["delay", "cut", "garbage", "twice"]
+FaultKind = Literal["delay", "cut", "garbage", "twice"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Fault:
     it happens, None for ever.
     """
 
-    kind: Kind
+    kind: FaultKind
     path: str = ""
     seconds: float = 0.0
     after: int = 0
@@ -63,5 +63,5 @@ class Faults:
         return None
 
 
-NOISE = b"\x00\xff\x7f not a protocol \r\n\x16\x03"
+GARBLED_ANSWER = b"\x00\xff\x7f not a protocol \r\n\x16\x03"
 """What is sent instead of an answer."""

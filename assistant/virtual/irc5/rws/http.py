@@ -15,7 +15,7 @@ from urllib.parse import parse_qsl, unquote
 
 from assistant.virtual.irc5.rws import answers, reasons
 from assistant.virtual.irc5.rws.answers import Answer, Form, Place, Rejected
-from assistant.virtual.irc5.rws.faults import NOISE, Faults
+from assistant.virtual.irc5.rws.faults import GARBLED_ANSWER, Faults
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.sessions import Session, Sessions
 
@@ -179,7 +179,9 @@ class Connection(BaseHTTPRequestHandler):
             self._refuse(wrong, form or self._usual())
             return
         except Exception as wrong:
-            self._refuse(Rejected(reasons.BROKEN, type(wrong).__name__), form or self._usual())
+            self._refuse(
+                Rejected(reasons.INTERNAL_ERROR, type(wrong).__name__), form or self._usual()
+            )
             raise
         assert form is not None
         self._answer(answer, form, path)
@@ -221,7 +223,7 @@ class Connection(BaseHTTPRequestHandler):
             return None
         begun = sessions.begin()
         if begun is None:
-            self._refuse(Rejected(reasons.TOO_MANY), self._usual())
+            self._refuse(Rejected(reasons.TOO_MANY_REQUESTS), self._usual())
             return None
         self._begun = begun
         return begun
@@ -309,7 +311,7 @@ class Connection(BaseHTTPRequestHandler):
                     data = data[: fault.after]
                     self.close_connection = True
                 case "garbage":
-                    data = NOISE
+                    data = GARBLED_ANSWER
                     self.close_connection = True
                 case "twice":
                     data = data + data

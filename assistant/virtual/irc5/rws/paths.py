@@ -13,7 +13,7 @@ from assistant.virtual.irc5.rws.answers import Rejected
 from assistant.virtual.irc5.rws.request import Request
 
 H = TypeVar("H")
-KEEP: Final = "/fileservice"
+KEPT_CHARACTERS: Final = "/fileservice"
 """Where a path is kept as it was sent: what it encodes may matter."""
 
 
@@ -28,7 +28,7 @@ class Route(Generic[H]):
     needs: str
 
 
-def route(method: str, stated: str, handler: H, needs: str = "") -> Route[H]:
+def make_route(method: str, stated: str, handler: H, needs: str = "") -> Route[H]:
     """stated: a path with names in braces, and behind `?` the action."""
     path, _, action = stated.partition("?")
     pattern = ""
@@ -42,12 +42,12 @@ def route(method: str, stated: str, handler: H, needs: str = "") -> Route[H]:
     return Route(method, re.compile(pattern), action, handler, needs)
 
 
-def find(
+def find_route(
     routes: Sequence[Route[H]], request: Request
 ) -> tuple[Route[H], dict[str, str]] | Rejected:
     """The first that fits, with what its names stand for; else why there is none."""
     raw = request.path.rstrip("/") or "/"
-    path = raw if raw.startswith(KEEP) else unquote(raw)
+    path = raw if raw.startswith(KEPT_CHARACTERS) else unquote(raw)
     action = request.query.get("action", request.query.get("resource", ""))
     action = "" if action == "show" else action
     there = False

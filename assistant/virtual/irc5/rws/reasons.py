@@ -11,7 +11,7 @@ from typing import Final
 
 from assistant.virtual.irc5.rws.answers import Reason
 
-HELD: Final = Reason(-1073445862, "Requested resource is held by someone else", 403, 403)
+HELD_BY_OTHER: Final = Reason(-1073445862, "Requested resource is held by someone else", 403, 403)
 NO_MASTERSHIP: Final = Reason(
     -1073445859, "The user does not have required mastership for the operation.", 403, 403
 )
@@ -38,6 +38,6 @@ NO_EVENTS: Final = Reason(-1073414146, "Resource does not exist on the controlle
 NO_METHOD: Final = Reason(-1073445879, "Method not allowed", 405, 405)
 UNACCEPTABLE: Final = Reason(-1073445879, "Not acceptable", 406, 406)
 NOT_THIS_TYPE: Final = Reason(-1073445879, "Unsupported media type", 415, 415)
-BROKEN: Final = Reason(-1073445885, "Unspecified Error", 500, 500)
+INTERNAL_ERROR: Final = Reason(-1073445885, "Unspecified Error", 500, 500)
 """The virtual controller itself has gone wrong."""
-TOO_MANY: Final = Reason(-1073445885, "Too many sessions", 503, 503)
+TOO_MANY_REQUESTS: Final = Reason(-1073445885, "Too many sessions", 503, 503)

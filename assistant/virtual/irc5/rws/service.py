@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from assistant.virtual.irc5.cabinet import DOMAINS, Cabinet
+from assistant.virtual.irc5.cabinet import MASTERSHIP_DOMAINS, Cabinet
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import Answer, Rejected
-from assistant.virtual.irc5.rws.paths import find, route
+from assistant.virtual.irc5.rws.paths import find_route, make_route
 from assistant.virtual.irc5.rws.request import Request
-from assistant.virtual.irc5.rws.routes import serve
+from assistant.virtual.irc5.rws.routes import serve_resource
 from assistant.virtual.irc5.rws.sessions import Session, Sessions
 from assistant.virtual.irc5.rws.subscriptions import Subscriptions
 
@@ -25,10 +25,10 @@ class Service:
         sessions.ended.append(self._ended)
 
     def __call__(self, request: Request) -> Answer:
-        found = find(OWN[request.dialect], request)
+        found = find_route(OWN_ROUTES[request.dialect], request)
         try:
             if isinstance(found, Rejected):
-                return serve(self.cabinet, request)
+                return serve_resource(self.cabinet, request)
             row, captures = found
             return row.handler(self, replace(request, captures=captures))
         except (RuntimeError, TimeoutError):  # It is being switched off, or overwhelmed.
@@ -36,7 +36,7 @@ class Service:
 
     def _ended(self, session: Session) -> None:
         """What it held is given back."""
-        self.cabinet.mastership.give_back(DOMAINS, session.key)
+        self.cabinet.mastership.give_back(MASTERSHIP_DOMAINS, session.key)
         self.subscriptions.end_session(session.key)
 
 
@@ -45,8 +45,8 @@ def _log_out(service: Service, request: Request) -> Answer:
     return Answer(200 if request.dialect == 1 else 204)
 
 
-Own = Callable[[Service, Request], Answer]
-_BOTH: Final[tuple[tuple[str, str, Own], ...]] = (
+OwnHandler = Callable[[Service, Request], Answer]
+_BOTH: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
     ("GET", "/logout", _log_out),
     ("POST", "/subscription", lambda service, request: service.subscriptions.create(request)),
     (
@@ -55,7 +55,7 @@ _BOTH: Final[tuple[tuple[str, str, Own], ...]] = (
         lambda service, request: service.subscriptions.delete(request),
     ),
 )
-_TWO: Final[tuple[tuple[str, str, Own], ...]] = (
+_TWO: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
     ("PUT", "/subscription/{group}", lambda service, request: service.subscriptions.add(request)),
     (
         "DELETE",
@@ -63,7 +63,7 @@ _TWO: Final[tuple[tuple[str, str, Own], ...]] = (
         lambda service, request: service.subscriptions.delete(request),
     ),
 )
-OWN: Final = {
-    1: tuple(route(*row) for row in _BOTH),
-    2: tuple(route(*row) for row in (*_BOTH, *_TWO)),
+OWN_ROUTES: Final = {
+    1: tuple(make_route(*row) for row in _BOTH),
+    2: tuple(make_route(*row) for row in (*_BOTH, *_TWO)),
 }

@@ -12,12 +12,12 @@ from assistant.virtual.irc5.rws.service import Service
 from assistant.virtual.irc5.rws.sessions import Sessions
 
 
-def service(cabinet: Cabinet, user: str, password: str) -> Service:
+def make_service(cabinet: Cabinet, user: str, password: str) -> Service:
     """What both servers share."""
     return Service(cabinet, Sessions(user, password))
 
 
-def server(
+def make_server(
     dialect: int,
     place: tuple[str, int],
     service: Service,

@@ -22,12 +22,12 @@ from typing import Final
 
 REALM: Final = "validusers@robapi.abb"
 OPAQUE: Final = "799d5"
-MOST: Final = 70
-LASTS: Final = 300.0
+MOST_SESSIONS: Final = 70
+SESSION_TIMEOUT: Final = 300.0
 """Seconds that a session lasts without a request."""
 MOST_NONCES: Final = 1000
 COOKIE: Final = "-http-session-"
-_FIELD: Final = re.compile(r'(\w+)\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^\s,]+))')
+_DIGEST_FIELD: Final = re.compile(r'(\w+)\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^\s,]+))')
 
 
 @dataclass(slots=True, eq=False)
@@ -58,7 +58,7 @@ class Sessions:
     password: str = field(repr=False)
     ended: list[Callable[[Session], None]] = field(default_factory=list)
     refuses: bool = False
-    most: int = MOST
+    most: int = MOST_SESSIONS
 
     def __post_init__(self) -> None:
         self._open: dict[str, Session] = {}
@@ -79,7 +79,7 @@ class Sessions:
             session = None if found is None else self._open.get(found.value)
             if session is None:
                 return None
-            if time.monotonic() - session.used > LASTS:
+            if time.monotonic() - session.used > SESSION_TIMEOUT:
                 self.end(session)
                 return None
             session.used = time.monotonic()
@@ -89,7 +89,7 @@ class Sessions:
         """A new session, None if there are too many."""
         with self._lock:
             now = time.monotonic()
-            for old in [one for one in self._open.values() if now - one.used > LASTS]:
+            for old in [one for one in self._open.values() if now - one.used > SESSION_TIMEOUT]:
                 self.end(old)
             if len(self._open) >= self.most:
                 return None
@@ -145,7 +145,7 @@ class Sessions:
 
     def _is_digest(self, rest: str, method: str, target: str) -> bool:
         """As RFC 2617 has it, with or without `qop`."""
-        given = {name.lower(): quoted or bare for name, quoted, bare in _FIELD.findall(rest)}
+        given = {name.lower(): quoted or bare for name, quoted, bare in _DIGEST_FIELD.findall(rest)}
         nonce = given.get("nonce", "")
         if nonce not in self._nonces or given.get("username") != self.user:
             return False

@@ -22,9 +22,9 @@ from wsproto.connection import ConnectionType
 from wsproto.events import CloseConnection, Message, Ping
 from wsproto.utilities import LocalProtocolError, RemoteProtocolError
 
-from assistant.virtual.irc5.cabinet import OUTPUTS, Cabinet
+from assistant.virtual.irc5.cabinet import OUTPUT_TYPES, Cabinet
 from assistant.virtual.irc5.rws import reasons
-from assistant.virtual.irc5.rws.answers import Answer, Item, Place, Rejected, event
+from assistant.virtual.irc5.rws.answers import Answer, Item, Place, Rejected, event_message
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.watching import Watch, watch
 
@@ -40,8 +40,8 @@ MOST_GROUPS: Final = 64
 MOST_WATCHED: Final = 1000
 GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 """Of the handshake (RFC 6455, 1.3)."""
-POLICY: Final = 1008
-GOING: Final = 1001
+POLICY_VIOLATION: Final = 1008
+GOING_AWAY: Final = 1001
 _POLL: Final = re.compile(r"/poll/(\d+)")
 
 
@@ -113,7 +113,7 @@ class Subscriptions:
         watches = self._watches(request)
         with self._lock:
             if len(self._groups) >= MOST_GROUPS:
-                raise Rejected(reasons.TOO_MANY)
+                raise Rejected(reasons.TOO_MANY_REQUESTS)
             self._count += 1
             group = Group(self._count, request.session.key, request.dialect)
             self._groups[group.number] = group
@@ -169,7 +169,7 @@ class Subscriptions:
         group.looked[one.resource] = time.monotonic()
         if one.signal is not None:
             name, board = one.signal.name.lower(), self.cabinet.board
-            side = board.outputs if one.signal.type in OUTPUTS else board.inputs
+            side = board.outputs if one.signal.type in OUTPUT_TYPES else board.inputs
 
             def heard(changed: str, before: float, now: float) -> None:  # noqa: ARG001
                 if changed == name:
@@ -227,7 +227,7 @@ class Subscriptions:
         place = Place(connection.place().base)
         while not group.over.is_set():
             for items in group.news():
-                text = event(group.number, items, place)
+                text = event_message(group.number, items, place)
                 connection.transmit(wire.send(Message(data=text)))
             try:
                 data = socket.recv(4096)
@@ -244,6 +244,8 @@ class Subscriptions:
                     return
                 elif isinstance(told, Message) and group.dialect == 2:
                     reason = "Client cannot send data."
-                    connection.transmit(wire.send(CloseConnection(code=POLICY, reason=reason)))
+                    connection.transmit(
+                        wire.send(CloseConnection(code=POLICY_VIOLATION, reason=reason))
+                    )
                     return
-        connection.transmit(wire.send(CloseConnection(code=GOING)))
+        connection.transmit(wire.send(CloseConnection(code=GOING_AWAY)))

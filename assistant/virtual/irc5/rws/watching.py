@@ -19,7 +19,7 @@ from assistant.virtual.irc5.rws.answers import Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.resources import signals, symbols
 
-Reading = Callable[[], str]
+ReadValue = Callable[[], str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +31,14 @@ class Watch:
 
     resource: str
     priority: int
-    read: Reading
+    read: ReadValue
     events: Callable[[str], Sequence[Item]]
     signal: Signal | None = None
     first: bool = True
 
 
 @dataclass(frozen=True, slots=True)
-class _Kind:
+class _PlainKind:
     """field: of the event. path: what the pattern of the resource is, of each dialect."""
 
     one: str
@@ -48,46 +48,46 @@ class _Kind:
     read: Callable[[Cabinet], str]
 
 
-PLAIN: Final = (
-    _Kind("/rw/panel/ctrlstate(;ctrlstate)?", "/rw/panel/ctrl-state(;ctrlstate)?",
+PLAIN_KINDS: Final = (
+    _PlainKind("/rw/panel/ctrlstate(;ctrlstate)?", "/rw/panel/ctrl-state(;ctrlstate)?",
           "pnl-ctrlstate-ev", "ctrlstate", lambda c: c.panel.state),
-    _Kind("/rw/panel/opmode(;opmode)?", "/rw/panel/opmode(;opmode)?",
+    _PlainKind("/rw/panel/opmode(;opmode)?", "/rw/panel/opmode(;opmode)?",
           "pnl-opmode-ev", "opmode", lambda c: c.panel.mode),
-    _Kind("/rw/panel/speedratio(;speedratio)?", "/rw/panel/speedratio(;speedratio)?",
+    _PlainKind("/rw/panel/speedratio(;speedratio)?", "/rw/panel/speedratio(;speedratio)?",
           "pnl-speedratio-ev", "speedratio", lambda c: str(c.panel.speed)),
-    _Kind("/rw/panel/coldetstate(;coldetstate)?", "/rw/panel/coldetstate(;coldetstate)?",
+    _PlainKind("/rw/panel/coldetstate(;coldetstate)?", "/rw/panel/coldetstate(;coldetstate)?",
           "pnl-coldetstate-ev", "coldetstate", lambda _: "INIT"),
-    _Kind("/rw/rapid/execution;ctrlexecstate", "/rw/rapid/execution;ctrlexecstate",
+    _PlainKind("/rw/rapid/execution;ctrlexecstate", "/rw/rapid/execution;ctrlexecstate",
           "rap-ctrlexecstate-ev", "ctrlexecstate",
           lambda c: "running" if c.programs.running else "stopped"),
-    _Kind("/rw/rapid/execution;rapidexeccycle", "/rw/rapid/execution;rapidexeccycle",
+    _PlainKind("/rw/rapid/execution;rapidexeccycle", "/rw/rapid/execution;rapidexeccycle",
           "rap-execcycle-ev", "rapidexeccycle", lambda c: c.programs.cycle),
-    _Kind(f"/rw/rapid/tasks/{TASK};taskchange", f"/rw/rapid/tasks/{TASK};taskchange",
+    _PlainKind(f"/rw/rapid/tasks/{TASK};taskchange", f"/rw/rapid/tasks/{TASK};taskchange",
           "rap-task-ev", "change-count", lambda c: str(c.programs.changes)),
 )  # fmt: skip
-SIGNAL: Final = re.compile(r"/rw/iosystem/signals/(.+);state")
-DATA: Final = {
+SIGNAL_PATHS: Final = re.compile(r"/rw/iosystem/signals/(.+);state")
+DATA_PATHS: Final = {
     1: re.compile(r"/rw/rapid/symbol/data/(RAPID/(.+));value"),
     2: re.compile(r"/rw/rapid/symbol/(RAPID/(.+))/data(?:;value)?"),
 }
-LOG: Final = re.compile(r"/rw/elog/(\d+)(?:;\w+)?")
+LOG_PATHS: Final = re.compile(r"/rw/elog/(\d+)(?:;\w+)?")
 
 
 def watch(cabinet: Cabinet, request: Request, resource: str, priority: int) -> Watch:
     """Raises Rejected for what cannot be watched."""
-    for kind in PLAIN:
+    for kind in PLAIN_KINDS:
         if re.fullmatch(request.either(kind.one, kind.two), resource):
-            return _plain(cabinet, kind, resource, priority)
-    if found := SIGNAL.fullmatch(resource):
-        return _signal(cabinet, found[1], resource, priority)
-    if found := DATA[request.dialect].fullmatch(resource):
-        return _data(cabinet, request, resource, priority, found[1], found[2])
-    if found := LOG.fullmatch(resource):
-        return _log(cabinet, resource, priority, int(found[1]))
+            return _watch_plain(cabinet, kind, resource, priority)
+    if found := SIGNAL_PATHS.fullmatch(resource):
+        return _watch_signal(cabinet, found[1], resource, priority)
+    if found := DATA_PATHS[request.dialect].fullmatch(resource):
+        return _watch_data(cabinet, request, resource, priority, found[1], found[2])
+    if found := LOG_PATHS.fullmatch(resource):
+        return _watch_log(cabinet, resource, priority, int(found[1]))
     raise Rejected(reasons.NO_EVENTS, resource)
 
 
-def _plain(cabinet: Cabinet, kind: _Kind, resource: str, priority: int) -> Watch:
+def _watch_plain(cabinet: Cabinet, kind: _PlainKind, resource: str, priority: int) -> Watch:
     return Watch(
         resource,
         priority,
@@ -96,21 +96,21 @@ def _plain(cabinet: Cabinet, kind: _Kind, resource: str, priority: int) -> Watch
     )
 
 
-def _signal(cabinet: Cabinet, path: str, resource: str, priority: int) -> Watch:
-    signal = signals.find(cabinet, path)
+def _watch_signal(cabinet: Cabinet, path: str, resource: str, priority: int) -> Watch:
+    signal = signals.find_signal(cabinet, path)
 
     def events(value: str) -> list[Item]:
         fields = {"lvalue": value, "lstate": "not simulated"}
         return [Item("ios-signalstate-ev", signal.title, fields, resource)]
 
-    return Watch(resource, priority, lambda: signals.value_of(cabinet, signal), events, signal)
+    return Watch(resource, priority, lambda: signals.signal_value(cabinet, signal), events, signal)
 
 
-def _data(
+def _watch_data(
     cabinet: Cabinet, request: Request, resource: str, priority: int, url: str, path: str
 ) -> Watch:
     def read() -> str:
-        return symbols.value_at(cabinet, request.dialect, path)
+        return symbols.symbol_value_at(cabinet, request.dialect, path)
 
     def events(value: str) -> list[Item]:
         if request.dialect == 2:
@@ -122,7 +122,7 @@ def _data(
     return Watch(resource, priority, read, events)
 
 
-def _log(cabinet: Cabinet, resource: str, priority: int, domain: int) -> Watch:
+def _watch_log(cabinet: Cabinet, resource: str, priority: int, domain: int) -> Watch:
     """Its value is the number of the latest event of all; those of other domains tell nothing."""
 
     def read() -> str:

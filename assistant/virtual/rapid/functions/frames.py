@@ -11,12 +11,12 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.poses import (
     extjoint_of,
-    moved,
+    moved_target,
     pose,
     pose_of,
     record,
@@ -29,14 +29,14 @@ MIRROR: Final = np.array([1.0, 1.0, -1.0])
 """The xy plane of the frame of the mirror."""
 
 
-def _mirrored(given: Given) -> Record:
+def _mirrored_target(given: Given) -> Record:
     r"""MirPos: the tool's x and z axis are mirrored, with \MirY its y and z axis.
 
     The third follows from them, so that the axes are a right-handed system again.
     """
-    target, plane = given.record(0, "robtarget"), _place(given.record(1, "wobjdata"))
+    target, plane = given.record(0, "robtarget"), _mirror_place(given.record(1, "wobjdata"))
     frame = given.optional_record("wobj", "wobjdata")
-    into = plane.inverse() @ (Pose() if frame is None else _place(frame))
+    into = plane.inverse() @ (Pose() if frame is None else _mirror_place(frame))
     seen = into @ pose_of(target)
     axes = rotations.to_matrix(seen.quaternion) * MIRROR[:, None]
     if given.has("miry"):
@@ -44,32 +44,32 @@ def _mirrored(given: Given) -> Record:
     else:
         axes[:, 1] = np.cross(axes[:, 2], axes[:, 0])
     there = Pose.of(np.multiply(seen.position, MIRROR), rotations.from_matrix(axes))
-    return moved(target, into.inverse() @ there)
+    return moved_target(target, into.inverse() @ there)
 
 
-def _place(frame: Record) -> Pose:
+def _mirror_place(frame: Record) -> Pose:
     """Of a work object in the world, or of one on the robot in the wrist."""
     if not truth(frame.parts["ufprog"]):
         raise NotSimulated("a work object that a mechanical unit moves")
     return pose_of(frame.parts["uframe"]) @ pose_of(frame.parts["oframe"])
 
 
-def _defined(given: Given) -> Record:
+def _defined_frame(given: Given) -> Record:
     origin = whole(given.optional_number("origin") or 1.0, "the origin of a frame")
-    return pose(_through(_points(given, range(3)), origin))
+    return pose(_frame_through(_frame_points(given, range(3)), origin))
 
 
-def _displaced(given: Given) -> Record:
+def _displaced_frame(given: Given) -> Record:
     """DefDFrame: what takes three positions to three others."""
-    old, new = (_through(_points(given, range(i, i + 3)), 1) for i in (0, 3))
+    old, new = (_frame_through(_frame_points(given, range(i, i + 3)), 1) for i in (0, 3))
     return pose(new @ old.inverse())
 
 
-def _points(given: Given, indices: range) -> Floats:
+def _frame_points(given: Given, indices: range) -> Floats:
     return np.array([vector_of(given.record(i, "robtarget").parts["trans"]) for i in indices])
 
 
-def _through(points: Floats, origin: int) -> Pose:
+def _frame_through(points: Floats, origin: int) -> Pose:
     """A frame whose x axis goes from the first to the second point, the third on the side of +y.
 
     origin: 1 or 2 for that point, 3 for where the y axis then goes through the third point.
@@ -88,10 +88,10 @@ def _through(points: Floats, origin: int) -> Pose:
     return Pose.of(places[origin], rotations.canonical(rotations.from_matrix(axes)))
 
 
-def _fitted(given: Given) -> Record:
+def _fitted_frame(given: Given) -> Record:
     """DefAccFrame: the frame that takes positions to others with the least squares of distances."""
     count = whole(given.number(2), "the number of positions")
-    old, new = (_listed(given, i, count) for i in (0, 1))
+    old, new = (_listed_points(given, i, count) for i in (0, 1))
     middle, other = old.mean(axis=0), new.mean(axis=0)
     u, _, v = np.linalg.svd((old - middle).T @ (new - other))
     turn = v.T @ np.diag((1.0, 1.0, np.sign(np.linalg.det(v.T @ u.T)))) @ u.T
@@ -102,7 +102,7 @@ def _fitted(given: Given) -> Record:
     return pose(Pose.of(shift, rotations.canonical(rotations.from_matrix(turn))))
 
 
-def _listed(given: Given, index: int, count: int) -> Floats:
+def _listed_points(given: Given, index: int, count: int) -> Floats:
     targets = given.place(index).get()
     assert isinstance(targets, Array)
     if not 3 <= count <= min(10, len(targets.items)):
@@ -111,24 +111,24 @@ def _listed(given: Given, index: int, count: int) -> Floats:
     return np.array([vector_of(one) for one in found])
 
 
-def _object(given: Given) -> Record:
+def _object_target(given: Given) -> Record:
     """ORobT: a position without the displacement and the offset that are active."""
     arm, target = given.machine.arm, given.record(0, "robtarget")
     if not given.has("inpdisp"):
-        target = moved(target, arm.displacement @ pose_of(target))
+        target = moved_target(target, arm.displacement @ pose_of(target))
     else:
-        target = moved(target, pose_of(target))
+        target = moved_target(target, pose_of(target))
     if not given.has("ineoffs"):
         target.parts["extax"] = extjoint_of(target.parts["extax"], arm.offsets)
     return target
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+FRAME_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("MirPos", 2, _mirrored, "wobj miry"),
-        takes("DefFrame", 3, _defined, "origin"),
-        takes("DefDFrame", 6, _displaced),
-        takes("DefAccFrame", 5, _fitted),
-        takes("ORobT", 1, _object, "inpdisp ineoffs"),
+        table_row("MirPos", 2, _mirrored_target, "wobj miry"),
+        table_row("DefFrame", 3, _defined_frame, "origin"),
+        table_row("DefDFrame", 6, _displaced_frame),
+        table_row("DefAccFrame", 5, _fitted_frame),
+        table_row("ORobT", 1, _object_target, "inpdisp ineoffs"),
     )
 )

@@ -7,16 +7,18 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from assistant.virtual.rapid.ends import UNSURE, Fault
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.precision import LARGEST, Double, single
 
-Of = Callable[[float], float]
+NumberFunction = Callable[[float], float]
 """Makes a num or a dnum of a number."""
 
 
-def _of(formula: Callable[..., float], count: int, of: Of = single) -> Callable[[Given], float]:
+def _number_function(
+    formula: Callable[..., float], count: int, of: NumberFunction = single
+) -> Callable[[Given], float]:
     """A formula of numbers; raises Fault where it has no value."""
 
     def does(given: Given) -> float:
@@ -42,10 +44,10 @@ def _power(base: float, exponent: float) -> float:
 
 
 def _shortened(
-    shorten: Callable[[float, float], float], of: Of = single
+    shorten: Callable[[float, float], float], of: NumberFunction = single
 ) -> Callable[[Given], float]:
     def does(given: Given) -> float:
-        return of(shorten(of(given.number(0)), _scale(given)))
+        return of(shorten(of(given.number(0)), _decimal_scale(given)))
 
     return does
 
@@ -65,22 +67,22 @@ def _to_num(given: Given) -> float:
     if abs(value) > LARGEST:
         raise Fault(f"the dnum {value:g} as a num", "ERR_NUM_LIMIT")
     if given.has("integer"):
-        if not -WHOLE < value <= WHOLE:
+        if not -WHOLE_RANGE < value <= WHOLE_RANGE:
             raise Fault(f"the dnum {value:.15g} as a whole num", "ERR_ARGVALERR")
         if not value.is_integer():
             raise Fault(f"the dnum {value:.15g} as a whole number", UNSURE)
     return single(value)
 
 
-WHOLE: Final = 8388608
+WHOLE_RANGE: Final = 8388608
 """The whole numbers of a num are exact from -8388607 to this (reference, 2.1)."""
 
 
-def _scale(given: Given) -> float:
+def _decimal_scale(given: Given) -> float:
     return 10.0 ** whole(given.optional_number("dec") or 0.0, "the number of decimals")
 
 
-FORMULAS: Final[Mapping[str, tuple[Callable[..., float], int]]] = {
+NUMBER_FORMULAS: Final[Mapping[str, tuple[Callable[..., float], int]]] = {
     "Abs": (abs, 1),
     "Sqrt": (math.sqrt, 1),
     "Sin": (lambda angle: math.sin(math.radians(angle)), 1),
@@ -94,20 +96,23 @@ FORMULAS: Final[Mapping[str, tuple[Callable[..., float], int]]] = {
     "Pow": (_power, 2),
 }
 
-TABLE: Final[Mapping[str, Function]] = dict(
+NUMBER_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        *(takes(name, count, _of(does, count)) for name, (does, count) in FORMULAS.items()),
         *(
-            takes(f"{name}Dnum", count, _of(does, count, Double))
-            for name, (does, count) in FORMULAS.items()
+            table_row(name, count, _number_function(does, count))
+            for name, (does, count) in NUMBER_FORMULAS.items()
         ),
-        takes("Round", 1, _shortened(_rounded), "dec"),
-        takes("RoundDnum", 1, _shortened(_rounded, Double), "dec"),
-        takes("Trunc", 1, _shortened(_truncated), "dec"),
-        takes("TruncDnum", 1, _shortened(_truncated, Double), "dec"),
-        takes("Max", 2, _of(max, 2)),
-        takes("Min", 2, _of(min, 2)),
-        takes("NumToDnum", 1, lambda given: Double(single(given.number(0)))),
-        takes("DnumToNum", 1, _to_num, "integer"),
+        *(
+            table_row(f"{name}Dnum", count, _number_function(does, count, Double))
+            for name, (does, count) in NUMBER_FORMULAS.items()
+        ),
+        table_row("Round", 1, _shortened(_rounded), "dec"),
+        table_row("RoundDnum", 1, _shortened(_rounded, Double), "dec"),
+        table_row("Trunc", 1, _shortened(_truncated), "dec"),
+        table_row("TruncDnum", 1, _shortened(_truncated, Double), "dec"),
+        table_row("Max", 2, _number_function(max, 2)),
+        table_row("Min", 2, _number_function(min, 2)),
+        table_row("NumToDnum", 1, lambda given: Double(single(given.number(0)))),
+        table_row("DnumToNum", 1, _to_num, "integer"),
     )
 )

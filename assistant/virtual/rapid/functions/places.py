@@ -11,10 +11,10 @@ import numpy as np
 from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.rapid.ends import UNSURE, Fault
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.poses import (
-    moved,
+    moved_target,
     number,
     orient,
     pos,
@@ -25,12 +25,12 @@ from assistant.virtual.rapid.poses import (
 )
 from assistant.virtual.rapid.values import Record, copied
 
-ANGLES: Final = ("z", "y", "x")
+ANGLE_SWITCHES: Final = ("z", "y", "x")
 MOST_REPAIRED: Final = 0.1
 """How far the sum of squares may be from 1 for NOrient (manual, NOrient)."""
 
 
-def _offset(given: Given) -> Record:
+def _offset_target(given: Given) -> Record:
     """Along the axes of the target's frame; the rest of the target stays as it is."""
     target = copied(given.record(0, "robtarget"))
     assert isinstance(target, Record)
@@ -39,43 +39,43 @@ def _offset(given: Given) -> Record:
     return target
 
 
-def _relative(given: Given) -> Record:
+def _relative_target(given: Given) -> Record:
     """Along the axes of the tool, then turned about its x, its new y and its new z."""
     target = given.record(0, "robtarget")
     shift = (given.number(1), given.number(2), given.number(3))
     angles = [given.optional_number(option) or 0.0 for option in ("rx", "ry", "rz")]
     turn = rotations.from_euler(angles, "XYZ")
-    return moved(target, pose_of(target) @ Pose.of(np.array(shift), turn))
+    return moved_target(target, pose_of(target) @ Pose.of(np.array(shift), turn))
 
 
-def _multiply(given: Given) -> Record:
+def _multiplied_poses(given: Given) -> Record:
     return pose(pose_of(given.record(0, "pose")) @ pose_of(given.record(1, "pose")))
 
 
-def _inverse(given: Given) -> Record:
+def _inverse_pose(given: Given) -> Record:
     return pose(pose_of(given.record(0, "pose")).inverse())
 
 
-def _transformed(given: Given) -> Record:
+def _transformed_vector(given: Given) -> Record:
     at = pose_of(given.record(0, "pose")) @ Pose(vector_of(given.record(1, "pos")))
     return pos(at.position)
 
 
-def _from_angles(given: Given) -> Record:
+def _orientation_of_angles(given: Given) -> Record:
     angles = [given.number(i) for i in range(3)]
     w, x, y, z = (float(part) for part in rotations.from_euler(angles, "ZYX"))
     return orient((w, x, y, z))
 
 
-def _angle(given: Given) -> float:
-    wanted = [i for i, letter in enumerate(ANGLES) if given.has(letter)]
+def _euler_angle(given: Given) -> float:
+    wanted = [i for i, letter in enumerate(ANGLE_SWITCHES) if given.has(letter)]
     if len(wanted) != 1:
         raise Fault("EulerZYX takes one of its switches")
     angles = rotations.to_euler(quaternion_of(given.record(0, "orient")), "ZYX")
     return float(angles[wanted[0]])
 
 
-def _normalised(given: Given) -> Record:
+def _normalised_orientation(given: Given) -> Record:
     parts = [number(part) for part in given.record(0, "orient").parts.values()]
     length = math.hypot(*parts)
     if not abs(length * length - 1.0) <= MOST_REPAIRED:
@@ -92,29 +92,29 @@ def _magnitude(given: Given) -> float:
     return math.hypot(*vector_of(given.record(0, "pos")))
 
 
-def _dot(given: Given) -> float:
+def _dot_product(given: Given) -> float:
     return float(np.dot(vector_of(given.record(0, "pos")), vector_of(given.record(1, "pos"))))
 
 
-def _cross(given: Given) -> Record:
+def _cross_product(given: Given) -> Record:
     one, two = (vector_of(given.record(i, "pos")) for i in (0, 1))
     x, y, z = (float(part) for part in np.cross(one, two))
     return pos((x, y, z))
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+POSE_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("Offs", 4, _offset),
-        takes("RelTool", 4, _relative, "rx ry rz"),
-        takes("PoseMult", 2, _multiply),
-        takes("PoseInv", 1, _inverse),
-        takes("PoseVect", 2, _transformed),
-        takes("OrientZYX", 3, _from_angles),
-        takes("EulerZYX", 1, _angle, "x y z"),
-        takes("NOrient", 1, _normalised),
-        takes("Distance", 2, _distance),
-        takes("VectMagn", 1, _magnitude),
-        takes("DotProd", 2, _dot),
-        takes("CrossProd", 2, _cross),
+        table_row("Offs", 4, _offset_target),
+        table_row("RelTool", 4, _relative_target, "rx ry rz"),
+        table_row("PoseMult", 2, _multiplied_poses),
+        table_row("PoseInv", 1, _inverse_pose),
+        table_row("PoseVect", 2, _transformed_vector),
+        table_row("OrientZYX", 3, _orientation_of_angles),
+        table_row("EulerZYX", 1, _euler_angle, "x y z"),
+        table_row("NOrient", 1, _normalised_orientation),
+        table_row("Distance", 2, _distance),
+        table_row("VectMagn", 1, _magnitude),
+        table_row("DotProd", 2, _dot_product),
+        table_row("CrossProd", 2, _cross_product),
     )
 )

@@ -13,7 +13,7 @@ from assistant.program.geometry import Pose
 from assistant.robots.configurations import from_confdata, to_confdata
 from assistant.virtual.kernel.motion import Standing
 from assistant.virtual.rapid.ends import Fault, NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.motion import flange_of
 from assistant.virtual.rapid.poses import (
@@ -31,7 +31,7 @@ from assistant.virtual.rapid.predefined import tool0, wobj0
 from assistant.virtual.rapid.values import Record
 
 
-def _here(given: Given) -> Pose:
+def _current_target(given: Given) -> Pose:
     """The position in the tool and work object that are named, else in those of the latest move.
 
     CRobT without them reads in the active tool and work object: tool0 and wobj0 before a motion, as
@@ -41,11 +41,11 @@ def _here(given: Given) -> Pose:
     frame = given.optional_record("wobj", "wobjdata")
     if frame is None:
         frame = given.machine.arm.frame or wobj0()
-    standing = _standing(given)
+    standing = _arm_standing(given)
     return given.machine.arm.reading(tool, frame, None if standing is None else standing[0])
 
 
-def _standing(given: Given) -> Standing | None:
+def _arm_standing(given: Given) -> Standing | None:
     """Where the arm is now, also on its way; None if only the motions tell."""
     machine, motion = given.machine, given.machine.task.kernel.motion
     if machine.robot is None:
@@ -58,20 +58,20 @@ def _standing(given: Given) -> Standing | None:
 
 def present_target(given: Given) -> Record:
     """CRobT: in the tool and work object of its options."""
-    arm, machine, standing = given.machine.arm, given.machine, _standing(given)
+    arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
     joints = arm.joints if standing is None else standing[1]
     configuration = arm.configuration
     if joints is not None and (configuration is None or standing is not None):
-        configuration = _configuration(machine, joints)
-    return robtarget(_here(given), configuration, arm.external)
+        configuration = _stated_configuration(machine, joints)
+    return robtarget(_current_target(given), configuration, arm.external)
 
 
-def _joints(given: Given) -> Record:
+def _current_joints(given: Given) -> Record:
     """Where the arm was sent by a position, it stands as the configuration of that tells."""
-    arm, machine, standing = given.machine.arm, given.machine, _standing(given)
+    arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
     joints = arm.joints if standing is None else standing[1][:6]
     if joints is None and arm.watches_joints and arm.watches_lines and arm.flange is not None:
-        joints = _solved(machine, arm.flange, arm.configuration)
+        joints = _solved_joints(machine, arm.flange, arm.configuration)
     if joints is None:
         raise NotSimulated("joints that are read behind a motion to a position")
     return jointtarget(joints, arm.external)
@@ -86,7 +86,7 @@ def _target_of_joints(given: Given) -> Record:
         raise NotSimulated("CalcRobT without a robot")
     there = arm.reading(tool, frame, flange)
     axes = extjoint_of(target.parts["extax"], [-offset for offset in arm.offsets])
-    return robtarget(there, _configuration(given.machine, joints), axes)
+    return robtarget(there, _stated_configuration(given.machine, joints), axes)
 
 
 def _joints_of_target(given: Given) -> Record:
@@ -97,23 +97,23 @@ def _joints_of_target(given: Given) -> Record:
     if machine.robot is None:
         raise NotSimulated("CalcJointT without a robot")
     flange = arm.flange_at(pose_of(target), tool, frame)
-    joints = _solved(machine, flange, record(target.parts["robconf"], "confdata"))
+    joints = _solved_joints(machine, flange, record(target.parts["robconf"], "confdata"))
     if joints is None:
-        _, excess = machine.robot.solve(*_rows(flange))
+        _, excess = machine.robot.solve(*_joint_rows(flange))
         reached = bool((excess <= 0.0).any())
-        raise Fault("a position that the robot does not reach", UNREACHED[reached])
+        raise Fault("a position that the robot does not reach", UNREACHED_ERROR[reached])
     return jointtarget(joints, extjoint_of(target.parts["extax"], arm.offsets))
 
 
-UNREACHED: Final = {False: "ERR_OUTSIDE_REACH", True: "ERR_ROBLIMIT"}
+UNREACHED_ERROR: Final = {False: "ERR_OUTSIDE_REACH", True: "ERR_ROBLIMIT"}
 """By whether the arm is long enough (manual, CalcJointT)."""
 
 
-def _rows(flange: Pose) -> tuple[Floats, Floats]:
+def _joint_rows(flange: Pose) -> tuple[Floats, Floats]:
     return np.array([flange.position]), np.array([flange.quaternion])
 
 
-def _solved(
+def _solved_joints(
     machine: Machine, flange: Pose, configuration: Record | None
 ) -> tuple[float, ...] | None:
     """The six joints at a pose of the flange, None where there are none in this configuration."""
@@ -121,7 +121,7 @@ def _solved(
     if robot is None or configuration is None or not robot.arm.named or len(robot.axes) > 6:
         return None
     stated = [[int(number(part)) for part in configuration.parts.values()]]
-    found = robot.joints_of(*_rows(flange), from_confdata(stated))[0]
+    found = robot.joints_of(*_joint_rows(flange), from_confdata(stated))[0]
     if bool(np.isnan(found).any()):
         return None
     joints = [0.0] * 6
@@ -130,7 +130,7 @@ def _solved(
     return tuple(joints)
 
 
-def _configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None:
+def _stated_configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None:
     """As confdata, None where the robot's arm has none."""
     robot = machine.robot
     if robot is None or not robot.arm.named:
@@ -140,15 +140,15 @@ def _configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None
     return confdata(one, four, six, x)
 
 
-def _tool(given: Given) -> Record:
+def _active_tool(given: Given) -> Record:
     return given.machine.arm.tool or tool0()
 
 
-def _frame(given: Given) -> Record:
+def _active_frame(given: Given) -> Record:
     return given.machine.arm.frame or wobj0()
 
 
-def _of_own_task(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
+def _own_task_row(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
     """Reads of the arm of the task that an option names: only its own is known here."""
 
     def of_task(given: Given) -> Record:
@@ -164,15 +164,15 @@ def _of_own_task(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
     return of_task
 
 
-OF_TASK: Final = "taskname taskref"
-TABLE: Final[Mapping[str, Function]] = dict(
+TASK_OPTIONS: Final = "taskname taskref"
+ARM_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("CRobT", 0, _of_own_task(present_target), f"tool wobj {OF_TASK}"),
-        takes("CPos", 0, lambda given: pos(_here(given).position), "tool wobj"),
-        takes("CJointT", 0, _of_own_task(_joints), OF_TASK),
-        takes("CTool", 0, _of_own_task(_tool), OF_TASK),
-        takes("CWObj", 0, _of_own_task(_frame), OF_TASK),
-        takes("CalcRobT", 2, _target_of_joints, "wobj"),
-        takes("CalcJointT", 2, _joints_of_target, "wobj usecurwobjpos"),
+        table_row("CRobT", 0, _own_task_row(present_target), f"tool wobj {TASK_OPTIONS}"),
+        table_row("CPos", 0, lambda given: pos(_current_target(given).position), "tool wobj"),
+        table_row("CJointT", 0, _own_task_row(_current_joints), TASK_OPTIONS),
+        table_row("CTool", 0, _own_task_row(_active_tool), TASK_OPTIONS),
+        table_row("CWObj", 0, _own_task_row(_active_frame), TASK_OPTIONS),
+        table_row("CalcRobT", 2, _target_of_joints, "wobj"),
+        table_row("CalcJointT", 2, _joints_of_target, "wobj usecurwobjpos"),
     )
 )

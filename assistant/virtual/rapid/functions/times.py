@@ -11,10 +11,10 @@ from typing import Final
 
 from assistant.virtual.kernel import dates
 from assistant.virtual.rapid.ends import NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 
-PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
+TIME_PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
     "wday": datetime.isoweekday,
     "hour": lambda moment: moment.hour,
     "min": lambda moment: moment.minute,
@@ -23,23 +23,23 @@ PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
 """By option of GetTime; Monday is 1."""
 
 
-def _now(given: Given) -> datetime:
+def _time_now(given: Given) -> datetime:
     machine = given.machine
     machine.hangs_on.add("time")
-    return dates.at(machine.task.kernel.now, machine.controller.options.began)
+    return dates.date_at(machine.task.kernel.now, machine.controller.options.began)
 
 
-def _part(given: Given) -> float:
-    named = [name for name in PARTS if given.has(name)]
+def _time_part(given: Given) -> float:
+    named = [name for name in TIME_PARTS if given.has(name)]
     if len(named) != 1:
         raise NotSimulated("GetTime without one part of the time that it is asked for")
-    return float(PARTS[named[0]](_now(given)))
+    return float(TIME_PARTS[named[0]](_time_now(given)))
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+DATE_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("CDate", 0, lambda given: f"{_now(given):%Y-%m-%d}"),
-        takes("CTime", 0, lambda given: f"{_now(given):%H:%M:%S}"),
-        takes("GetTime", 0, _part, " ".join(PARTS)),
+        table_row("CDate", 0, lambda given: f"{_time_now(given):%Y-%m-%d}"),
+        table_row("CTime", 0, lambda given: f"{_time_now(given):%H:%M:%S}"),
+        table_row("GetTime", 0, _time_part, " ".join(TIME_PARTS)),
     )
 )

@@ -16,9 +16,9 @@ from assistant.virtual.kernel.panel import Panel
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
-from assistant.virtual.rapid.errors import NUMBERS
+from assistant.virtual.rapid.errors import ERROR_NUMBERS
 from assistant.virtual.rapid.expressions import evaluate, place, signal
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.values import Array, Record, Shape, Value
@@ -76,7 +76,7 @@ def _ask(
         return found
     if flag is None:
         raise Fault(f"nobody answers {shown} in time", error)
-    place(machine, flag).set(float(NUMBERS[error.lower()]))
+    place(machine, flag).set(float(ERROR_NUMBERS[error.lower()]))
     return None
 
 
@@ -280,23 +280,23 @@ LOOKS: Final = "header message msgarray wrap icon image uiactivesignal"
 LINES: Final = "msgline2 msgline3 msgline4 msgline5"
 LIMITS: Final = "minvalue maxvalue"
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+DIALOG_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("TPReadFK", 7, _keys, BREAKS),
-        takes("TPReadNum", 2, _read_number, BREAKS),
-        takes("TPReadDnum", 2, _read_number, BREAKS),
-        takes("UIMsgBox", 1, _box, f"buttons result {LINES} {LOOKS} {BREAKS}"),
+        table_row("TPReadFK", 7, _keys, BREAKS),
+        table_row("TPReadNum", 2, _read_number, BREAKS),
+        table_row("TPReadDnum", 2, _read_number, BREAKS),
+        table_row("UIMsgBox", 1, _box, f"buttons result {LINES} {LOOKS} {BREAKS}"),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict(
+DIALOG_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("UIMessageBox", 0, _message_box, f"buttons btnarray defaultbtn {LOOKS} {BREAKS}"),
-        takes("UINumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
-        takes("UIDnumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
-        takes("UINumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
-        takes("UIDnumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
-        takes("UIAlphaEntry", 0, _write_text, f"initstring {LOOKS} {BREAKS}"),
-        takes("UIListView", 1, _list, f"result buttons btnarray defaultindex {LOOKS} {BREAKS}"),
-        takes("UIClientExist", 0, _there),
+        table_row("UIMessageBox", 0, _message_box, f"buttons btnarray defaultbtn {LOOKS} {BREAKS}"),
+        table_row("UINumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
+        table_row("UIDnumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
+        table_row("UINumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
+        table_row("UIDnumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
+        table_row("UIAlphaEntry", 0, _write_text, f"initstring {LOOKS} {BREAKS}"),
+        table_row("UIListView", 1, _list, f"result buttons btnarray defaultindex {LOOKS} {BREAKS}"),
+        table_row("UIClientExist", 0, _there),
     )
 )

@@ -7,13 +7,13 @@ from typing import Final
 
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.rapid.ends import NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.poses import axes_of, extjoint, extjoint_of, pose_of
 from assistant.virtual.rapid.predefined import wobj0
 
 
-def _on(given: Given) -> None:
+def _displace_on(given: Given) -> None:
     r"""PDispOn: from a programmed position to the one of \ExeP, or to where the arm stands.
 
     Both are told in the work object. Without \Rot the axes keep their directions.
@@ -35,17 +35,17 @@ def _on(given: Given) -> None:
         arm.displacement = Pose((x, y, z))
 
 
-def _set(given: Given) -> None:
+def _displace_set(given: Given) -> None:
     given.machine.arm.displacement = pose_of(given.record(0, "pose"))
 
 
-def _add(given: Given) -> None:
+def _displace_add(given: Given) -> None:
     """PDispAdd: a displacement of the displaced frame."""
     arm = given.machine.arm
     arm.displacement = arm.displacement @ pose_of(given.record(0, "pose"))
 
 
-def _off(given: Given) -> None:
+def _displace_off(given: Given) -> None:
     given.machine.arm.displacement = IDENTITY
 
 
@@ -73,14 +73,14 @@ def _offsets_off(given: Given) -> None:
     given.machine.arm.offsets = tuple(0.0 for _ in extjoint().parts)
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+DISPLACEMENT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("PDispOn", 2, _on, "rot exep wobj"),
-        takes("PDispSet", 1, _set),
-        takes("PDispAdd", 1, _add),
-        takes("PDispOff", 0, _off),
-        takes("EOffsOn", 1, _offsets_on, "exep"),
-        takes("EOffsSet", 1, _offsets_set),
-        takes("EOffsOff", 0, _offsets_off),
+        table_row("PDispOn", 2, _displace_on, "rot exep wobj"),
+        table_row("PDispSet", 1, _displace_set),
+        table_row("PDispAdd", 1, _displace_add),
+        table_row("PDispOff", 0, _displace_off),
+        table_row("EOffsOn", 1, _offsets_on, "exep"),
+        table_row("EOffsSet", 1, _offsets_set),
+        table_row("EOffsOff", 0, _offsets_off),
     )
 )

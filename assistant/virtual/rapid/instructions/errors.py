@@ -10,14 +10,14 @@ from assistant.virtual.events import Reported
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.errors import FIRST_BOOKED
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
-from assistant.virtual.rapid.recovery import leave
+from assistant.virtual.rapid.recovery import leave_handler
 from assistant.virtual.rapid.scopes import Cell
 
 
-def _book(given: Given) -> None:
+def _book_number(given: Given) -> None:
     """BookErrNo: a number that nobody else has."""
     booked = given.machine.controller.booked
     number = next(n for n in count(FIRST_BOOKED) if n not in booked)
@@ -25,23 +25,23 @@ def _book(given: Given) -> None:
     booked.add(number)
 
 
-def _write(given: Given) -> None:
+def _write_event(given: Given) -> None:
     lines = [given.text(1)]
-    lines += [poses.text(v) for name in LINES if (v := given.optional(name)) is not None]
-    _report(given, given.text(0), lines)
+    lines += [poses.text(v) for name in MESSAGE_LINES if (v := given.optional(name)) is not None]
+    _report_error(given, given.text(0), lines)
 
 
-def _log(given: Given) -> None:
+def _log_event(given: Given) -> None:
     number = whole(given.number(0), "the number of a message")
-    _report(given, str(number), [given.text(i) for i in range(1, 6)])
+    _report_error(given, str(number), [given.text(i) for i in range(1, 6)])
 
 
-def _report(given: Given, header: str, lines: list[str]) -> None:
+def _report_error(given: Given, header: str, lines: list[str]) -> None:
     kind = "warning" if given.has("w") else "information" if given.has("i") else "error"
     given.machine.task.tell(Reported(kind, header, tuple(lines)))
 
 
-def _raise(given: Given) -> None:
+def _raise_booked(given: Given) -> None:
     """ErrRaise: a warning, and the error whose number a datum of this name has."""
     machine, name = given.machine, given.text(0)
     cell = machine.meaning(name)
@@ -55,21 +55,21 @@ def _raise(given: Given) -> None:
         raise fault
     fault.at = machine.at
     machine.frame.handling = fault
-    leave(machine, machine.frame, fault)
+    leave_handler(machine, machine.frame, fault)
 
 
-def _reset(given: Given) -> None:
+def _reset_retries(given: Given) -> None:
     given.machine.frame.retries = given.machine.controller.options.retries
 
 
-LINES: Final = ("rl2", "rl3", "rl4")
+MESSAGE_LINES: Final = ("rl2", "rl3", "rl4")
 
-TABLE: Final[Mapping[str, Function]] = dict(
+ERROR_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("BookErrNo", 1, _book),
-        takes("ErrWrite", 2, _write, "w i rl2 rl3 rl4"),
-        takes("ErrLog", 6, _log, "w i"),
-        takes("ErrRaise", 7, _raise),
-        takes("ResetRetryCount", 0, _reset),
+        table_row("BookErrNo", 1, _book_number),
+        table_row("ErrWrite", 2, _write_event, "w i rl2 rl3 rl4"),
+        table_row("ErrLog", 6, _log_event, "w i"),
+        table_row("ErrRaise", 7, _raise_booked),
+        table_row("ResetRetryCount", 0, _reset_retries),
     )
 )

@@ -15,14 +15,14 @@ from assistant.base.file_access import read_file, write_whole
 from assistant.virtual.events import Sent
 from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import LONGEST_TEXT, whole
 from assistant.virtual.rapid.poses import number
 from assistant.virtual.rapid.precision import single
-from assistant.virtual.rapid.predefined import NUMBERS, TEXTS
+from assistant.virtual.rapid.predefined import NUMBER_DATA, TEXT_DATA
 from assistant.virtual.rapid.values import NUMBER, Array, Handle, text_of
-from assistant.virtual.rapid.written import read
+from assistant.virtual.rapid.written import read_value
 
 SERIAL: Final = re.compile(r"com\d:", re.IGNORECASE)
 LINE: Final = "\n"
@@ -123,7 +123,7 @@ def _read_line(given: Given) -> str:
             stream.skip_line()
     text = stream.until(_delimiters(given), LONGEST_TEXT, given.has("discardheaders"))
     if text is None:
-        return TEXTS["eof"]
+        return TEXT_DATA["eof"]
     return text.removesuffix("\r") if given.has("removecr") else text
 
 
@@ -136,8 +136,8 @@ def _read_number(given: Given) -> float:
     _asks_outside(given)
     text = _stream(given, binary=False).until(_delimiters(given), LONGEST_TEXT)
     if text is None:
-        return NUMBERS["eof_num"]
-    value = read(text, NUMBER, given.machine.types)
+        return NUMBER_DATA["eof_num"]
+    value = read_value(text, NUMBER, given.machine.types)
     if not isinstance(value, float):
         raise Fault(f"`{text}` as a number", "ERR_RCVDATA")
     return value
@@ -145,7 +145,7 @@ def _read_number(given: Given) -> float:
 
 def _read_byte(given: Given) -> float:
     byte = _stream(given).read(1)
-    return float(byte[0]) if byte else NUMBERS["eof_bin"]
+    return float(byte[0]) if byte else NUMBER_DATA["eof_bin"]
 
 
 def _read_text(given: Given) -> str:
@@ -153,7 +153,7 @@ def _read_text(given: Given) -> str:
     if count > LONGEST_TEXT:
         raise Fault(f"{count} characters for a string", "ERR_STRTOOLNG")
     found = _stream(given, binary=True).read(count)
-    return found.decode(CODES) if found or not count else TEXTS["eof"]
+    return found.decode(CODES) if found or not count else TEXT_DATA["eof"]
 
 
 def _is_file(given: Given) -> bool:
@@ -244,31 +244,31 @@ TYPES: Final[Mapping[str, Callable[[Path], bool]]] = {
     "charspec": Path.is_char_device,
 }
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+FILE_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("Open", 2, _open, "file read write append bin"),
-        takes("Close", 1, _close),
-        takes("Write", 2, _write, f"{KINDS} nonewline"),
-        takes("WriteBin", 3, _write_bytes),
-        takes("WriteStrBin", 2, _write_text),
-        takes("Rewind", 1, _rewind),
-        takes("RemoveFile", 1, _changes(lambda given: _path(given, 0).unlink())),
-        takes("RenameFile", 2, _changes(_rename)),
-        takes("CopyFile", 2, _changes(_copy)),
-        takes("MakeDir", 1, _changes(lambda given: _path(given, 0).mkdir())),
-        takes("RemoveDir", 1, _changes(_remove_directory)),
-        takes("OpenDir", 2, _open_directory),
-        takes("CloseDir", 1, _close_directory),
+        table_row("Open", 2, _open, "file read write append bin"),
+        table_row("Close", 1, _close),
+        table_row("Write", 2, _write, f"{KINDS} nonewline"),
+        table_row("WriteBin", 3, _write_bytes),
+        table_row("WriteStrBin", 2, _write_text),
+        table_row("Rewind", 1, _rewind),
+        table_row("RemoveFile", 1, _changes(lambda given: _path(given, 0).unlink())),
+        table_row("RenameFile", 2, _changes(_rename)),
+        table_row("CopyFile", 2, _changes(_copy)),
+        table_row("MakeDir", 1, _changes(lambda given: _path(given, 0).mkdir())),
+        table_row("RemoveDir", 1, _changes(_remove_directory)),
+        table_row("OpenDir", 2, _open_directory),
+        table_row("CloseDir", 1, _close_directory),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict(
+FILE_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("ReadStr", 1, _read_line, "delim removecr discardheaders time line"),
-        takes("ReadNum", 1, _read_number, "delim time"),
-        takes("ReadBin", 1, _read_byte, "time"),
-        takes("ReadStrBin", 2, _read_text, "time"),
-        takes("IsFile", 1, _is_file, " ".join(TYPES)),
-        takes("FileSize", 1, _size),
-        takes("ReadDir", 2, _read_directory),
+        table_row("ReadStr", 1, _read_line, "delim removecr discardheaders time line"),
+        table_row("ReadNum", 1, _read_number, "delim time"),
+        table_row("ReadBin", 1, _read_byte, "time"),
+        table_row("ReadStrBin", 2, _read_text, "time"),
+        table_row("IsFile", 1, _is_file, " ".join(TYPES)),
+        table_row("FileSize", 1, _size),
+        table_row("ReadDir", 2, _read_directory),
     )
 )

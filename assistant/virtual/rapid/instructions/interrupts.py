@@ -10,7 +10,7 @@ from typing import Final
 
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import place
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.interrupts import Cancel
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
@@ -24,7 +24,7 @@ LEAST_CYCLE: Final = 0.1
 """Seconds of a timed interrupt (manual, ITimer)."""
 
 
-def zones(value: float, high: float, low: float) -> Mapping[int, bool]:
+def analog_zones(value: float, high: float, low: float) -> Mapping[int, bool]:
     """Whether a value meets each aiotrigg (manual, data type aiotrigg)."""
     return {
         1: value > high,
@@ -37,14 +37,14 @@ def zones(value: float, high: float, low: float) -> Mapping[int, bool]:
     }
 
 
-def _order(given: Given, index: int, begin: Callable[[Occur], Cancel]) -> None:
+def _order_interrupt(given: Given, index: int, begin: Callable[[Occur], Cancel]) -> None:
     """index: which argument is the variable of the interrupt."""
     number = whole(given.number(index), "the number of an interrupt")
     single, safe = given.has("single"), given.has("singlesafe")
     given.machine.interrupts.order(number, begin, single, safe)
 
 
-def _listening(given: Given, index: int, hears: Callable[[float, float], bool]) -> None:
+def _listen_signal(given: Given, index: int, hears: Callable[[float, float], bool]) -> None:
     """hears: whether a change of the signal, from one value to another, is an interrupt."""
     machine, signal = given.machine, given.signal(0)
     board = machine.task.kernel.board
@@ -67,28 +67,28 @@ def _listening(given: Given, index: int, hears: Callable[[float, float], bool]) 
 
         return leave
 
-    _order(given, index, begin)
+    _order_interrupt(given, index, begin)
 
 
-def _digital(given: Given) -> None:
+def _order_digital(given: Given) -> None:
     """A signal that has the value already is no interrupt: it has to change to it."""
     value = given.number(1)
     if value not in (LOW, HIGH, EDGE):
         raise Fault(f"{value:g} as the value of a digital signal that interrupts")
-    _listening(given, 2, lambda _, now: value in (EDGE, now))
+    _listen_signal(given, 2, lambda _, now: value in (EDGE, now))
 
 
-def _group(given: Given) -> None:
-    _listening(given, 1, lambda *_: True)
+def _order_group(given: Given) -> None:
+    _listen_signal(given, 1, lambda *_: True)
 
 
-def _analog(given: Given) -> None:
+def _order_analog(given: Given) -> None:
     r"""In its zone, and by more than DeltaValue away from where it was when it last was so.
 
     \DPos and \DNeg: only of one direction; the others are remembered alike.
     """
     zone = whole(given.number(1), "the condition of an analog signal")
-    if zone not in zones(0.0, 0.0, 0.0):
+    if zone not in analog_zones(0.0, 0.0, 0.0):
         raise Fault("a condition of an analog signal that there is not")
     high, low, delta = given.number(2), given.number(3), given.number(4)
     up, down = not given.has("dneg"), not given.has("dpos")
@@ -97,15 +97,15 @@ def _analog(given: Given) -> None:
     def hears(_: float, now: float) -> bool:
         nonlocal reference
         difference = now - reference
-        if not zones(now, high, low)[zone] or abs(difference) <= delta:
+        if not analog_zones(now, high, low)[zone] or abs(difference) <= delta:
             return False
         reference = now
         return up if difference > 0.0 else down
 
-    _listening(given, 5, hears)
+    _listen_signal(given, 5, hears)
 
 
-def _timer(given: Given) -> None:
+def _order_timer(given: Given) -> None:
     seconds, kernel = given.number(0), given.machine.task.kernel
     once = given.has("single") or given.has("singlesafe")
     least = LEAST_SINGLE if once else LEAST_CYCLE
@@ -125,10 +125,10 @@ def _timer(given: Given) -> None:
 
         return cancel
 
-    _order(given, 1, begin)
+    _order_interrupt(given, 1, begin)
 
 
-def _persistent(given: Given) -> None:
+def _order_persistent(given: Given) -> None:
     """Whoever changes it, of whichever task; that it is set to what it was is no change."""
     watched, looks = given.place(0), given.machine.controller.looks
     if watched.storage != "PERS":
@@ -147,48 +147,51 @@ def _persistent(given: Given) -> None:
         looks.append(look)
         return lambda: looks.remove(look) if look in looks else None
 
-    _order(given, 1, begin)
+    _order_interrupt(given, 1, begin)
 
 
-def _number(given: Given) -> int:
+def _interrupt_number(given: Given) -> int:
     variable = place(given.machine, given.required[0]).get()
     return int(variable) if isinstance(variable, float) else 0
 
 
-def _delete(given: Given) -> None:
-    given.machine.interrupts.delete(_number(given))
+def _delete_interrupt(given: Given) -> None:
+    given.machine.interrupts.delete(_interrupt_number(given))
 
 
-def _sleep(given: Given) -> None:
-    given.machine.interrupts.sleep(_number(given), asleep=True)
+def _sleep_interrupt(given: Given) -> None:
+    given.machine.interrupts.sleep(_interrupt_number(given), asleep=True)
 
 
-def _wake(given: Given) -> None:
-    given.machine.interrupts.sleep(_number(given), asleep=False)
+def _watch_interrupt(given: Given) -> None:
+    given.machine.interrupts.sleep(_interrupt_number(given), asleep=False)
 
 
-def _disable(given: Given) -> None:
+def _disable_all(given: Given) -> None:
     given.machine.interrupts.disable(disabled=True)
 
 
-def _enable(given: Given) -> None:
+def _enable_all(given: Given) -> None:
     given.machine.interrupts.disable(disabled=False)
 
 
 ONCE: Final = "single singlesafe"
 
-TABLE: Final[Mapping[str, Function]] = dict(
+INTERRUPT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        *(takes(f"ISignal{kind}", 3, _digital, ONCE) for kind in ("DI", "DO")),
-        *(takes(f"ISignal{kind}", 2, _group, ONCE) for kind in ("GI", "GO")),
-        *(takes(f"ISignal{kind}", 6, _analog, f"{ONCE} dpos dneg") for kind in ("AI", "AO")),
-        takes("ITimer", 2, _timer, ONCE),
-        takes("IPers", 2, _persistent, ONCE),
-        takes("IDelete", 1, _delete),
-        takes("ISleep", 1, _sleep),
-        takes("IWatch", 1, _wake),
-        takes("IDisable", 0, _disable),
-        takes("IEnable", 0, _enable),
+        *(table_row(f"ISignal{kind}", 3, _order_digital, ONCE) for kind in ("DI", "DO")),
+        *(table_row(f"ISignal{kind}", 2, _order_group, ONCE) for kind in ("GI", "GO")),
+        *(
+            table_row(f"ISignal{kind}", 6, _order_analog, f"{ONCE} dpos dneg")
+            for kind in ("AI", "AO")
+        ),
+        table_row("ITimer", 2, _order_timer, ONCE),
+        table_row("IPers", 2, _order_persistent, ONCE),
+        table_row("IDelete", 1, _delete_interrupt),
+        table_row("ISleep", 1, _sleep_interrupt),
+        table_row("IWatch", 1, _watch_interrupt),
+        table_row("IDisable", 0, _disable_all),
+        table_row("IEnable", 0, _enable_all),
     )
 )
 """Interrupts of errors (IError) and of messages (IRMQMessage) are not simulated."""

@@ -15,31 +15,33 @@ from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import settled
-from assistant.virtual.rapid.given import Given, takes
-from assistant.virtual.rapid.loading import Loaded, load, signals
+from assistant.virtual.rapid.given import Given, table_row
+from assistant.virtual.rapid.loading import Loaded, load_modules, used_signals
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.persistent import saved
 from assistant.virtual.rapid.scopes import Cell
 
 
-def _path(given: Given, stated: str) -> Path:
+def _module_path(given: Given, stated: str) -> Path:
     file = given.optional("file", "string")
     return given.machine.controller.disk.path(stated, file if isinstance(file, str) else "")
 
 
-def _load(given: Given) -> None:
-    machine, path = given.machine, _path(given, given.text(0))
+def _load_module(given: Given) -> None:
+    machine, path = given.machine, _module_path(given, given.text(0))
     if not path.is_file():
         raise Fault(f"there is no file `{path.name}`", "ERR_FILNOTFND")
-    file = _parsed(path)
+    file = _parsed_modules(path)
     if any(module.name.lower() in machine.modules for module in file.modules):
         raise Fault(f"a module of `{path.name}` is loaded already", "ERR_LOADED")
     controller = machine.controller
-    loaded = load([file], machine.types, controller.persistents)
-    twice = [name for name in loaded.named if name in machine.named and not _is_one(loaded, name)]
+    loaded = load_modules([file], machine.types, controller.persistents)
+    twice = [
+        name for name in loaded.named if name in machine.named and not _is_module(loaded, name)
+    ]
     if twice:
         raise Fault(f"two meanings of the name `{twice[0]}`", UNSURE)
-    outputs, known = signals([file])
+    outputs, known = used_signals([file])
     controller.outputs |= outputs
     controller.known |= known
     controller.programs.append((loaded, machine.types))
@@ -50,7 +52,7 @@ def _load(given: Given) -> None:
         settled(machine, cell)
 
 
-def _parsed(path: Path) -> s.File:
+def _parsed_modules(path: Path) -> s.File:
     from assistant import languages
 
     rapid = languages.get("rapid")
@@ -64,27 +66,27 @@ def _parsed(path: Path) -> s.File:
     return file
 
 
-def _is_one(loaded: Loaded, name: str) -> bool:
+def _is_module(loaded: Loaded, name: str) -> bool:
     """Whether a name is of a persistent that all modules share."""
     cell = loaded.named[name]
     return isinstance(cell, Cell) and cell.storage == "PERS"
 
 
-def _unload(given: Given) -> None:
-    machine, path = given.machine, _path(given, given.text(0))
+def _unload_module(given: Given) -> None:
+    machine, path = given.machine, _module_path(given, given.text(0))
     loaded = machine.loaded.get(path)
     if loaded is None:
         raise Fault(f"`{path.name}`, which was not loaded", "ERR_UNLOAD")
     text, source = saved(machine.controller, loaded.files[0]), loaded.files[0].source
     if given.has("save"):
-        _keep(path, text, source)
+        _keep_module(path, text, source)
     elif given.has("errifchanged") and source is not None and text != source.text:
         raise Fault(f"`{path.name}` has changed and is not saved", "ERR_NOTSAVED")
-    _take_out(machine, loaded)
+    _remove_module(machine, loaded)
     del machine.loaded[path]
 
 
-def _erase(given: Given) -> None:
+def _erase_module(given: Given) -> None:
     """A module of a file of its own."""
     machine, name = given.machine, given.text(0)
     unit = machine.modules.get(name.lower())
@@ -92,13 +94,13 @@ def _erase(given: Given) -> None:
         raise Fault(f"there is no module `{name}`", "ERR_MODULE")
     for loaded, _ in machine.controller.programs:
         if len(loaded.units) == 1 and loaded.units.get(name.lower()) is unit:
-            _take_out(machine, loaded)
+            _remove_module(machine, loaded)
             machine.loaded = {p: one for p, one in machine.loaded.items() if one is not loaded}
             return
     raise NotSimulated(f"EraseModule of `{name}`, which was not loaded by itself")
 
 
-def _take_out(machine: Machine, loaded: Loaded) -> None:
+def _remove_module(machine: Machine, loaded: Loaded) -> None:
     units = list(loaded.units.values())
     if any(frame.unit in units for frame in machine.frames):
         raise Fault("a module that runs is unloaded", "ERR_UNLOAD")
@@ -120,23 +122,23 @@ def _take_out(machine: Machine, loaded: Loaded) -> None:
                     machine.types.aliases.pop(item.name.lower(), None)
 
 
-def _save(given: Given) -> None:
+def _save_module(given: Given) -> None:
     r"""To where \FilePath tells, else to where the module was loaded from."""
     machine, name = given.machine, given.text(0)
-    file = _file_of(machine, name)
+    file = _module_file(machine, name)
     stated = given.optional("filepath", "string")
     if isinstance(stated, str):
-        path = _path(given, stated)
+        path = _module_path(given, stated)
     else:
         paths = (path for path, one in machine.loaded.items() if file in one.files)
         found = next(paths, None)
         if found is None:
             raise NotSimulated(f"Save of `{name}` without a path, which no Load has read")
         path = found
-    _keep(path, saved(machine.controller, file), file.source)
+    _keep_module(path, saved(machine.controller, file), file.source)
 
 
-def _file_of(machine: Machine, name: str) -> s.File:
+def _module_file(machine: Machine, name: str) -> s.File:
     unit = machine.modules.get(name.lower())
     for loaded, _ in machine.controller.programs:
         if unit is not None and loaded.units.get(name.lower()) is unit:
@@ -146,7 +148,7 @@ def _file_of(machine: Machine, name: str) -> s.File:
     raise Fault(f"there is no module `{name}`", "ERR_MODULE")
 
 
-def _keep(path: Path, text: str, source: SourceText | None) -> None:
+def _keep_module(path: Path, text: str, source: SourceText | None) -> None:
     encoding = "latin-1" if source is None else source.encoding
     try:
         write_whole(path, text.encode(encoding, "replace"))
@@ -154,16 +156,16 @@ def _keep(path: Path, text: str, source: SourceText | None) -> None:
         raise Fault(f"`{path.name}` is not saved: {error.strerror}", "ERR_PATH") from None
 
 
-def _exists(given: Given) -> bool:
+def _module_exists(given: Given) -> bool:
     return given.text(0).lower() in given.machine.modules
 
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+MODULE_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("Load", 1, _load, "dynamic file checkref"),
-        takes("UnLoad", 1, _unload, "file save errifchanged"),
-        takes("EraseModule", 1, _erase),
-        takes("Save", 1, _save, "filepath file"),
+        table_row("Load", 1, _load_module, "dynamic file checkref"),
+        table_row("UnLoad", 1, _unload_module, "file save errifchanged"),
+        table_row("EraseModule", 1, _erase_module),
+        table_row("Save", 1, _save_module, "filepath file"),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict((takes("ModExist", 1, _exists),))
+MODULE_FUNCTIONS: Final[Mapping[str, Function]] = dict((table_row("ModExist", 1, _module_exists),))

@@ -10,14 +10,14 @@ from assistant.virtual.events import Called, OnWay, Switched
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place, signal
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.statements import call_late
 from assistant.virtual.rapid.values import Trigger
 
 
-def _and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], None]:
+def _move_and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], None]:
     """A motion that sets a signal in its corner; value: which argument the signal's value is."""
 
     def does(given: Given) -> None:
@@ -27,7 +27,7 @@ def _and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], Non
     return does
 
 
-def _and_set_group(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+def _move_and_set_group(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
     r"""A motion that sets a group by `\Value` in its corner; place: of the signal."""
 
     def does(given: Given) -> None:
@@ -38,7 +38,7 @@ def _and_set_group(move: Callable[[Given], None], place: int) -> Callable[[Given
     return does
 
 
-def _and_call(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+def _move_and_call(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
     """A motion that calls a procedure in its corner; place: of its name."""
 
     def does(given: Given) -> None:
@@ -48,14 +48,14 @@ def _and_call(move: Callable[[Given], None], place: int) -> Callable[[Given], No
     return does
 
 
-def _on_way(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+def _path_place(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
     """A motion that sets outputs on its way; place: the argument that is the first trigger."""
 
     def does(given: Given) -> None:
         machine = given.machine
         first = given.required.pop(place)
-        taken = [first, *(given.options.pop(n) for n in MORE.split() if n in given.options)]
-        changes = [_change(machine, one) for one in taken]
+        taken = [first, *(given.options.pop(n) for n in MORE_OPTIONS.split() if n in given.options)]
+        changes = [_trigger_change(machine, one) for one in taken]
         machine.on_way = changes
         try:
             move(given)
@@ -65,7 +65,7 @@ def _on_way(move: Callable[[Given], None], place: int) -> Callable[[Given], None
     return does
 
 
-def _change(machine: Machine, node: s.Expression | None) -> Switched:
+def _trigger_change(machine: Machine, node: s.Expression | None) -> Switched:
     trigger = None if node is None else place(machine, node).get()
     if not isinstance(trigger, Trigger):
         raise Fault("what is no triggdata is given to a motion")
@@ -74,47 +74,47 @@ def _change(machine: Machine, node: s.Expression | None) -> Switched:
     return trigger.change
 
 
-def _set_up(delay: bool) -> Callable[[Given], None]:
+def _set_up_trigger(delay: bool) -> Callable[[Given], None]:
     """TriggIO, and with a delay of what the output switches TriggEquip."""
 
     def does(given: Given) -> None:
         trigger = given.place(0).get()
         if not isinstance(trigger, Trigger):
             raise Fault("what is no triggdata is set up as one")
-        outputs = [name for name in OUTPUTS if name in given.options]
+        outputs = [name for name in TRIGGER_OUTPUTS if name in given.options]
         if len(outputs) != 1:
             raise NotSimulated("a trigger that sets no output")
         node = given.options[outputs[0]]
         assert node is not None
         signal_ = signal(given.machine, node)
         value = given.number(3 if delay else 2)
-        at = OnWay(_measure(given), given.number(1), given.number(2) if delay else 0.0)
+        at = OnWay(_trigger_measure(given), given.number(1), given.number(2) if delay else 0.0)
         digital = outputs[0] == "dop"
         trigger.change = Switched(signal_, float(value != 0.0) if digital else value, at)
 
     return does
 
 
-def _interrupt(given: Given) -> None:
+def _trigger_interrupt(given: Given) -> None:
     """TriggInt: a trap routine runs where the motion is."""
     machine, trigger = given.machine, given.place(0).get()
     if not isinstance(trigger, Trigger):
         raise Fault("what is no triggdata is set up as one")
     interrupts = machine.interrupts
     interrupt = interrupts.known(whole(given.number(2), "the number of an interrupt"))
-    at = OnWay(_measure(given), given.number(1))
+    at = OnWay(_trigger_measure(given), given.number(1))
     trigger.change = Called(at=at, act=lambda: interrupts.occur(interrupt))
 
 
-def _measure(given: Given) -> Literal["start", "time", "end"]:
+def _trigger_measure(given: Given) -> Literal["start", "time", "end"]:
     return "start" if given.has("start") else "time" if given.has("time") else "end"
 
 
-def _velocity(given: Given) -> None:
+def _set_velocity(given: Given) -> None:
     given.machine.arm.override, given.machine.arm.most = given.number(0), given.number(1)
 
 
-def _accelerate(given: Given) -> None:
+def _set_acceleration(given: Given) -> None:
     """The ramp, how fast an acceleration builds up, has no part in the timing."""
     given.machine.arm.acceleration = min(max(given.number(0), LEAST_ACCELERATION), 100.0)
 
@@ -127,72 +127,85 @@ def _watch_lines(given: Given) -> None:
     given.machine.arm.watches_lines = not given.has("off")
 
 
-def _stop(given: Given) -> None:
+def _stop_move(given: Given) -> None:
     """The robot goes on to the very target of the motion before, and stops there."""
     given.machine.settle()
 
 
-def _nothing(given: Given) -> None:
+def _no_effect(given: Given) -> None:
     """What changes how the arm moves, and not where, or only what a person sees."""
 
 
 LEAST_ACCELERATION: Final = 20.0
 """Percent: AccSet takes 20 to 100."""
-MORE: Final = "t2 t3 t4 t5 t6 t7 t8"
-OUTPUTS: Final = ("dop", "gop", "aop")
-ON_WAY: Final = f"{motion.OPTIONS} {MORE}"
-ANY: Final = "on off wrist lockaxis4 finepointramp tunevalue"
+MORE_OPTIONS: Final = "t2 t3 t4 t5 t6 t7 t8"
+TRIGGER_OUTPUTS: Final = ("dop", "gop", "aop")
+TRIGGER_MOVES: Final = f"{motion.MOVE_OPTIONS} {MORE_OPTIONS}"
+ANY_OPTIONS: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
 
-def _tunes(name: str) -> Callable[[Given], None]:
+def _tuning_row(name: str) -> Callable[[Given], None]:
     """What changes how well an arm follows, not where it is told to go."""
     return lambda given: given.machine.task.kernel.note(f"{name} has no effect on this run")
 
 
-_KINDS: Final = (("J", motion.joint, 0), ("L", motion.linear, 0), ("C", motion.circular, 1))
-_GROUP: Final = f"{motion.OPTIONS} value"
+_MOVE_KINDS: Final = (
+    ("J", motion.move_joint, 0),
+    ("L", motion.move_linear, 0),
+    ("C", motion.move_circular, 1),
+)
+_GROUP_OPTIONS: Final = f"{motion.MOVE_OPTIONS} value"
 
-TABLE: Final[Mapping[str, Function]] = dict(
+MOTION_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("MoveJ", 4, motion.joint, motion.OPTIONS),
-        takes("MoveL", 4, motion.linear, motion.OPTIONS),
-        takes("MoveC", 5, motion.circular, motion.OPTIONS),
-        takes("MoveAbsJ", 4, motion.absolute, motion.OPTIONS),
-        takes("MoveJDO", 6, _and_set(motion.joint, 5), motion.OPTIONS),
-        takes("MoveLDO", 6, _and_set(motion.linear, 5), motion.OPTIONS),
-        takes("MoveCDO", 7, _and_set(motion.circular, 6), motion.OPTIONS),
+        table_row("MoveJ", 4, motion.move_joint, motion.MOVE_OPTIONS),
+        table_row("MoveL", 4, motion.move_linear, motion.MOVE_OPTIONS),
+        table_row("MoveC", 5, motion.move_circular, motion.MOVE_OPTIONS),
+        table_row("MoveAbsJ", 4, motion.move_absolute, motion.MOVE_OPTIONS),
+        table_row("MoveJDO", 6, _move_and_set(motion.move_joint, 5), motion.MOVE_OPTIONS),
+        table_row("MoveLDO", 6, _move_and_set(motion.move_linear, 5), motion.MOVE_OPTIONS),
+        table_row("MoveCDO", 7, _move_and_set(motion.move_circular, 6), motion.MOVE_OPTIONS),
         *(
             row
-            for letter, move, more in _KINDS
+            for letter, move, more in _MOVE_KINDS
             for row in (
-                takes(f"Move{letter}AO", 6 + more, _and_set(move, 5 + more), motion.OPTIONS),
-                takes(f"Move{letter}GO", 5 + more, _and_set_group(move, 4 + more), _GROUP),
-                takes(f"Move{letter}Sync", 5 + more, _and_call(move, 4 + more), motion.OPTIONS),
+                table_row(
+                    f"Move{letter}AO", 6 + more, _move_and_set(move, 5 + more), motion.MOVE_OPTIONS
+                ),
+                table_row(
+                    f"Move{letter}GO", 5 + more, _move_and_set_group(move, 4 + more), _GROUP_OPTIONS
+                ),
+                table_row(
+                    f"Move{letter}Sync",
+                    5 + more,
+                    _move_and_call(move, 4 + more),
+                    motion.MOVE_OPTIONS,
+                ),
             )
         ),
-        takes("TriggJ", 5, _on_way(motion.joint, 2), ON_WAY),
-        takes("TriggL", 5, _on_way(motion.linear, 2), ON_WAY),
-        takes("TriggC", 6, _on_way(motion.circular, 3), ON_WAY),
-        takes("TriggIO", 3, _set_up(delay=False), "start time dop gop aop"),
-        takes("TriggInt", 3, _interrupt, "start time"),
-        takes("TriggEquip", 4, _set_up(delay=True), "start dop gop aop"),
-        takes("VelSet", 2, _velocity),
-        takes("AccSet", 2, _accelerate, ANY),
-        takes("ConfJ", 0, _watch_joints, ANY),
-        takes("ConfL", 0, _watch_lines, ANY),
-        takes("SingArea", 0, _nothing, ANY),
-        takes("MotionSup", 0, _nothing, ANY),
-        takes("CornerPathWarning", 1, _nothing),
-        takes("GripLoad", 1, _nothing),
-        takes("ActUnit", 1, _nothing),
-        takes("DeactUnit", 1, _nothing),
-        takes("PathAccLim", 2, _nothing, "accmax decelmax"),
-        takes("WorldAccLim", 0, _nothing, ANY),
-        takes("SoftAct", 2, _tunes("SoftAct"), "mechunit ramp"),
-        takes("SoftDeact", 0, _tunes("SoftDeact"), "ramp"),
-        takes("TuneServo", 3, _tunes("TuneServo"), "type"),
-        takes("TuneReset", 0, _nothing),
-        takes("PathResol", 1, _tunes("PathResol")),
-        takes("WaitRob", 0, _stop, "inpos zerospeed"),
+        table_row("TriggJ", 5, _path_place(motion.move_joint, 2), TRIGGER_MOVES),
+        table_row("TriggL", 5, _path_place(motion.move_linear, 2), TRIGGER_MOVES),
+        table_row("TriggC", 6, _path_place(motion.move_circular, 3), TRIGGER_MOVES),
+        table_row("TriggIO", 3, _set_up_trigger(delay=False), "start time dop gop aop"),
+        table_row("TriggInt", 3, _trigger_interrupt, "start time"),
+        table_row("TriggEquip", 4, _set_up_trigger(delay=True), "start dop gop aop"),
+        table_row("VelSet", 2, _set_velocity),
+        table_row("AccSet", 2, _set_acceleration, ANY_OPTIONS),
+        table_row("ConfJ", 0, _watch_joints, ANY_OPTIONS),
+        table_row("ConfL", 0, _watch_lines, ANY_OPTIONS),
+        table_row("SingArea", 0, _no_effect, ANY_OPTIONS),
+        table_row("MotionSup", 0, _no_effect, ANY_OPTIONS),
+        table_row("CornerPathWarning", 1, _no_effect),
+        table_row("GripLoad", 1, _no_effect),
+        table_row("ActUnit", 1, _no_effect),
+        table_row("DeactUnit", 1, _no_effect),
+        table_row("PathAccLim", 2, _no_effect, "accmax decelmax"),
+        table_row("WorldAccLim", 0, _no_effect, ANY_OPTIONS),
+        table_row("SoftAct", 2, _tuning_row("SoftAct"), "mechunit ramp"),
+        table_row("SoftDeact", 0, _tuning_row("SoftDeact"), "ramp"),
+        table_row("TuneServo", 3, _tuning_row("TuneServo"), "type"),
+        table_row("TuneReset", 0, _no_effect),
+        table_row("PathResol", 1, _tuning_row("PathResol")),
+        table_row("WaitRob", 0, _stop_move, "inpos zerospeed"),
     )
 )

@@ -16,13 +16,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import evaluate
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.poses import number
 from assistant.virtual.rapid.scopes import Cell, Meaning
 from assistant.virtual.rapid.values import Record
 
-_FINE: Final = s.NameRef("fine")
+_FINE_ZONE: Final = s.NameRef("fine")
 _TURNING: Final = tuple(map(s.NumberLiteral, ("500", "5000", "1000")))
 """deg/s and the speeds of external axes that weld data do not state: those of `v100`."""
 Move = Callable[[Given], None]
@@ -35,9 +35,9 @@ def _welding(move: Move, points: int, part: str) -> Move:
         weld = given.required.pop(points + 2)
         given.required.pop(points + 1)
         if part != "Start":
-            given.required[points] = s.AggregateNode((_speed(weld), *_TURNING))
+            given.required[points] = s.AggregateNode((_process_speed(weld), *_TURNING))
         if part:
-            given.required[points + 1] = _FINE
+            given.required[points + 1] = _FINE_ZONE
         move(given)
         if part:
             given.machine.signals.set("arc_on", float(part == "Start"))
@@ -45,7 +45,7 @@ def _welding(move: Move, points: int, part: str) -> Move:
     return does
 
 
-def _speed(weld: s.Expression) -> s.Expression:
+def _process_speed(weld: s.Expression) -> s.Expression:
     match weld:
         case s.AggregateNode(items=(first, *_)):
             return first
@@ -56,9 +56,9 @@ def _speed(weld: s.Expression) -> s.Expression:
 
 def _spotting(move: Move, *, several: bool) -> Move:
     def does(given: Given) -> None:
-        spots = dict(_several(given) if several else [_single(given)])
-        given.required.insert(2, _FINE)
-        numbers = {gun: _program(given, spot) for gun, spot in spots.items()}
+        spots = dict(_several_guns(given) if several else [_single_gun(given)])
+        given.required.insert(2, _FINE_ZONE)
+        numbers = {gun: _weld_program(given, spot) for gun, spot in spots.items()}
         move(given)
         signals = given.machine.signals
         for gun, program in numbers.items():
@@ -80,14 +80,14 @@ def _spotting(move: Move, *, several: bool) -> Move:
     return does
 
 
-def _single(given: Given) -> tuple[str, s.Expression]:
+def _single_gun(given: Given) -> tuple[str, s.Expression]:
     gun, spot = given.required.pop(2), given.required.pop(2)
     if isinstance(gun, s.NameRef):
         return gun.name.lower(), spot
     return f"gun{number(evaluate(given.machine, gun)):g}", spot
 
 
-def _several(given: Given) -> Iterator[tuple[str, s.Expression]]:
+def _several_guns(given: Given) -> Iterator[tuple[str, s.Expression]]:
     for name in [name for name in given.options if name in GUNS]:
         spot = given.options.pop(name)
         if spot is None:
@@ -95,7 +95,7 @@ def _several(given: Given) -> Iterator[tuple[str, s.Expression]]:
         yield f"gun{name[1:]}", spot
 
 
-def _program(given: Given, spot: s.Expression) -> float:
+def _weld_program(given: Given, spot: s.Expression) -> float:
     if isinstance(spot, s.AggregateNode) and spot.items:
         return number(evaluate(given.machine, spot.items[0]))
     value = evaluate(given.machine, spot)
@@ -112,14 +112,14 @@ def _dispensing(move: Move, points: int) -> Move:
         if given.has("off"):
             signals.set("dispense_on", 0.0)
             return
-        signals.set("dispense_bead", float(_bead(given, bead)))
+        signals.set("dispense_bead", float(_bead_options(given, bead)))
         if given.has("on"):
             signals.set("dispense_on", 1.0)
 
     return does
 
 
-def _bead(given: Given, bead: s.Expression) -> int:
+def _bead_options(given: Given, bead: s.Expression) -> int:
     """Beads count in the order of their declarations."""
     known = [name for name, one in given.machine.named.items() if _is_bead(one)]
     if not isinstance(bead, s.NameRef) or bead.name.lower() not in known:
@@ -134,37 +134,53 @@ def _is_bead(known: Meaning) -> bool:
     return type.lower() == "beaddata"
 
 
-def _brush(given: Given) -> None:
+def _set_brush(given: Given) -> None:
     given.machine.signals.set("paint_brush", given.number(0))
 
 
 GUNS: Final = ("g1", "g2", "g3", "g4")
-_ARC: Final = f"{motion.OPTIONS} weave track seamname corr preprocesstracking"
-_SPOT: Final = f"{motion.OPTIONS} noconc retract"
-_MOVES: Final[Mapping[str, tuple[Move, int]]] = {
-    "L": (motion.linear, 1),
-    "C": (motion.circular, 2),
-    "J": (motion.joint, 1),
+_ARC_MOVES: Final = f"{motion.MOVE_OPTIONS} weave track seamname corr preprocesstracking"
+_SPOT_MOVES: Final = f"{motion.MOVE_OPTIONS} noconc retract"
+_PROCESS_MOVES: Final[Mapping[str, tuple[Move, int]]] = {
+    "L": (motion.move_linear, 1),
+    "C": (motion.move_circular, 2),
+    "J": (motion.move_joint, 1),
 }
-TABLE: Final[Mapping[str, Function]] = dict(
+PROCESS_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
         *(
-            takes(f"Arc{x}{part}", points + 5, _welding(move, points, part), _ARC)
-            for x, (move, points) in _MOVES.items()
+            table_row(f"Arc{x}{part}", points + 5, _welding(move, points, part), _ARC_MOVES)
+            for x, (move, points) in _PROCESS_MOVES.items()
             for part in ("", "Start", "End")
         ),
-        *(takes(f"Spot{x}", 5, _spotting(_MOVES[x][0], several=False), _SPOT) for x in ("L", "J")),
         *(
-            takes(
-                f"SpotM{x}", 3, _spotting(_MOVES[x][0], several=True), f"{_SPOT} {' '.join(GUNS)}"
+            table_row(f"Spot{x}", 5, _spotting(_PROCESS_MOVES[x][0], several=False), _SPOT_MOVES)
+            for x in ("L", "J")
+        ),
+        *(
+            table_row(
+                f"SpotM{x}",
+                3,
+                _spotting(_PROCESS_MOVES[x][0], several=True),
+                f"{_SPOT_MOVES} {' '.join(GUNS)}",
             )
             for x in ("L", "J")
         ),
         *(
-            takes(f"Disp{x}", _MOVES[x][1] + 4, _dispensing(*_MOVES[x]), f"{motion.OPTIONS} on off")
+            table_row(
+                f"Disp{x}",
+                _PROCESS_MOVES[x][1] + 4,
+                _dispensing(*_PROCESS_MOVES[x]),
+                f"{motion.MOVE_OPTIONS} on off",
+            )
             for x in ("L", "C")
         ),
-        *(takes(f"Paint{x}", _MOVES[x][1] + 3, _MOVES[x][0], motion.OPTIONS) for x in ("L", "C")),
-        takes("SetBrush", 1, _brush),
+        *(
+            table_row(
+                f"Paint{x}", _PROCESS_MOVES[x][1] + 3, _PROCESS_MOVES[x][0], motion.MOVE_OPTIONS
+            )
+            for x in ("L", "C")
+        ),
+        table_row("SetBrush", 1, _set_brush),
     )
 )

@@ -12,30 +12,30 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.poses import number
 from assistant.virtual.rapid.precision import Double
 from assistant.virtual.rapid.values import Handle, Value
 
-SIZE: Final = 1024
-CODES: Final = "latin-1"
-WHOLE: Final = {1: "B", 2: "H", 4: "I", 8: "Q", -1: "b", -2: "h", -4: "i", -8: "q"}
+RAW_SIZE: Final = 1024
+HEX_CODES: Final = "latin-1"
+WHOLE_FORMATS: Final = {1: "B", 2: "H", 4: "I", 8: "Q", -1: "b", -2: "h", -4: "i", -8: "q"}
 """Codes of `struct` by inttypes, whose numbers are the size, negative with a sign."""
 
 
 @dataclass(slots=True)
-class Raw:
+class RawBytes:
     """length: of the bytes from the first on that hold something."""
 
-    data: bytearray = field(default_factory=lambda: bytearray(SIZE))
+    data: bytearray = field(default_factory=lambda: bytearray(RAW_SIZE))
     length: int = 0
 
     def put(self, start: int, found: bytes) -> None:
         """start: from 1."""
-        if not 1 <= start <= SIZE - len(found) + 1:
-            raise Fault(f"{len(found)} bytes from {start} of {SIZE}", UNSURE)
+        if not 1 <= start <= RAW_SIZE - len(found) + 1:
+            raise Fault(f"{len(found)} bytes from {start} of {RAW_SIZE}", UNSURE)
         self.data[start - 1 : start - 1 + len(found)] = found
         self.length = max(self.length, start - 1 + len(found))
 
@@ -45,24 +45,24 @@ class Raw:
         return bytes(self.data[start - 1 : start - 1 + count])
 
 
-def raw_of(value: Value) -> Raw:
+def raw_of(value: Value) -> RawBytes:
     """The bytes of data of type rawbytes."""
     if not isinstance(value, Handle) or value.type != "rawbytes":
         raise Fault("what is no rawbytes is used as some")
-    if not isinstance(value.inside, Raw):
-        value.inside = Raw()
+    if not isinstance(value.inside, RawBytes):
+        value.inside = RawBytes()
     return value.inside
 
 
-def _raw(given: Given, index: int) -> Raw:
+def _raw_argument(given: Given, index: int) -> RawBytes:
     return raw_of(given.place(index).get())
 
 
-def _start(given: Given, index: int) -> int:
+def _first_byte(given: Given, index: int) -> int:
     return whole(given.number(index), "the place of a byte")
 
 
-def _code(given: Given) -> str:
+def _byte_format(given: Given) -> str:
     """Of `struct`, for a number."""
     order = ">" if given.has("network") else "<"
     if given.has("float4"):
@@ -70,65 +70,65 @@ def _code(given: Given) -> str:
     if given.has("hex1"):
         return order + "B"
     kind = whole(given.optional_number("intx") or 0.0, "a type of whole numbers")
-    if kind not in WHOLE:
+    if kind not in WHOLE_FORMATS:
         raise Fault("PackRawBytes or UnpackRawBytes without a format", UNSURE)
-    return order + WHOLE[kind]
+    return order + WHOLE_FORMATS[kind]
 
 
-def _pack(given: Given) -> None:
+def _pack_raw(given: Given) -> None:
     value = given.value(0)
     if given.has("ascii"):
         found = value if isinstance(value, str) else chr(whole(number(value), "a character") % 256)
-        packed = found.encode(CODES, "replace")
+        packed = found.encode(HEX_CODES, "replace")
     else:
-        code = _code(given)
+        code = _byte_format(given)
         stated = number(value)
         try:
             packed = struct.pack(code, stated if code[1] == "f" else whole(stated, "an integer"))
         except (struct.error, OverflowError):
             raise Fault(f"the number {stated:g} in this format", UNSURE) from None
-    _raw(given, 1).put(_start(given, 2), packed)
+    _raw_argument(given, 1).put(_first_byte(given, 2), packed)
 
 
-def _unpack(given: Given) -> None:
-    raw, start, target = _raw(given, 0), _start(given, 1), given.place(2)
+def _unpack_raw(given: Given) -> None:
+    raw, start, target = _raw_argument(given, 0), _first_byte(given, 1), given.place(2)
     if given.has("ascii"):
         count = whole(given.optional_number("ascii") or 0.0, "a number of characters")
-        found = raw.take(start, count).decode(CODES)
+        found = raw.take(start, count).decode(HEX_CODES)
         target.set(found if target.shape.type == "string" else float(ord(found[:1] or "\0")))
         return
     if target.shape.type == "string":
         raise NotSimulated("a string of UnpackRawBytes in another format than \\ASCII")
-    code = _code(given)
+    code = _byte_format(given)
     (value,) = struct.unpack(code, raw.take(start, struct.calcsize(code)))
     target.set(Double(value))
 
 
-def _clear(given: Given) -> None:
-    raw = _raw(given, 0)
+def _clear_raw(given: Given) -> None:
+    raw = _raw_argument(given, 0)
     first = whole(given.optional_number("fromindex") or 1.0, "the place of a byte")
-    raw.data[first - 1 :] = bytes(SIZE - first + 1)
+    raw.data[first - 1 :] = bytes(RAW_SIZE - first + 1)
     raw.length = min(raw.length, first - 1)
 
 
-def _copy(given: Given) -> None:
-    source, start = _raw(given, 0), _start(given, 1)
+def _copy_raw(given: Given) -> None:
+    source, start = _raw_argument(given, 0), _first_byte(given, 1)
     stated = given.optional_number("noofbytes")
     count = source.length - start + 1 if stated is None else whole(stated, "a number of bytes")
-    _raw(given, 2).put(_start(given, 3), source.take(start, count))
+    _raw_argument(given, 2).put(_first_byte(given, 3), source.take(start, count))
 
 
-def _length(given: Given) -> float:
-    return float(_raw(given, 0).length)
+def _raw_length(given: Given) -> float:
+    return float(_raw_argument(given, 0).length)
 
 
-FORMATS: Final = "network hex1 intx float4 ascii"
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+RAW_FORMATS: Final = "network hex1 intx float4 ascii"
+RAW_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("PackRawBytes", 3, _pack, FORMATS),
-        takes("UnpackRawBytes", 3, _unpack, FORMATS),
-        takes("ClearRawBytes", 1, _clear, "fromindex"),
-        takes("CopyRawBytes", 4, _copy, "noofbytes"),
+        table_row("PackRawBytes", 3, _pack_raw, RAW_FORMATS),
+        table_row("UnpackRawBytes", 3, _unpack_raw, RAW_FORMATS),
+        table_row("ClearRawBytes", 1, _clear_raw, "fromindex"),
+        table_row("CopyRawBytes", 4, _copy_raw, "noofbytes"),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict((takes("RawBytesLen", 1, _length),))
+RAW_FUNCTIONS: Final[Mapping[str, Function]] = dict((table_row("RawBytesLen", 1, _raw_length),))

@@ -13,19 +13,19 @@ from functools import partial
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.breaking import broken_off, watching
+from assistant.virtual.breaking import move_until, watched_move
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import signal
 from assistant.virtual.rapid.functions.positions import present_target
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.poses import truth
 
-STOPS: Final = ("stop", "pstop", "sstop")
-FLANKS: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
-OPTIONS: Final = " ".join((*STOPS, "sup", *FLANKS, "wobj tload id v t"))
-_FINE: Final = s.NameRef("fine")
+STOP_SWITCHES: Final = ("stop", "pstop", "sstop")
+EDGE_SWITCHES: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
+SEARCH_OPTIONS: Final = " ".join((*STOP_SWITCHES, "sup", *EDGE_SWITCHES, "wobj tload id v t"))
+_FINE_ZONE: Final = s.NameRef("fine")
 
 
 def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
@@ -34,19 +34,19 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         node, _, *targets, speed, tool = given.required
         place = given.place(1)
-        flank = next((one for one in FLANKS if given.has(one)), "")
+        flank = next((one for one in EDGE_SWITCHES if given.has(one)), "")
         options = {name: x for name, x in given.options.items() if name in ("wobj", "v", "t")}
-        plain = Given(given.machine, [*targets, speed, _FINE, tool], options)
-        asks = _Asking(_asked(given, node), flank)
+        plain = Given(given.machine, [*targets, speed, _FINE_ZONE, tool], options)
+        asks = _SearchWatch(_search_condition(given, node), flank)
         if not flank and asks.last:
             raise Fault("a search whose signal is active at its start", "ERR_SIGSUPSEARCH")
         seen = {"tool": tool} | {x: node for x, node in options.items() if x == "wobj"}
         here = partial(present_target, Given(given.machine, [], seen))
         hits = 0
-        if any(map(given.has, STOPS)):
-            if broken_off(given.machine.task, asks.hit, lambda: move(plain)):
+        if any(map(given.has, STOP_SWITCHES)):
+            if move_until(given.machine.task, asks.hit, lambda: move(plain)):
                 hits = 1
-                _stands(given)
+                _is_level(given)
                 place.set(here())
         else:
 
@@ -58,7 +58,7 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
                         place.set(here())
 
             look()
-            watching(given.machine.task, look, lambda: move(plain))
+            watched_move(given.machine.task, look, lambda: move(plain))
         if not hits or (hits > 1 and given.has("sup")):
             found = "nothing is found" if not hits else "more than one place is found"
             raise Fault(f"a search in which {found}", "ERR_WHLSEARCH")
@@ -66,7 +66,7 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
     return does
 
 
-def _asked(given: Given, node: s.Expression) -> Callable[[], bool]:
+def _search_condition(given: Given, node: s.Expression) -> Callable[[], bool]:
     """Whether what is looked for is active now: a signal, or a persistent truth."""
     machine = given.machine
     found = machine.meaning(node.name) if isinstance(node, s.NameRef) else None
@@ -76,7 +76,7 @@ def _asked(given: Given, node: s.Expression) -> Callable[[], bool]:
     return lambda: machine.signals.read(name) != 0.0
 
 
-class _Asking:
+class _SearchWatch:
     """last: what was seen last."""
 
     def __init__(self, active: Callable[[], bool], flank: str) -> None:
@@ -97,16 +97,16 @@ class _Asking:
         return now and not before
 
 
-def _stands(given: Given) -> None:
+def _is_level(given: Given) -> None:
     """The arm is where it was stopped."""
     arm, standing = given.machine.arm, given.machine.task.kernel.motion.where()
     if standing is not None:
         arm.flange, arm.joints = standing[0], standing[1][:6]
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+SEARCH_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("SearchL", 5, _search(motion.linear), OPTIONS),
-        takes("SearchC", 6, _search(motion.circular), OPTIONS),
+        table_row("SearchL", 5, _search(motion.move_linear), SEARCH_OPTIONS),
+        table_row("SearchC", 6, _search(motion.move_circular), SEARCH_OPTIONS),
     )
 )

@@ -11,32 +11,32 @@ from typing import Final
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.rapid.ends import Fault
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.scopes import Signal
-from assistant.virtual.rapid.types import OUTPUTS, SIGNALS
+from assistant.virtual.rapid.types import OUTPUT_TYPES, SIGNAL_TYPES
 from assistant.virtual.rapid.values import Handle
 
-PULSE: Final = 0.2
-SHORTEST: Final = 0.001
-LONGEST: Final = 2000.0
+PULSE_LENGTH: Final = 0.2
+SHORTEST_PULSE: Final = 0.001
+LONGEST_PULSE: Final = 2000.0
 """Seconds of a pulse: without `PLength`, and with it (reference, 3)."""
 
 
-def _set(given: Given) -> None:
+def _set_output(given: Given) -> None:
     given.machine.signals.set(given.signal(0), 1.0)
 
 
-def _reset(given: Given) -> None:
+def _reset_output(given: Given) -> None:
     given.machine.signals.set(given.signal(0), 0.0)
 
 
-def _invert(given: Given) -> None:
+def _invert_output(given: Given) -> None:
     signal, signals = given.signal(0), given.machine.signals
     signals.set(signal, float(signals.read(signal) == 0.0))
 
 
-def _pulse(given: Given) -> None:
+def _pulse_output(given: Given) -> None:
     r"""Without \High the pulse is the other value than that which the signal has.
 
     Where motions take no time, both of its ends come at once: the program does not wait for the
@@ -45,9 +45,11 @@ def _pulse(given: Given) -> None:
     signal, signals = given.signal(0), given.machine.signals
     value = 1.0 if given.has("high") else float(signals.read(signal) == 0.0)
     length = given.optional_number("plength")
-    length = PULSE if length is None else length
-    if not SHORTEST <= length <= LONGEST:
-        raise Fault(f"a pulse of {length:g} s, which takes {SHORTEST:g} to {LONGEST:g} s")
+    length = PULSE_LENGTH if length is None else length
+    if not SHORTEST_PULSE <= length <= LONGEST_PULSE:
+        raise Fault(
+            f"a pulse of {length:g} s, which takes {SHORTEST_PULSE:g} to {LONGEST_PULSE:g} s"
+        )
     signals.set(signal, value)
     if has_time(given):
         signals.set_later(signal, 1.0 - value, length)
@@ -59,7 +61,7 @@ def has_time(given: Given) -> bool:
     return not isinstance(given.machine.task.kernel.motion, Instant)
 
 
-def _delayed(value: Callable[[Given], float]) -> Callable[[Given], None]:
+def _delayed_output(value: Callable[[Given], float]) -> Callable[[Given], None]:
     r"""SetDO and its kin: at once, or with \SDelay while the program goes on."""
 
     def does(given: Given) -> None:
@@ -73,17 +75,17 @@ def _delayed(value: Callable[[Given], float]) -> Callable[[Given], None]:
     return does
 
 
-def _alias(given: Given) -> None:
+def _alias_signal(given: Given) -> None:
     """The name is text, or that of a signal itself; the configuration is taken to have it."""
     target, source = given.place(1).get(), given.required[0]
-    if not isinstance(target, Handle) or target.type not in SIGNALS:
+    if not isinstance(target, Handle) or target.type not in SIGNAL_TYPES:
         raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
     name = given.signal(0) if _names_signal(given, source) else given.text(0).lower()
     if not name:
         raise Fault("an alias of a signal without a name", "ERR_ALIASIO_DEF")
     controller = given.machine.controller
     controller.known.add(name)
-    if target.type in OUTPUTS:
+    if target.type in OUTPUT_TYPES:
         controller.outputs.add(name)
     target.inside = name
 
@@ -97,21 +99,23 @@ def _names_signal(given: Given, node: s.Expression) -> bool:
 
 def _end_alias(given: Given) -> None:
     target = given.place(0).get()
-    if not isinstance(target, Handle) or target.type not in SIGNALS:
+    if not isinstance(target, Handle) or target.type not in SIGNAL_TYPES:
         raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
     target.inside = None
 
 
-TABLE: Final[Mapping[str, Function]] = dict(
+SIGNAL_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("AliasIO", 2, _alias),
-        takes("AliasIOReset", 1, _end_alias),
-        takes("Set", 1, _set),
-        takes("Reset", 1, _reset),
-        takes("SetDO", 2, _delayed(lambda given: float(given.number(1) != 0.0)), "sync sdelay"),
-        takes("SetGO", 2, _delayed(lambda given: given.number(1)), "sdelay"),
-        takes("SetAO", 2, _delayed(lambda given: given.number(1))),
-        takes("InvertDO", 1, _invert),
-        takes("PulseDO", 1, _pulse, "high plength"),
+        table_row("AliasIO", 2, _alias_signal),
+        table_row("AliasIOReset", 1, _end_alias),
+        table_row("Set", 1, _set_output),
+        table_row("Reset", 1, _reset_output),
+        table_row(
+            "SetDO", 2, _delayed_output(lambda given: float(given.number(1) != 0.0)), "sync sdelay"
+        ),
+        table_row("SetGO", 2, _delayed_output(lambda given: given.number(1)), "sdelay"),
+        table_row("SetAO", 2, _delayed_output(lambda given: given.number(1))),
+        table_row("InvertDO", 1, _invert_output),
+        table_row("PulseDO", 1, _pulse_output, "high plength"),
     )
 )

@@ -12,23 +12,29 @@ from typing import Final
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.instructions.raw import raw_of
-from assistant.virtual.rapid.links import Link, Peer, Status, host_of
+from assistant.virtual.rapid.links import Link, Peer, SocketStatus, host_of
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
-from assistant.virtual.rapid.predefined import NUMBERS
+from assistant.virtual.rapid.predefined import NUMBER_DATA
 from assistant.virtual.rapid.values import Array, Handle
 
-SECONDS: Final = 60.0
+DEFAULT_TIMEOUT: Final = 60.0
 MOST_TEXT: Final = 80
 MOST_BYTES: Final = 1024
-PORTS: Final = range(1, 65536)
-STATES: Final[tuple[Status, ...]] = ("created", "connected", "bound", "listening", "closed")
+PORT_RANGE: Final = range(1, 65536)
+STATUS_NUMBERS: Final[tuple[SocketStatus, ...]] = (
+    "created",
+    "connected",
+    "bound",
+    "listening",
+    "closed",
+)
 """From 1, as socketstatus counts them."""
 
 
-def _link(given: Given, index: int = 0) -> Link:
+def _socket_link(given: Given, index: int = 0) -> Link:
     handle = given.place(index).get()
     if not isinstance(handle, Handle) or handle.type != "socketdev":
         raise Fault("what is no socket is used as one")
@@ -39,16 +45,16 @@ def _link(given: Given, index: int = 0) -> Link:
     return handle.inside
 
 
-def _seconds(given: Given) -> float | None:
+def _socket_timeout(given: Given) -> float | None:
     stated = given.optional_number("time")
-    if stated is not None and stated >= NUMBERS["wait_max"]:
+    if stated is not None and stated >= NUMBER_DATA["wait_max"]:
         return None
-    return SECONDS if stated is None else stated
+    return DEFAULT_TIMEOUT if stated is None else stated
 
 
-def _where(given: Given) -> tuple[str, int]:
+def _socket_address(given: Given) -> tuple[str, int]:
     port = whole(given.number(2), "a port")
-    if port not in PORTS:
+    if port not in PORT_RANGE:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
     options = given.machine.controller.options
     if given.machine.task.kernel.peers is not None:
@@ -58,39 +64,41 @@ def _where(given: Given) -> tuple[str, int]:
     return host_of(given.text(1), options.addresses), port
 
 
-def _create(given: Given) -> None:
-    _link(given).create()
+def _create_socket(given: Given) -> None:
+    _socket_link(given).create()
 
 
-def _close(given: Given) -> None:
-    _link(given).close()
+def _close_socket(given: Given) -> None:
+    _socket_link(given).close()
 
 
-def _bind(given: Given) -> None:
-    _link(given).bind(*_where(given))
+def _bind_socket(given: Given) -> None:
+    _socket_link(given).bind(*_socket_address(given))
 
 
-def _listen(given: Given) -> None:
-    _link(given).listen()
+def _listen_socket(given: Given) -> None:
+    _socket_link(given).listen()
 
 
-def _accept(given: Given) -> None:
-    address = _link(given).accept(_link(given, 1), given.machine.task, _seconds(given))
+def _accept_client(given: Given) -> None:
+    address = _socket_link(given).accept(
+        _socket_link(given, 1), given.machine.task, _socket_timeout(given)
+    )
     if (node := given.options.get("clientaddress")) is not None:
         place(given.machine, node).set(address)
 
 
-def _connect(given: Given) -> None:
-    _link(given).connect(*_where(given), given.machine.task, _seconds(given))
+def _connect_socket(given: Given) -> None:
+    _socket_link(given).connect(*_socket_address(given), given.machine.task, _socket_timeout(given))
 
 
-def _send(given: Given) -> None:
+def _send_message(given: Given) -> None:
     count = given.optional_number("noofbytes")
-    data = _said(given)
-    _link(given).send(data if count is None else data[: int(count)], given.machine.task)
+    data = _message_bytes(given)
+    _socket_link(given).send(data if count is None else data[: int(count)], given.machine.task)
 
 
-def _said(given: Given) -> bytes:
+def _message_bytes(given: Given) -> bytes:
     if given.has("str"):
         return poses.text(given.optional("str", "string") or "").encode("latin-1")
     if (node := given.options.get("rawdata")) is not None:
@@ -105,14 +113,14 @@ def _said(given: Given) -> bytes:
     return bytes(numbers)
 
 
-def _receive(given: Given) -> None:
+def _receive_message(given: Given) -> None:
     asked = given.optional_number("readnoofbytes")
     most = MOST_TEXT if given.has("str") else MOST_BYTES
     least = 1 if asked is None else whole(asked, "a count of bytes")
     if not 1 <= least <= most:
         raise Fault(f"{least} bytes are asked for, of 1 to {most}")
     wanted = most if asked is None else least
-    data = _link(given).receive(wanted, least, given.machine.task, _seconds(given))
+    data = _socket_link(given).receive(wanted, least, given.machine.task, _socket_timeout(given))
     if (node := given.options.get("norecbytes")) is not None:
         place(given.machine, node).set(float(len(data)))
     if (node := given.options.get("str")) is not None:
@@ -131,33 +139,35 @@ def _receive(given: Given) -> None:
     array.items[: len(data)] = [float(byte) for byte in data]
 
 
-def _status(given: Given) -> float:
-    return float(STATES.index(_link(given).status) + 1)
+def _socket_status(given: Given) -> float:
+    return float(STATUS_NUMBERS.index(_socket_link(given).status) + 1)
 
 
-def _peek(given: Given) -> float:
+def _pending_bytes(given: Given) -> float:
     given.machine.hangs_on.add("outside")
-    return float(_link(given).waiting())
+    return float(_socket_link(given).waiting())
 
 
-def _packed(_: Given) -> None:
+def _packed_size(_: Given) -> None:
     raise NotSimulated("datagrams (UDP)")
 
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+SOCKET_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("SocketCreate", 1, _create),
-        takes("SocketClose", 1, _close),
-        takes("SocketBind", 3, _bind),
-        takes("SocketListen", 1, _listen),
-        takes("SocketAccept", 2, _accept, "clientaddress time"),
-        takes("SocketConnect", 3, _connect, "time"),
-        takes("SocketSend", 1, _send, "str data rawdata noofbytes"),
-        takes("SocketReceive", 1, _receive, "str data rawdata readnoofbytes norecbytes time"),
-        takes("SocketSendTo", 3, _packed, "str data noofbytes"),
-        takes("SocketReceiveFrom", 3, _packed, "str data norecbytes time"),
+        table_row("SocketCreate", 1, _create_socket),
+        table_row("SocketClose", 1, _close_socket),
+        table_row("SocketBind", 3, _bind_socket),
+        table_row("SocketListen", 1, _listen_socket),
+        table_row("SocketAccept", 2, _accept_client, "clientaddress time"),
+        table_row("SocketConnect", 3, _connect_socket, "time"),
+        table_row("SocketSend", 1, _send_message, "str data rawdata noofbytes"),
+        table_row(
+            "SocketReceive", 1, _receive_message, "str data rawdata readnoofbytes norecbytes time"
+        ),
+        table_row("SocketSendTo", 3, _packed_size, "str data noofbytes"),
+        table_row("SocketReceiveFrom", 3, _packed_size, "str data norecbytes time"),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict(
-    (takes("SocketGetStatus", 1, _status), takes("SocketPeek", 1, _peek))
+SOCKET_FUNCTIONS: Final[Mapping[str, Function]] = dict(
+    (table_row("SocketGetStatus", 1, _socket_status), table_row("SocketPeek", 1, _pending_bytes))
 )

@@ -12,7 +12,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.values import Array, Record
 
@@ -26,7 +26,7 @@ def _wait_for_tasks(given: Given) -> None:
     if not isinstance(point, s.NameRef):
         raise NotSimulated("a synchronization point that is no variable by its name")
     name, own = point.name.lower(), machine.task.name.lower()
-    names = _names(given, 1)
+    names = _task_names(given, 1)
     if own not in names:
         raise Fault(f"`{machine.task.name}` waits for tasks and is not in their list")
     come = machine.controller.come
@@ -41,14 +41,14 @@ def _wait_for_tasks(given: Given) -> None:
         raise Fault(f"{what} in time", "ERR_WAITSYNCTASK")
 
 
-def _names(given: Given, index: int) -> list[str]:
+def _task_names(given: Given, index: int) -> list[str]:
     listed = given.place(index).get()
     items = listed.items if isinstance(listed, Array) else ()
     tasks = [poses.record(item, "tasks") for item in items if isinstance(item, Record)]
     return [poses.text(task.parts["taskname"]).lower() for task in tasks]
 
 
-def _take(given: Given) -> bool:
+def _test_and_set(given: Given) -> bool:
     """TestAndSet: whether it was free, which it now is not."""
     taken = given.place(0)
     was = poses.truth(taken.get())
@@ -56,7 +56,7 @@ def _take(given: Given) -> bool:
     return not was
 
 
-def _wait_and_take(given: Given) -> None:
+def _wait_test_and_set(given: Given) -> None:
     taken = given.place(0)
     if taken.storage != "PERS":
         raise Fault("WaitTestAndSet of what is no persistent")
@@ -74,7 +74,7 @@ def _has_robot(given: Given) -> bool:
     return moves
 
 
-def _name(given: Given) -> str:
+def _task_name(given: Given) -> str:
     machine = given.machine
     number = given.options.get("taskno")
     if number is not None:
@@ -82,17 +82,17 @@ def _name(given: Given) -> str:
     return machine.task.name
 
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+TASK_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("WaitSyncTask", 2, _wait_for_tasks, "inpos timeout"),
-        takes("WaitTestAndSet", 1, _wait_and_take),
+        table_row("WaitSyncTask", 2, _wait_for_tasks, "inpos timeout"),
+        table_row("WaitTestAndSet", 1, _wait_test_and_set),
     )
 )
-FUNCTIONS: Final[Mapping[str, Function]] = dict(
+TASK_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("TestAndSet", 1, _take),
-        takes("TaskRunRob", 0, _has_robot),
-        takes("TaskRunMec", 0, _has_robot),
-        takes("GetTaskName", 0, _name, "taskno"),
+        table_row("TestAndSet", 1, _test_and_set),
+        table_row("TaskRunRob", 0, _has_robot),
+        table_row("TaskRunMec", 0, _has_robot),
+        table_row("GetTaskName", 0, _task_name, "taskno"),
     )
 )

@@ -13,14 +13,16 @@ from typing import Final
 from assistant.virtual.events import Waited
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import place
-from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.given import Given, table_row
 from assistant.virtual.rapid.machine import Function
 
-LOOKS: Final = "visualize header message msgarray wrap icon image visualizetime uiactivesignal"
+LOOK_OPTIONS: Final = (
+    "visualize header message msgarray wrap icon image visualizetime uiactivesignal"
+)
 """What changes only what a person sees while the program waits."""
 COMPARISONS: Final = {"lt": operator.lt, "gt": operator.gt, "noteq": operator.ne}
-POLL: Final = 0.1
-LEAST_POLL: Final = 0.04
+POLL_PERIOD: Final = 0.1
+LEAST_POLL_PERIOD: Final = 0.04
 """Seconds after which a condition is looked at again: without `PollRate`, and at least (manual,
 WaitUntil). What only hangs on data and signals of this run is looked at whenever they can change.
 """
@@ -41,16 +43,18 @@ def _wait_for(given: Given) -> None:
     signal, value = given.signal(0), given.number(1)
     read = given.machine.signals.read
     what = f"`{signal}` is {read(signal):g}, {value:g} is waited for"
-    _await(given, lambda: bool(compare(read(signal), value)), what)
+    _wait_for_condition(given, lambda: bool(compare(read(signal), value)), what)
 
 
 def _wait_until(given: Given) -> None:
     if given.has("inpos"):
         given.machine.settle()
-    _await(given, lambda: given.truth(0), "the condition that is waited for is not met")
+    _wait_for_condition(
+        given, lambda: given.truth(0), "the condition that is waited for is not met"
+    )
 
 
-def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
+def _wait_for_condition(given: Given, is_met: Callable[[], bool], what: str) -> None:
     r"""\MaxTime ends the wait, with an error or by the flag that \TimeFlag names."""
     machine, flag = given.machine, given.options.get("timeflag")
 
@@ -59,13 +63,13 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
         return is_met()
 
     longest = given.optional_number("maxtime")
-    met = asked() or _comes(given, asked, math.inf if longest is None else longest, what)
+    met = asked() or _is_met_in_time(given, asked, math.inf if longest is None else longest, what)
     if flag is not None:
         place(machine, flag).set(not met)
     if met:
         machine.task.met(asked)
         return
-    for node in (given.options[name] for name in ENDED if name in given.options):
+    for node in (given.options[name] for name in TIMEOUT_VALUES if name in given.options):
         assert node is not None
         place(machine, node).set(machine.signals.read(given.signal(0)))
     machine.task.tell(Waited(longest or 0.0, limit=True))
@@ -73,13 +77,13 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
         raise Fault(f"{what}, and the longest time is over", "ERR_WAIT_MAXTIME")
 
 
-def _comes(given: Given, asked: Callable[[], bool], longest: float, what: str) -> bool:
+def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, what: str) -> bool:
     """Whether a condition that was asked comes to be met in time.
 
     It is asked again and again as long as it hangs on time, or on what is outside of the run.
     """
     hangs_on, task = given.machine.hangs_on, given.machine.task
-    poll = max(given.optional_number("pollrate") or POLL, LEAST_POLL)
+    poll = max(given.optional_number("pollrate") or POLL_PERIOD, LEAST_POLL_PERIOD)
     since = task.kernel.now
     end = since + longest
     while task.kernel.now < end:
@@ -100,18 +104,23 @@ def _comes(given: Given, asked: Callable[[], bool], longest: float, what: str) -
     return False
 
 
-def _wait(name: str, does: Callable[[Given], None], count: int, more: str) -> tuple[str, Function]:
-    return takes(name, count, does, f"maxtime timeflag {more} {LOOKS}")
+def _wait_row(
+    name: str, does: Callable[[Given], None], count: int, more: str
+) -> tuple[str, Function]:
+    return table_row(name, count, does, f"maxtime timeflag {more} {LOOK_OPTIONS}")
 
 
-ENDED: Final = ("valueattimeout", "dvalueattimeout")
+TIMEOUT_VALUES: Final = ("valueattimeout", "dvalueattimeout")
 """Where the value goes that the signal has when the longest time is over."""
-SIGNALS: Final = ("DI", "DO", "GI", "GO", "AI", "AO")
+WAITED_SIGNALS: Final = ("DI", "DO", "GI", "GO", "AI", "AO")
 
-TABLE: Final[Mapping[str, Function]] = dict(
+WAIT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("WaitTime", 1, _wait_time, "inpos"),
-        *(_wait(f"Wait{x}", _wait_for, 2, f"lt gt noteq {' '.join(ENDED)}") for x in SIGNALS),
-        _wait("WaitUntil", _wait_until, 1, "inpos pollrate"),
+        table_row("WaitTime", 1, _wait_time, "inpos"),
+        *(
+            _wait_row(f"Wait{x}", _wait_for, 2, f"lt gt noteq {' '.join(TIMEOUT_VALUES)}")
+            for x in WAITED_SIGNALS
+        ),
+        _wait_row("WaitUntil", _wait_until, 1, "inpos pollrate"),
     )
 )

@@ -13,7 +13,7 @@ from assistant.controllers.mitsubishi.mxt import Monitor
 from assistant.controllers.mitsubishi.mxt.monitor import FIELDS, FORMS, TYPES
 from assistant.virtual.cr.mxt import Bits
 from assistant.virtual.cr.mxt_arm import MxtArm
-from assistant.virtual.cr.mxt_monitor import PACKET, MxtMonitor
+from assistant.virtual.cr.mxt_monitor import MONITOR_PACKET, MxtMonitor
 from tests.controllers.mitsubishi.mxt.controllers import ARM
 
 # BFP-A3379-A, table 5-1: address of each field.
@@ -31,8 +31,8 @@ def virtual():
 
 def test_both_sides_know_the_packet_of_the_manual():
     assert [offset for offset, _, _ in FIELDS] == MANUAL
-    fields = [name for name in PACKET.names if not name.startswith("reserve")]
-    assert [PACKET.fields[name][1] for name in fields] == MANUAL
+    fields = [name for name in MONITOR_PACKET.names if not name.startswith("reserve")]
+    assert [MONITOR_PACKET.fields[name][1] for name in fields] == MANUAL
     assert {form.size for form, _ in FORMS.values()} == {40}
 
 

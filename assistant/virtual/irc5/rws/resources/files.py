@@ -21,7 +21,7 @@ from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 
 VOLUMES: Final = ("HOME", "TEMP", "BACKUP", "RAMDISK")
-TIME: Final = "%Y-%m-%d T %H:%M:%S"
+FILE_TIME: Final = "%Y-%m-%d T %H:%M:%S"
 _CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]")
 
 
@@ -43,38 +43,38 @@ def unit_path(path: str) -> str:
     return path.removeprefix("/fileservice/").lstrip("/")
 
 
-def _asked(cabinet: Cabinet, request: Request) -> FilePath:
+def _requested_path(cabinet: Cabinet, request: Request) -> FilePath:
     raw = request.captures.get("path", "")
     if request.dialect == 1 and "%24" in raw:  # A real one takes the sign only as it is.
         raise Rejected(reasons.NO_FILE)
     return path_of(cabinet, unquote(raw), request.dialect)
 
 
-def _missing(request: Request) -> Rejected:
+def _missing_path(request: Request) -> Rejected:
     return Rejected(reasons.NO_FILE if request.dialect == 1 else reasons.NO_PATH)
 
 
-def volumes(cabinet: Cabinet, request: Request) -> Answer:
+def list_volumes(cabinet: Cabinet, request: Request) -> Answer:
     kind, sign = request.either("fs-device", "fs-dir"), request.either("$", "")
     return Answer(listed=[Item(kind, f"{sign}{name}", {}, f"{sign}{name}") for name in VOLUMES])
 
 
-def read(cabinet: Cabinet, request: Request) -> Answer:
-    path = _asked(cabinet, request)
+def read_path(cabinet: Cabinet, request: Request) -> Answer:
+    path = _requested_path(cabinet, request)
     try:
         if path.is_dir():
             names = sorted(one for one in path.iterdir() if not one.name.startswith(UNFINISHED))
-            return Answer(listed=[_item(one) for one in names])
+            return Answer(listed=[_path_item(one) for one in names])
         return Answer(data=read_file(path))
     except OSError:
-        raise _missing(request) from None
+        raise _missing_path(request) from None
 
 
-def _item(path: FilePath) -> Item:
+def _path_item(path: FilePath) -> Item:
     facts = path.stat()
     fields = {
-        "fs-cdate": datetime.fromtimestamp(facts.st_ctime).strftime(TIME),
-        "fs-mdate": datetime.fromtimestamp(facts.st_mtime).strftime(TIME),
+        "fs-cdate": datetime.fromtimestamp(facts.st_ctime).strftime(FILE_TIME),
+        "fs-mdate": datetime.fromtimestamp(facts.st_mtime).strftime(FILE_TIME),
     }
     if path.is_dir():
         return Item("fs-dir", path.name, fields, path.name)
@@ -82,10 +82,10 @@ def _item(path: FilePath) -> Item:
     return Item("fs-file", path.name, fields, path.name)
 
 
-def store(cabinet: Cabinet, request: Request) -> Answer:
-    path = _asked(cabinet, request)
+def store_file(cabinet: Cabinet, request: Request) -> Answer:
+    path = _requested_path(cabinet, request)
     if path.is_dir() or not path.parent.is_dir():
-        raise _missing(request)
+        raise _missing_path(request)
     new = not path.exists()
     try:
         write_whole(path, request.body)
@@ -94,8 +94,8 @@ def store(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(201 if new else 200)
 
 
-def delete(cabinet: Cabinet, request: Request) -> Answer:
-    path = _asked(cabinet, request)
+def delete_path(cabinet: Cabinet, request: Request) -> Answer:
+    path = _requested_path(cabinet, request)
     if path == path_of(cabinet, unquote(request.captures["path"]).partition("/")[0]):
         raise Rejected(reasons.NOT_PERMITTED, "a volume")
     try:
@@ -104,13 +104,13 @@ def delete(cabinet: Cabinet, request: Request) -> Answer:
         else:
             path.unlink()
     except OSError:
-        raise _missing(request) from None
+        raise _missing_path(request) from None
     return Answer(200) if request.dialect == 1 else DONE
 
 
-def act(cabinet: Cabinet, request: Request) -> Answer:
+def act_on_path(cabinet: Cabinet, request: Request) -> Answer:
     """RWS 1.0: what is to be done stands in the form."""
-    actions = {"create": create, "copy": copy, "rename": rename}
+    actions = {"create": create_folder, "copy": copy_path, "rename": rename_path}
     wanted = request.given("fs-action")
     if wanted not in actions:
         raise Rejected(reasons.BAD_ARGUMENT, f"fs-action {wanted}")
@@ -124,20 +124,20 @@ def _new_name(request: Request) -> str:
     return name
 
 
-def create(cabinet: Cabinet, request: Request) -> Answer:
-    folder = _asked(cabinet, request) / _new_name(request)
+def create_folder(cabinet: Cabinet, request: Request) -> Answer:
+    folder = _requested_path(cabinet, request) / _new_name(request)
     try:
         folder.mkdir()
     except FileExistsError:
         raise Rejected(reasons.BAD_ARGUMENT, "there is one of that name") from None
     except OSError:
-        raise _missing(request) from None
+        raise _missing_path(request) from None
     return Answer(201)
 
 
-def copy(cabinet: Cabinet, request: Request) -> Answer:
+def copy_path(cabinet: Cabinet, request: Request) -> Answer:
     """In its own folder only."""
-    source = _asked(cabinet, request)
+    source = _requested_path(cabinet, request)
     target = source.with_name(_new_name(request))
     overwrite = request.form.get("fs-overwrite", "false").lower() == "true"
     if target.exists() and not overwrite:
@@ -148,17 +148,17 @@ def copy(cabinet: Cabinet, request: Request) -> Answer:
         else:
             write_whole(target, read_file(source))
     except OSError:
-        raise _missing(request) from None
+        raise _missing_path(request) from None
     return Answer(201)
 
 
-def rename(cabinet: Cabinet, request: Request) -> Answer:
-    source = _asked(cabinet, request)
+def rename_path(cabinet: Cabinet, request: Request) -> Answer:
+    source = _requested_path(cabinet, request)
     target = source.with_name(_new_name(request))
     if target.exists():
         raise Rejected(reasons.BAD_ARGUMENT, "there is one of that name")
     try:
         source.replace(target)
     except OSError:
-        raise _missing(request) from None
+        raise _missing_path(request) from None
     return DONE

@@ -9,22 +9,22 @@ from assistant.virtual.irc5.panel import Event
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
-from assistant.virtual.irc5.rws.resources.system import TIME
+from assistant.virtual.irc5.rws.resources.system import CONTROLLER_TIME
 
-NUMBERS: Final = (0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 15)
-PAGE: Final = 50
+EVENT_DOMAINS: Final = (0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 15)
+EVENTS_PAGE: Final = 50
 
 
-def domains(cabinet: Cabinet, request: Request) -> Answer:
+def event_domains(cabinet: Cabinet, request: Request) -> Answer:
     listed = []
-    for number in NUMBERS:
+    for number in EVENT_DOMAINS:
         fields = {"numevts": str(len(cabinet.log.of(number))), "buffsize": "1000"}
         listed.append(Item("elog-domain-li", str(number), fields, str(number)))
     return Answer(listed=listed)
 
 
-def messages(cabinet: Cabinet, request: Request) -> Answer:
-    domain, newest = _domain(request), request.dialect == 1
+def event_messages(cabinet: Cabinet, request: Request) -> Answer:
+    domain, newest = _event_domain(request), request.dialect == 1
     if request.query.get("order", "").lower() == "lifo":
         if request.dialect == 2 and "v=2.1" not in request.accept:
             raise Rejected(reasons.BAD_ARGUMENT, "LIFO is not supported in v=2.0, use v=2.1")
@@ -32,7 +32,7 @@ def messages(cabinet: Cabinet, request: Request) -> Answer:
     events = cabinet.log.of(domain)
     if newest:
         events.reverse()
-    limit = request.number("limit", 1, PAGE, PAGE)
+    limit = request.number("limit", 1, EVENTS_PAGE, EVENTS_PAGE)
     start = request.number("start", 0, 10**6, request.dialect == 1)
     first = max(start - 1, 0) * limit if request.dialect == 1 else start
     words = bool(request.query.get("lang"))
@@ -42,38 +42,38 @@ def messages(cabinet: Cabinet, request: Request) -> Answer:
     lang = f"&lang={request.query['lang']}" if words else ""
     order = "&order=lifo" if request.dialect == 2 and newest else ""
     return Answer(
-        listed=[_item(one, domain, words, "elog-message-li") for one in page],
+        listed=[_event_item(one, domain, words, "elog-message-li") for one in page],
         next=f"{domain}?start={onward}&limit={limit}{lang}{order}" if more else "",
     )
 
 
-def message(cabinet: Cabinet, request: Request) -> Answer:
-    domain, number = _domain(request), request.captures["number"]
+def event_message(cabinet: Cabinet, request: Request) -> Answer:
+    domain, number = _event_domain(request), request.captures["number"]
     for one in cabinet.log.of(domain):
         if str(one.number) == number:
             words = bool(request.query.get("lang"))
-            return Answer(items=[_item(one, domain, words, "elog-message")])
+            return Answer(items=[_event_item(one, domain, words, "elog-message")])
     raise Rejected(reasons.NO_RESOURCE)
 
 
-def clear(cabinet: Cabinet, request: Request) -> Answer:
-    cabinet.log.clear(_domain(request) if "domain" in request.captures else 0)
+def clear_events(cabinet: Cabinet, request: Request) -> Answer:
+    cabinet.log.clear(_event_domain(request) if "domain" in request.captures else 0)
     return DONE
 
 
-def _domain(request: Request) -> int:
+def _event_domain(request: Request) -> int:
     text = request.captures["domain"]
-    if not text.isdecimal() or int(text) not in NUMBERS:
+    if not text.isdecimal() or int(text) not in EVENT_DOMAINS:
         raise Rejected(reasons.NO_RESOURCE)
     return int(text)
 
 
-def _item(event: Event, domain: int, words: bool, kind: str) -> Item:
+def _event_item(event: Event, domain: int, words: bool, kind: str) -> Item:
     fields = {
         "msgtype": str(event.kind),
         "code": str(event.code),
         "src-name": "MC0",
-        "tstamp": event.time.strftime(TIME),
+        "tstamp": event.time.strftime(CONTROLLER_TIME),
     }
     if words:
         said = {

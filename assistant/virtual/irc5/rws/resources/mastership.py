@@ -5,35 +5,38 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.irc5.cabinet import DOMAINS, Cabinet
+from assistant.virtual.irc5.cabinet import MASTERSHIP_DOMAINS, Cabinet
 from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 
-EDITS: Final[Mapping[str, tuple[str, ...]]] = {"edit": ("cfg", "rapid"), "motion": ("motion",)}
+EDIT_DOMAINS: Final[Mapping[str, tuple[str, ...]]] = {
+    "edit": ("cfg", "rapid"),
+    "motion": ("motion",),
+}
 """Domains of RWS 2.0 by those that it makes one of."""
 
 
-def _domains(request: Request) -> tuple[str, ...]:
+def _mastership_domains(request: Request) -> tuple[str, ...]:
     """Those that the path names, all without one."""
     name = request.captures.get("domain")
     if name is None:
-        return DOMAINS
-    known = {one: (one,) for one in DOMAINS} if request.dialect == 1 else EDITS
+        return MASTERSHIP_DOMAINS
+    known = {one: (one,) for one in MASTERSHIP_DOMAINS} if request.dialect == 1 else EDIT_DOMAINS
     if name not in known:
         raise Rejected(reasons.NO_RESOURCE)
     return known[name]
 
 
-def listed(cabinet: Cabinet, request: Request) -> Answer:
-    names = DOMAINS if request.dialect == 1 else tuple(EDITS)
+def list_mastership(cabinet: Cabinet, request: Request) -> Answer:
+    names = MASTERSHIP_DOMAINS if request.dialect == 1 else tuple(EDIT_DOMAINS)
     return Answer(
         listed=[Item("msh-resource-li", name, {}, f"mastership/{name}") for name in names]
     )
 
 
-def holder(cabinet: Cabinet, request: Request) -> Answer:
-    domain = _domains(request)[0]
+def mastership_holder(cabinet: Cabinet, request: Request) -> Answer:
+    domain = _mastership_domains(request)[0]
     who = cabinet.mastership.holders.get(domain)
     mine = who == request.session.key
     remote = who is not None and "::http.session::" in who
@@ -48,23 +51,23 @@ def holder(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("msh-resource", request.captures["domain"], fields)])
 
 
-def take(cabinet: Cabinet, request: Request) -> Answer:
+def take_mastership(cabinet: Cabinet, request: Request) -> Answer:
     _check_manual(cabinet, request)
-    if not cabinet.mastership.take(_domains(request), request.session.key):
-        raise Rejected(reasons.HELD)
+    if not cabinet.mastership.take(_mastership_domains(request), request.session.key):
+        raise Rejected(reasons.HELD_BY_OTHER)
     return DONE
 
 
-def give_back(cabinet: Cabinet, request: Request) -> Answer:
-    domains = _domains(request)
+def release_mastership(cabinet: Cabinet, request: Request) -> Answer:
+    domains = _mastership_domains(request)
     holders = cabinet.mastership.holders
     if any(holders.get(domain, request.session.key) != request.session.key for domain in domains):
-        raise Rejected(reasons.HELD)
+        raise Rejected(reasons.HELD_BY_OTHER)
     cabinet.mastership.give_back(domains, request.session.key)
     return DONE
 
 
-def check(cabinet: Cabinet, request: Request, needs: str) -> None:
+def check_mastership(cabinet: Cabinet, request: Request, needs: str) -> None:
     """Raises Rejected if a session may not act. needs: a domain, with `?` behind it if it is enough
     that nobody else holds it.
 
@@ -76,7 +79,7 @@ def check(cabinet: Cabinet, request: Request, needs: str) -> None:
     if who == request.session.key:
         return
     if who is not None:
-        raise Rejected(reasons.HELD)
+        raise Rejected(reasons.HELD_BY_OTHER)
     if request.dialect == 2 and not needs.endswith("?"):
         raise Rejected(reasons.NO_MASTERSHIP)
 
@@ -90,7 +93,7 @@ def _check_manual(cabinet: Cabinet, request: Request) -> None:
 # -------------------------------------------------------------------------------- users
 
 
-def privilege(cabinet: Cabinet, request: Request) -> Answer:
+def privilege_status(cabinet: Cabinet, request: Request) -> Answer:
     held = request.session.privilege
     fields = {
         "userid": str(request.session.number),
@@ -103,7 +106,7 @@ def privilege(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("user-rmmp", "rmmp", fields)])
 
 
-def ask_privilege(cabinet: Cabinet, request: Request) -> Answer:
+def request_privilege(cabinet: Cabinet, request: Request) -> Answer:
     """It is granted at the pendant, which is `VirtualIrc5.grant`, or at once."""
     if request.given("privilege") not in ("modify", "exclusive"):
         raise Rejected(reasons.BAD_ARGUMENT, "privilege")
@@ -111,18 +114,18 @@ def ask_privilege(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(202, headers={"Location": "/users/rmmp/poll"})
 
 
-def poll_privilege(cabinet: Cabinet, request: Request) -> Answer:
+def poll_privilege_request(cabinet: Cabinet, request: Request) -> Answer:
     said = {"modify": "GRANTED", "pending": "PENDING", "denied": "DENIED"}
     status = said.get(request.session.privilege, "NO SUCH REQUEST")
     return Answer(items=[Item("user-rmmp-poll", "rmmp-poll", {"code": "0", "status": status})])
 
 
-def drop_privilege(cabinet: Cabinet, request: Request) -> Answer:
+def cancel_privilege(cabinet: Cabinet, request: Request) -> Answer:
     request.session.privilege = "none"
     return DONE
 
 
-def register(cabinet: Cabinet, request: Request) -> Answer:
+def register_user(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(201)
 
 

@@ -23,33 +23,33 @@ from assistant.virtual.rapid.values import Record
 UNIT: Final = "ROB_1"
 NO_AXIS: Final = "8.999999E+09"
 """An additional axis that is not there, as single precision writes 9E9."""
-LETTERS: Final = "abcdef"
+EXTERNAL_AXES: Final = "abcdef"
 
 
-def _check(request: Request) -> None:
+def _check_unit(request: Request) -> None:
     if request.captures["unit"].upper() != UNIT:
         raise Rejected(reasons.NO_RESOURCE, request.captures["unit"])
 
 
-def _standing(cabinet: Cabinet) -> Standing:
+def _arm_now(cabinet: Cabinet) -> Standing:
     found = cabinet.standing()
     if found is None:
         raise Rejected(reasons.UNSPECIFIED, "the controller has no robot")
     return found
 
 
-def system(cabinet: Cabinet, request: Request) -> Answer:
+def motion_system(cabinet: Cabinet, request: Request) -> Answer:
     count = cabinet.do(lambda programs: programs.changes)
     return Answer(items=[Item("ms-motionsystem", "motionsystem", {"change-count": str(count)})])
 
 
-def units(cabinet: Cabinet, request: Request) -> Answer:
+def mechanical_units(cabinet: Cabinet, request: Request) -> Answer:
     fields = {"mode": "Activated", "activation-allowed": "TRUE", "drive-module": "1"}
     return Answer(listed=[Item("ms-mechunit-li", UNIT, fields, f"mechunits/{UNIT}")])
 
 
-def unit(cabinet: Cabinet, request: Request) -> Answer:
-    _check(request)
+def mechanical_unit(cabinet: Cabinet, request: Request) -> Answer:
+    _check_unit(request)
     fields = {
         "type": "TCPRobot",
         "task-name": TASK,
@@ -69,17 +69,17 @@ def unit(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("ms-mechunit", UNIT, fields)])
 
 
-def joints(cabinet: Cabinet, request: Request) -> Answer:
-    _check(request)
-    values = _standing(cabinet)[1]
-    fields = {f"rax_{i}": _said(value) for i, value in enumerate(values[:6], 1)}
-    fields |= {f"eax_{letter}": NO_AXIS for letter in LETTERS}
+def joint_target(cabinet: Cabinet, request: Request) -> Answer:
+    _check_unit(request)
+    values = _arm_now(cabinet)[1]
+    fields = {f"rax_{i}": _single_text(value) for i, value in enumerate(values[:6], 1)}
+    fields |= {f"eax_{letter}": NO_AXIS for letter in EXTERNAL_AXES}
     return Answer(items=[Item("ms-jointtarget", UNIT, fields)])
 
 
-def target(cabinet: Cabinet, request: Request) -> Answer:
+def robot_target(cabinet: Cabinet, request: Request) -> Answer:
     """Of a tool in a work object, or in the base where `coordinate` says so."""
-    _check(request)
+    _check_unit(request)
     tool = request.query.get("tool", "tool0")
     frame = request.query.get("wobj", "wobj0")
     coordinate = request.query.get("coordinate", "Wobj").lower()
@@ -87,52 +87,54 @@ def target(cabinet: Cabinet, request: Request) -> Answer:
         raise Rejected(reasons.BAD_ARGUMENT, f"coordinate {coordinate}")
     if coordinate != "wobj":
         frame = "wobj0"
-    flange, values = _standing(cabinet)
-    pose = cabinet.do(lambda programs: _reading(programs, flange, tool, frame))
-    fields = _pose(pose)
+    flange, values = _arm_now(cabinet)
+    pose = cabinet.do(lambda programs: _tool_pose(programs, flange, tool, frame))
+    fields = _pose_fields(pose)
     names = ("cf1", "cf4", "cf6", "cfx")
-    fields |= dict(zip(names, _configuration(cabinet, values), strict=True))
-    fields |= {f"eax{letter}": NO_AXIS for letter in LETTERS}
+    fields |= dict(zip(names, _configuration_values(cabinet, values), strict=True))
+    fields |= {f"eax{letter}": NO_AXIS for letter in EXTERNAL_AXES}
     return Answer(items=[Item("ms-robtargets", UNIT, fields)])
 
 
-def cartesian(cabinet: Cabinet, request: Request) -> Answer:
-    _check(request)
-    flange, values = _standing(cabinet)
+def cartesian_pose(cabinet: Cabinet, request: Request) -> Answer:
+    _check_unit(request)
+    flange, values = _arm_now(cabinet)
     names = ("j1", "j4", "j6", "jx") if request.dialect == 1 else ("cf1", "cf4", "cf6", "cfx")
-    configuration = dict(zip(names, _configuration(cabinet, values), strict=True))
-    return Answer(items=[Item("ms-mechunit-cartesian", "cartesian", _pose(flange) | configuration)])
+    configuration = dict(zip(names, _configuration_values(cabinet, values), strict=True))
+    return Answer(
+        items=[Item("ms-mechunit-cartesian", "cartesian", _pose_fields(flange) | configuration)]
+    )
 
 
-def _pose(pose: Pose) -> dict[str, str]:
-    fields = {axis: _said(value) for axis, value in zip("xyz", pose.position, strict=True)}
-    return fields | {f"q{i}": _said(value) for i, value in enumerate(pose.quaternion, 1)}
+def _pose_fields(pose: Pose) -> dict[str, str]:
+    fields = {axis: _single_text(value) for axis, value in zip("xyz", pose.position, strict=True)}
+    return fields | {f"q{i}": _single_text(value) for i, value in enumerate(pose.quaternion, 1)}
 
 
-def _said(value: float) -> str:
+def _single_text(value: float) -> str:
     """Seven digits, as single precision has them; never `-0`."""
     return f"{value:.7g}" if abs(value) >= 1e-6 else "0"
 
 
-def _configuration(cabinet: Cabinet, values: tuple[float, ...]) -> list[str]:
+def _configuration_values(cabinet: Cabinet, values: tuple[float, ...]) -> list[str]:
     assert cabinet.robot is not None
     own = np.array([cabinet.robot.own_joints(values)])
     return [str(one) for one in to_confdata(cabinet.robot.configuration(own))[0].tolist()]
 
 
-def _reading(programs: Programs, flange: Pose, tool: str, frame: str) -> Pose:
+def _tool_pose(programs: Programs, flange: Pose, tool: str, frame: str) -> Pose:
     if programs.machine is None:
         if (tool.lower(), frame.lower()) != ("tool0", "wobj0"):
             raise Rejected(reasons.NO_SYMBOL, f"{tool}, {frame}")
         return flange
     try:
-        held = _data(programs, tool, "tooldata"), _data(programs, frame, "wobjdata")
+        held = _record_named(programs, tool, "tooldata"), _record_named(programs, frame, "wobjdata")
         return programs.machine.arm.reading(*held, flange)
     except (Fault, NotSimulated) as wrong:
         raise Rejected(reasons.BAD_ARGUMENT, str(wrong)) from None
 
 
-def _data(programs: Programs, name: str, type: str) -> Record:
+def _record_named(programs: Programs, name: str, type: str) -> Record:
     machine = programs.machine
     assert machine is not None
     key = name.lower()

@@ -10,7 +10,7 @@ from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 
-MODES: Final[dict[str, Mode]] = {
+OPERATING_MODES: Final[dict[str, Mode]] = {
     "auto": "AUTO",
     "man": "MANR",
     "manfs": "MANF",
@@ -19,12 +19,12 @@ MODES: Final[dict[str, Mode]] = {
 }
 
 
-def state(cabinet: Cabinet, request: Request) -> Answer:
+def motor_state(cabinet: Cabinet, request: Request) -> Answer:
     title = request.either("ctrlstate", "ctrl-state")
     return Answer(items=[Item("pnl-ctrlstate", title, {"ctrlstate": cabinet.panel.state})])
 
 
-def set_state(cabinet: Cabinet, request: Request) -> Answer:
+def set_motor_state(cabinet: Cabinet, request: Request) -> Answer:
     wanted = request.given("ctrl-state")
     if wanted not in ("motoron", "motoroff"):
         raise Rejected(reasons.BAD_ARGUMENT, f"ctrl-state {wanted}")
@@ -37,25 +37,25 @@ def set_state(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-def mode(cabinet: Cabinet, request: Request) -> Answer:
+def operating_mode(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("pnl-opmode", "opmode", {"opmode": cabinet.panel.mode})])
 
 
-def set_mode(cabinet: Cabinet, request: Request) -> Answer:
+def set_operating_mode(cabinet: Cabinet, request: Request) -> Answer:
     """As virtual controllers let one do it; of a real one only its key does."""
-    wanted = MODES.get(request.given("opmode").lower())
+    wanted = OPERATING_MODES.get(request.given("opmode").lower())
     if wanted is None:
         raise Rejected(reasons.BAD_ARGUMENT, "opmode")
     cabinet.panel.set_mode(wanted)
     return DONE
 
 
-def speed(cabinet: Cabinet, request: Request) -> Answer:
+def speed_ratio(cabinet: Cabinet, request: Request) -> Answer:
     fields = {"speedratio": str(cabinet.panel.speed)}
     return Answer(items=[Item("pnl-speedratio", "speedratio", fields)])
 
 
-def set_speed(cabinet: Cabinet, request: Request) -> Answer:
+def set_speed_ratio(cabinet: Cabinet, request: Request) -> Answer:
     text = request.given("speed-ratio")
     try:
         ratio = round(float(text))
@@ -69,7 +69,7 @@ def set_speed(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-def collision(cabinet: Cabinet, request: Request) -> Answer:
+def collision_detection(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("pnl-coldetstate", "collisiondetectstate", {"coldetstate": "INIT"})])
 
 

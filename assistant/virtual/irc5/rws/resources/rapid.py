@@ -7,7 +7,7 @@ from urllib.parse import quote
 from xml.etree import ElementTree
 
 from assistant.base.file_access import read_file, write_whole
-from assistant.virtual.irc5.cabinet import Behind, Cabinet
+from assistant.virtual.irc5.cabinet import BackgroundTask, Cabinet
 from assistant.virtual.irc5.programs import (
     MAIN,
     TASK,
@@ -22,8 +22,8 @@ from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.resources.files import path_of, unit_path
 
-CYCLES: Final[dict[str, Cycle | None]] = {"once": "once", "forever": "forever", "asis": None}
-STOPS: Final[dict[str, Literal["once", "cycle", "instruction"]]] = {
+CYCLE_MODES: Final[dict[str, Cycle | None]] = {"once": "once", "forever": "forever", "asis": None}
+STOP_MODES: Final[dict[str, Literal["once", "cycle", "instruction"]]] = {
     "stop": "once",
     "qstop": "once",
     "cycle": "cycle",
@@ -34,60 +34,60 @@ STOPS: Final[dict[str, Literal["once", "cycle", "instruction"]]] = {
 # ---------------------------------------------------------------------------- execution
 
 
-def execution(cabinet: Cabinet, request: Request) -> Answer:
+def execution_state(cabinet: Cabinet, request: Request) -> Answer:
     fields = cabinet.do(
         lambda p: {"ctrlexecstate": "running" if p.running else "stopped", "cycle": p.cycle}
     )
     return Answer(items=[Item("rap-execution", "execution", fields)])
 
 
-def start(cabinet: Cabinet, request: Request) -> Answer:
+def start_execution(cabinet: Cabinet, request: Request) -> Answer:
     """Motors have to be on and the program pointer set."""
     for name, allowed in (
         ("execmode", ("continue",)),
         ("regain", ("continue", "clear", "enter_consume")),
-        ("cycle", tuple(CYCLES)),
+        ("cycle", tuple(CYCLE_MODES)),
     ):
         if request.form.get(name, allowed[0]) not in allowed:
             raise Rejected(reasons.BAD_ARGUMENT, f"{name} {request.form[name]}")
     if cabinet.panel.state != "motoron":
         raise Rejected(reasons.WRONG_STATE, f"the controller is in {cabinet.panel.state}")
-    cycle = CYCLES[request.form.get("cycle", "asis")]
-    _run(cabinet, lambda programs: programs.start(cycle))
+    cycle = CYCLE_MODES[request.form.get("cycle", "asis")]
+    _command_programs(cabinet, lambda programs: programs.start(cycle))
     return DONE
 
 
-def stop(cabinet: Cabinet, request: Request) -> Answer:
+def stop_execution(cabinet: Cabinet, request: Request) -> Answer:
     wanted = request.form.get("stopmode", "stop")
-    if wanted not in STOPS:
+    if wanted not in STOP_MODES:
         raise Rejected(reasons.BAD_ARGUMENT, f"stopmode {wanted}")
-    _run(cabinet, lambda programs: programs.stop(STOPS[wanted]))
+    _command_programs(cabinet, lambda programs: programs.stop(STOP_MODES[wanted]))
     return DONE
 
 
-def reset(cabinet: Cabinet, request: Request) -> Answer:
-    _run(cabinet, lambda programs: programs.reset())
+def reset_pointer(cabinet: Cabinet, request: Request) -> Answer:
+    _command_programs(cabinet, lambda programs: programs.reset())
     return DONE
 
 
 def start_production(cabinet: Cabinet, request: Request) -> Answer:
-    _run(cabinet, lambda programs: programs.reset())
-    return start(cabinet, request)
+    _command_programs(cabinet, lambda programs: programs.reset())
+    return start_execution(cabinet, request)
 
 
 def set_cycle(cabinet: Cabinet, request: Request) -> Answer:
-    wanted = CYCLES.get(request.given("cycle"))
+    wanted = CYCLE_MODES.get(request.given("cycle"))
     if wanted is None:
         raise Rejected(reasons.BAD_ARGUMENT, "cycle")
 
     def change(programs: Programs) -> None:
         programs.cycle = wanted
 
-    _run(cabinet, change)
+    _command_programs(cabinet, change)
     return DONE
 
 
-def _run(cabinet: Cabinet, command: object) -> None:
+def _command_programs(cabinet: Cabinet, command: object) -> None:
     assert callable(command)
     try:
         cabinet.do(command)
@@ -98,24 +98,24 @@ def _run(cabinet: Cabinet, command: object) -> None:
 # -------------------------------------------------------------------------------- tasks
 
 
-def tasks(cabinet: Cabinet, request: Request) -> Answer:
-    own = Item("rap-task-li", TASK, cabinet.do(_facts), f"tasks/{TASK}")
+def list_tasks(cabinet: Cabinet, request: Request) -> Answer:
+    own = Item("rap-task-li", TASK, cabinet.do(_task_fields), f"tasks/{TASK}")
     others = [
-        Item("rap-task-li", name, _facts_behind(name, one), f"tasks/{name}")
+        Item("rap-task-li", name, _background_fields(name, one), f"tasks/{name}")
         for name, one in cabinet.behind.items()
     ]
     return Answer(listed=[own, *others])
 
 
-def task(cabinet: Cabinet, request: Request) -> Answer:
-    name, one = _behind(cabinet, request)
+def task_facts(cabinet: Cabinet, request: Request) -> Answer:
+    name, one = _background_task(cabinet, request)
     if one is not None:
-        return Answer(items=[Item("rap-task", name, _facts_behind(name, one))])
+        return Answer(items=[Item("rap-task", name, _background_fields(name, one))])
     _check_task(request)
-    return Answer(items=[Item("rap-task", TASK, cabinet.do(_facts))])
+    return Answer(items=[Item("rap-task", TASK, cabinet.do(_task_fields))])
 
 
-def _facts(programs: Programs) -> dict[str, str]:
+def _task_fields(programs: Programs) -> dict[str, str]:
     state = "started" if programs.running else "ready" if programs.ready else "stopped"
     return {
         "name": TASK,
@@ -127,7 +127,7 @@ def _facts(programs: Programs) -> dict[str, str]:
     }
 
 
-def _facts_behind(name: str, one: Behind) -> dict[str, str]:
+def _background_fields(name: str, one: BackgroundTask) -> dict[str, str]:
     return {
         "name": name,
         "type": one.kind,
@@ -138,7 +138,7 @@ def _facts_behind(name: str, one: Behind) -> dict[str, str]:
     }
 
 
-def _behind(cabinet: Cabinet, request: Request) -> tuple[str, Behind | None]:
+def _background_task(cabinet: Cabinet, request: Request) -> tuple[str, BackgroundTask | None]:
     """The task in the background that a request names, None for any other."""
     stated = request.captures.get("task") or request.query.get("task") or TASK
     found = (pair for pair in cabinet.behind.items() if pair[0].lower() == stated.lower())
@@ -152,11 +152,11 @@ def _check_task(request: Request) -> None:
         raise Rejected(reasons.NO_TASK, stated)
 
 
-def activate(cabinet: Cabinet, request: Request) -> Answer:
+def activate_task(cabinet: Cabinet, request: Request) -> Answer:
     return _set_active(cabinet, request, True)
 
 
-def deactivate(cabinet: Cabinet, request: Request) -> Answer:
+def deactivate_task(cabinet: Cabinet, request: Request) -> Answer:
     return _set_active(cabinet, request, False)
 
 
@@ -168,15 +168,15 @@ def _set_active(cabinet: Cabinet, request: Request, active: bool) -> Answer:
             raise NotPossible("the program runs")
         programs.active = active
 
-    _run(cabinet, change)
+    _command_programs(cabinet, change)
     return DONE
 
 
 # ------------------------------------------------------------------------------ modules
 
 
-def modules(cabinet: Cabinet, request: Request) -> Answer:
-    task, behind = _behind(cabinet, request)
+def list_modules(cabinet: Cabinet, request: Request) -> Answer:
+    task, behind = _background_task(cabinet, request)
     if behind is not None:
         kinds = {"type": "ProgMod"}
         rows = [
@@ -192,7 +192,7 @@ def modules(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=items)
 
 
-def _module(cabinet: Cabinet, request: Request) -> Module:
+def _find_module(cabinet: Cabinet, request: Request) -> Module:
     _check_task(request)
     name = request.captures["module"]
     found = cabinet.do(lambda programs: programs.modules.get(name.lower()))
@@ -201,8 +201,8 @@ def _module(cabinet: Cabinet, request: Request) -> Module:
     return found
 
 
-def module(cabinet: Cabinet, request: Request) -> Answer:
-    found = _module(cabinet, request)
+def module_facts(cabinet: Cabinet, request: Request) -> Answer:
+    found = _find_module(cabinet, request)
     file = found.file.rpartition("/")[2] or f"{found.name}.mod"
     fields = {
         "modname": found.name,
@@ -212,13 +212,13 @@ def module(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("rap-module", f"{TASK}/{found.name}", fields)])
 
 
-def text(cabinet: Cabinet, request: Request) -> Answer:
+def module_text(cabinet: Cabinet, request: Request) -> Answer:
     """RWS 1.0 has it percent-encoded."""
-    _, behind = _behind(cabinet, request)
+    _, behind = _background_task(cabinet, request)
     if behind is not None:
-        said, count = _text_behind(behind, request), 0
+        said, count = _background_text(behind, request), 0
     else:
-        found = _module(cabinet, request)
+        found = _find_module(cabinet, request)
         if found.hidden:
             raise Rejected(reasons.NOT_PERMITTED, f"{found.name} is NOVIEW")
         said, count = cabinet.do(lambda programs: (programs.text(found), programs.changes))
@@ -228,7 +228,7 @@ def text(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("rap-module-text", "moduletext", fields)])
 
 
-def _text_behind(behind: Behind, request: Request) -> str:
+def _background_text(behind: BackgroundTask, request: Request) -> str:
     name = request.captures["module"].lower()
     said = (text for module, text in behind.modules.items() if module.lower() == name)
     text = next(said, None)
@@ -237,16 +237,16 @@ def _text_behind(behind: Behind, request: Request) -> str:
     return text
 
 
-def set_text(cabinet: Cabinet, request: Request) -> Answer:
-    found = _module(cabinet, request)
+def set_module_text(cabinet: Cabinet, request: Request) -> Answer:
+    found = _find_module(cabinet, request)
     data = request.given("text").encode("utf-8")
-    _load(cabinet, [found.file or f"{found.name}.mod"], [data], replace=True)
+    _load_modules(cabinet, [found.file or f"{found.name}.mod"], [data], replace=True)
     return DONE
 
 
 def load_module(cabinet: Cabinet, request: Request) -> Answer:
     """Into a task in the background as well, where it takes the place of the one of its name."""
-    _, behind = _behind(cabinet, request)
+    _, behind = _background_task(cabinet, request)
     if behind is None:
         _check_task(request)
     path = path_of(cabinet, unit_path(request.given("modulepath")))
@@ -258,18 +258,18 @@ def load_module(cabinet: Cabinet, request: Request) -> Answer:
         if behind.running:
             raise Rejected(reasons.WRONG_STATE, "the task runs")
         behind.modules.update(
-            {one.name: _source(one) for one in _read(cabinet, [path.name], [data])}
+            {one.name: _module_source(one) for one in _read_modules(cabinet, [path.name], [data])}
         )
         return DONE
-    _load(cabinet, [path.name], [data], request.form.get("replace", "").lower() == "true")
+    _load_modules(cabinet, [path.name], [data], request.form.get("replace", "").lower() == "true")
     return DONE
 
 
-def _source(module: Module) -> str:
+def _module_source(module: Module) -> str:
     return "" if module.tree.source is None else module.tree.source.text
 
 
-def _read(cabinet: Cabinet, files: list[str], datas: list[bytes]) -> list[Module]:
+def _read_modules(cabinet: Cabinet, files: list[str], datas: list[bytes]) -> list[Module]:
     try:
         return [one for f, d in zip(files, datas, strict=True) for one in read_module(f, d)]
     except NotPossible as wrong:
@@ -277,19 +277,19 @@ def _read(cabinet: Cabinet, files: list[str], datas: list[bytes]) -> list[Module
         raise Rejected(reasons.UNSPECIFIED, str(wrong)) from None
 
 
-def _load(cabinet: Cabinet, files: list[str], datas: list[bytes], replace: bool) -> None:
-    read = _read(cabinet, files, datas)
-    _run(cabinet, lambda programs: programs.load(read, replace))
+def _load_modules(cabinet: Cabinet, files: list[str], datas: list[bytes], replace: bool) -> None:
+    read = _read_modules(cabinet, files, datas)
+    _command_programs(cabinet, lambda programs: programs.load(read, replace))
 
 
 def unload_module(cabinet: Cabinet, request: Request) -> Answer:
     name = request.given("module")
-    _, behind = _behind(cabinet, request)
+    _, behind = _background_task(cabinet, request)
     if behind is not None:
         raise Rejected(reasons.WRONG_STATE, "modules in the background stay loaded here")
     _check_task(request)
     try:
-        _run(cabinet, lambda programs: programs.unload(name))
+        _command_programs(cabinet, lambda programs: programs.unload(name))
     except KeyError:
         reason = reasons.NO_MODULE_TO_UNLOAD if request.dialect == 1 else reasons.NO_MODULE_2
         raise Rejected(reason) from None
@@ -298,7 +298,7 @@ def unload_module(cabinet: Cabinet, request: Request) -> Answer:
 
 def save_module(cabinet: Cabinet, request: Request) -> Answer:
     """Into a folder that the form names; RWS 1.0 ends the file in `.mod`, 2.0 in `.modx`."""
-    found = _module(cabinet, request)
+    found = _find_module(cabinet, request)
     folder = path_of(cabinet, unit_path(request.given("path")))
     file = folder / f"{request.form.get('name') or found.name}{request.either('.mod', '.modx')}"
     if file.parent != folder or not folder.is_dir():
@@ -329,12 +329,12 @@ def load_program(cabinet: Cabinet, request: Request) -> Answer:
     except (ValueError, ElementTree.ParseError):
         raise Rejected(reasons.UNSPECIFIED, "no program file") from None
     if request.form.get("loadmode", "replace").lower() == "replace":
-        _run(cabinet, lambda programs: programs.unload_all())
-    _load(cabinet, names, datas, replace=True)
+        _command_programs(cabinet, lambda programs: programs.unload_all())
+    _load_modules(cabinet, names, datas, replace=True)
     return DONE
 
 
-def program(cabinet: Cabinet, request: Request) -> Answer:
+def program_facts(cabinet: Cabinet, request: Request) -> Answer:
     _check_task(request)
     there = cabinet.do(lambda programs: bool(programs.modules))
     if not there:
@@ -345,9 +345,9 @@ def program(cabinet: Cabinet, request: Request) -> Answer:
 # ------------------------------------------------------------------------------ pointer
 
 
-def pointer(cabinet: Cabinet, request: Request) -> Answer:
+def read_pointer(cabinet: Cabinet, request: Request) -> Answer:
     """The names of the fields are the controller's own, `modulemame` among them."""
-    if _behind(cabinet, request)[1] is not None:
+    if _background_task(cabinet, request)[1] is not None:
         return Answer(items=[])
     _check_task(request)
     found, count = cabinet.do(lambda programs: (programs.pointer(), programs.changes))
@@ -368,5 +368,5 @@ def pointer(cabinet: Cabinet, request: Request) -> Answer:
 def set_pointer(cabinet: Cabinet, request: Request) -> Answer:
     _check_task(request)
     routine, module = request.given("routine"), request.form.get("module", "")
-    _run(cabinet, lambda programs: programs.reset(routine, module))
+    _command_programs(cabinet, lambda programs: programs.reset(routine, module))
     return DONE

@@ -9,24 +9,24 @@ from assistant.virtual.irc5.rws import reasons
 from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 
-PAGE = 100
+SIGNALS_PAGE = 100
 """Signals that RWS 2.0 lists at once; 1.0 lists all."""
 
 
-def listed(cabinet: Cabinet, request: Request) -> Answer:
-    return _page(cabinet, request, sorted(cabinet.signals().values(), key=lambda s: s.title))
+def list_signals(cabinet: Cabinet, request: Request) -> Answer:
+    return _signal_page(cabinet, request, sorted(cabinet.signals().values(), key=lambda s: s.title))
 
 
-def _page(cabinet: Cabinet, request: Request, found: list[Signal]) -> Answer:
+def _signal_page(cabinet: Cabinet, request: Request, found: list[Signal]) -> Answer:
     start = request.number("start", 0, 10**6, 0)
-    usual = PAGE if request.dialect == 2 else len(found) + 1
+    usual = SIGNALS_PAGE if request.dialect == 2 else len(found) + 1
     limit = request.number("limit", 1, usual, usual)
     page = found[start : start + limit]
     onward = f"signals?start={start + limit}&limit={limit}" if start + limit < len(found) else ""
-    return Answer(listed=[_item(cabinet, one, "ios-signal-li") for one in page], next=onward)
+    return Answer(listed=[_signal_item(cabinet, one, "ios-signal-li") for one in page], next=onward)
 
 
-def search(cabinet: Cabinet, request: Request) -> Answer:
+def search_signals(cabinet: Cabinet, request: Request) -> Answer:
     """What the form states has to hold; a name is part of one."""
     found = []
     for one in sorted(cabinet.signals().values(), key=lambda s: s.title):
@@ -35,16 +35,18 @@ def search(cabinet: Cabinet, request: Request) -> Answer:
         part = request.form.get("name", "").lower()
         if part in one.name.lower() and all(facts[key] == value for key, value in stated.items()):
             found.append(one)
-    return _page(cabinet, request, found)
+    return _signal_page(cabinet, request, found)
 
 
-def read(cabinet: Cabinet, request: Request) -> Answer:
+def read_signal(cabinet: Cabinet, request: Request) -> Answer:
     kind = request.either("ios-signal", "ios-signal-li")
-    return Answer(items=[_item(cabinet, find(cabinet, request.captures["signal"]), kind)])
+    return Answer(
+        items=[_signal_item(cabinet, find_signal(cabinet, request.captures["signal"]), kind)]
+    )
 
 
-def write(cabinet: Cabinet, request: Request) -> Answer:
-    signal = find(cabinet, request.captures["signal"])
+def write_signal(cabinet: Cabinet, request: Request) -> Answer:
+    signal = find_signal(cabinet, request.captures["signal"])
     text = request.given("lvalue")
     try:
         value = float(text)
@@ -60,7 +62,7 @@ def write(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-def find(cabinet: Cabinet, path: str) -> Signal:
+def find_signal(cabinet: Cabinet, path: str) -> Signal:
     """A signal by its network, device and name, or by its name alone."""
     *where, name = path.split("/")
     signal = cabinet.signals().get(name.lower())
@@ -69,16 +71,16 @@ def find(cabinet: Cabinet, path: str) -> Signal:
     return signal
 
 
-def value_of(cabinet: Cabinet, signal: Signal) -> str:
+def signal_value(cabinet: Cabinet, signal: Signal) -> str:
     return f"{cabinet.read(signal):.7g}"
 
 
-def _item(cabinet: Cabinet, signal: Signal, kind: str) -> Item:
+def _signal_item(cabinet: Cabinet, signal: Signal, kind: str) -> Item:
     fields = {
         "name": signal.name,
         "type": signal.type,
         "category": "",
-        "lvalue": value_of(cabinet, signal),
+        "lvalue": signal_value(cabinet, signal),
         "lstate": "not simulated",
     }
     if kind == "ios-signal":
@@ -86,7 +88,7 @@ def _item(cabinet: Cabinet, signal: Signal, kind: str) -> Item:
     return Item(kind, signal.title, fields, f"signals/{signal.title}")
 
 
-def networks(cabinet: Cabinet, request: Request) -> Answer:
+def list_networks(cabinet: Cabinet, request: Request) -> Answer:
     names = sorted({one.network for one in cabinet.signals().values() if one.network})
     fields = {"pstate": "running", "lstate": "started"}
     return Answer(
@@ -94,7 +96,7 @@ def networks(cabinet: Cabinet, request: Request) -> Answer:
     )
 
 
-def devices(cabinet: Cabinet, request: Request) -> Answer:
+def list_devices(cabinet: Cabinet, request: Request) -> Answer:
     pairs = sorted({(s.network, s.device) for s in cabinet.signals().values() if s.network})
     only = request.query.get("network")
     fields = {"lstate": "enabled", "pstate": "running", "address": "-"}

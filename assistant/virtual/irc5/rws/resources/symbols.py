@@ -18,12 +18,11 @@ from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.scopes import Cell, Place
 from assistant.virtual.rapid.types import Types
 from assistant.virtual.rapid.values import Shape
-from assistant.virtual.rapid.written import read as read_value
-from assistant.virtual.rapid.written import written
+from assistant.virtual.rapid.written import read_value, value_text
 
-SYSTEM: Final = "BASE"
+SYSTEM_MODULE: Final = "BASE"
 """The module of what every controller declares."""
-KINDS: Final = {"PERS": ("pers", "per"), "VAR": ("var", "var"), "CONST": ("const", "con")}
+SYMBOL_KINDS: Final = {"PERS": ("pers", "per"), "VAR": ("var", "var"), "CONST": ("const", "con")}
 """By storage: what the class of a symbol ends in, and its `symtyp`."""
 
 T = TypeVar("T")
@@ -43,18 +42,18 @@ class Symbol:
         return f"RAPID/{TASK}/{self.module}/{self.name}"
 
 
-def _all(machine: Machine) -> Iterator[Symbol]:
+def _all_symbols(machine: Machine) -> Iterator[Symbol]:
     """Module data in the order of the modules; settled as far as it is simulated."""
     for unit in machine.modules.values():
         for name, meaning in unit.names.items():
             if isinstance(meaning, Cell):
                 yield Symbol(unit.name, name, meaning, True)
         for name, meaning in machine.named.items():
-            if isinstance(meaning, Cell) and _unit_of(machine, name) == unit.name:
+            if isinstance(meaning, Cell) and _declaring_module(machine, name) == unit.name:
                 yield Symbol(unit.name, name, meaning)
 
 
-def _unit_of(machine: Machine, name: str) -> str:
+def _declaring_module(machine: Machine, name: str) -> str:
     """The module that declares what all modules know."""
     for loaded, _ in machine.controller.programs:
         for file in loaded.files:
@@ -69,7 +68,7 @@ def _is_local(item: object) -> bool:
     return getattr(item, "scope", "") == "LOCAL" or bool(getattr(item, "local", False))
 
 
-def _find(programs: Programs, module: str, name: str) -> tuple[Machine, Symbol] | None:
+def _find_symbol(programs: Programs, module: str, name: str) -> tuple[Machine, Symbol] | None:
     machine = programs.machine
     if machine is None:
         return None
@@ -79,34 +78,36 @@ def _find(programs: Programs, module: str, name: str) -> tuple[Machine, Symbol] 
             return machine, Symbol(one.name, name, cell, True)
     cell = machine.named.get(key)
     if isinstance(cell, Cell):
-        home = _unit_of(machine, key)
+        home = _declaring_module(machine, key)
         if module.lower() in ("", home.lower()):
             return machine, Symbol(home, name, cell)
     known = machine.predefined.get(key)
-    if isinstance(known, Cell) and module.upper() in ("", SYSTEM):
-        return machine, Symbol(SYSTEM, name, known)
+    if isinstance(known, Cell) and module.upper() in ("", SYSTEM_MODULE):
+        return machine, Symbol(SYSTEM_MODULE, name, known)
     return None
 
 
-def _with(cabinet: Cabinet, request: Request, does: Callable[[Machine, Symbol], T]) -> T:
+def _with_symbol(cabinet: Cabinet, request: Request, does: Callable[[Machine, Symbol], T]) -> T:
     """Does something to the symbol that a request names, in the thread of the programs."""
-    return _at(cabinet, request.captures["symbol"], _unknown(request), does)
+    return _at_symbol(cabinet, request.captures["symbol"], _unknown_symbol(request), does)
 
 
-def value_at(cabinet: Cabinet, dialect: int, path: str) -> str:
+def symbol_value_at(cabinet: Cabinet, dialect: int, path: str) -> str:
     """The value of data by `T_ROB1/module/name`; raises Rejected."""
     unknown = reasons.NO_EVENTS if dialect == 1 else reasons.NO_SYMBOL_2
-    return _at(cabinet, path, unknown, value_of)
+    return _at_symbol(cabinet, path, unknown, symbol_value)
 
 
-def _at(cabinet: Cabinet, path: str, unknown: Reason, does: Callable[[Machine, Symbol], T]) -> T:
+def _at_symbol(
+    cabinet: Cabinet, path: str, unknown: Reason, does: Callable[[Machine, Symbol], T]
+) -> T:
     parts = path.split("/")
     if parts[0].lower() != TASK.lower() or len(parts) not in (2, 3):
         raise Rejected(unknown)
     module, name = (parts[1], parts[2]) if len(parts) == 3 else ("", parts[1])
 
     def act(programs: Programs) -> T:
-        found = _find(programs, module, name)
+        found = _find_symbol(programs, module, name)
         if found is None:
             raise Rejected(unknown)
         machine, symbol = found
@@ -120,28 +121,28 @@ def _at(cabinet: Cabinet, path: str, unknown: Reason, does: Callable[[Machine, S
     return cabinet.do(act)
 
 
-def _unknown(request: Request) -> Reason:
+def _unknown_symbol(request: Request) -> Reason:
     one = reasons.NO_SYMBOL if request.method == "GET" else reasons.NO_SYMBOL_2
     return one if request.dialect == 1 else reasons.NO_SYMBOL_2
 
 
-def value_of(machine: Machine, symbol: Symbol) -> str:
+def symbol_value(machine: Machine, symbol: Symbol) -> str:
     """As RAPID writes it; raises Rejected for data that has no such text."""
     value = symbol.cell.value
     try:
         if value is None:
             raise ValueError("it has no value")
-        return written(value, symbol.cell.shape, machine.types)
+        return value_text(value, symbol.cell.shape, machine.types)
     except ValueError as wrong:
         raise Rejected(reasons.UNSPECIFIED, str(wrong)) from None
 
 
-def read(cabinet: Cabinet, request: Request) -> Answer:
-    title, value = _with(cabinet, request, lambda m, one: (one.url, value_of(m, one)))
+def read_symbol(cabinet: Cabinet, request: Request) -> Answer:
+    title, value = _with_symbol(cabinet, request, lambda m, one: (one.url, symbol_value(m, one)))
     return Answer(items=[Item("rap-data", title, {"value": value})])
 
 
-def write(cabinet: Cabinet, request: Request) -> Answer:
+def write_symbol(cabinet: Cabinet, request: Request) -> Answer:
     text = request.given("value")
 
     def change(machine: Machine, symbol: Symbol) -> None:
@@ -157,16 +158,16 @@ def write(cabinet: Cabinet, request: Request) -> Answer:
             raise Rejected(reasons.BAD_ARGUMENT, str(wrong)) from None
         machine.look()
 
-    _with(cabinet, request, change)
+    _with_symbol(cabinet, request, change)
     return DONE
 
 
-def properties(cabinet: Cabinet, request: Request) -> Answer:
-    return Answer(items=[_with(cabinet, request, lambda _, one: _item(one, ""))])
+def symbol_properties(cabinet: Cabinet, request: Request) -> Answer:
+    return Answer(items=[_with_symbol(cabinet, request, lambda _, one: _symbol_item(one, ""))])
 
 
-def _item(symbol: Symbol, end: str) -> Item:
-    kind, short = KINDS.get(symbol.cell.storage, ("var", "var"))
+def _symbol_item(symbol: Symbol, end: str) -> Item:
+    kind, short = SYMBOL_KINDS.get(symbol.cell.storage, ("var", "var"))
     shape = symbol.cell.shape
     fields = {
         "symburl": symbol.url,
@@ -184,7 +185,7 @@ def _item(symbol: Symbol, end: str) -> Item:
     return Item(f"rap-symprop{kind}{end}", symbol.url, fields)
 
 
-def search(cabinet: Cabinet, request: Request) -> Answer:
+def search_symbols(cabinet: Cabinet, request: Request) -> Answer:
     """Module data; of what one may state, `blockurl`, `symtyp`, `dattyp` and `regexp` count."""
     stated = request.form
     block = stated.get("blockurl", "RAPID").split("/")
@@ -198,14 +199,14 @@ def search(cabinet: Cabinet, request: Request) -> Answer:
 
     def find(programs: Programs) -> list[Item]:
         machine, items = programs.machine, []
-        for one in () if machine is None else _all(machine):
+        for one in () if machine is None else _all_symbols(machine):
             try:
                 assert machine is not None
                 settled(machine, one.cell)
             except (Fault, NotSimulated):
                 continue  # Its type is not known here.
             if module in ("", one.module.lower()) and pattern.search(one.name):
-                items.append(_item(one, "-li"))
+                items.append(_symbol_item(one, "-li"))
         return items
 
     kind, type = stated.get("symtyp", "any"), stated.get("dattyp", "")
@@ -218,7 +219,7 @@ def search(cabinet: Cabinet, request: Request) -> Answer:
     )
 
 
-def validate(cabinet: Cabinet, request: Request) -> Answer:
+def validate_value(cabinet: Cabinet, request: Request) -> Answer:
     """Whether a text is a value of a type."""
     text, type = request.given("value"), request.given("datatype", "dattyp")
 

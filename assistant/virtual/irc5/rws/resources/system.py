@@ -14,17 +14,17 @@ from assistant.virtual.irc5.rws.answers import DONE, Answer, Item, Rejected
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.resources.files import path_of, unit_path
 
-OPTIONS: Final = (
+SYSTEM_OPTIONS: Final = (
     "RobotWare Base",
     "English",
     "616-1 PC Interface",
     "689-1 Externally Guided Motion",
 )
-TIME: Final = "%Y-%m-%d T %H:%M:%S"
+CONTROLLER_TIME: Final = "%Y-%m-%d T %H:%M:%S"
 CLOCK: Final = ("year", "month", "day", "hour", "min", "sec")
 
 
-def system(cabinet: Cabinet, request: Request) -> Answer:
+def system_info(cabinet: Cabinet, request: Request) -> Answer:
     version = VERSIONS[request.dialect]
     major, minor, *_ = version.split(".")
     fields = {
@@ -33,19 +33,19 @@ def system(cabinet: Cabinet, request: Request) -> Answer:
         "name": cabinet.name,
         "rwversion": version,
         "sysid": SYSTEM_ID,
-        "starttm": cabinet.began.strftime(TIME),
+        "starttm": cabinet.began.strftime(CONTROLLER_TIME),
         "rwversionname": f"{major}.{minor}.00.00",
     }
     own = Item(request.either("sys-system-li", "sys-system"), "system", fields)
     kind = request.either("sys-option-li", "sys-options")
-    inside = tuple(Item(kind, str(i), {"option": one}) for i, one in enumerate(OPTIONS))
+    inside = tuple(Item(kind, str(i), {"option": one}) for i, one in enumerate(SYSTEM_OPTIONS))
     listed = Item("sys-options-li", "options", {}, "options", inside, "options")
     return Answer(items=[own], listed=[listed])
 
 
-def options(cabinet: Cabinet, request: Request) -> Answer:
+def system_options(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(
-        items=[Item("sys-option-li", str(i), {"option": o}) for i, o in enumerate(OPTIONS)]
+        items=[Item("sys-option-li", str(i), {"option": o}) for i, o in enumerate(SYSTEM_OPTIONS)]
     )
 
 
@@ -54,7 +54,7 @@ def robot_type(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("sys-robottype", "robottype", {"robot-type": title})])
 
 
-def identity(cabinet: Cabinet, request: Request) -> Answer:
+def controller_identity(cabinet: Cabinet, request: Request) -> Answer:
     fields = {
         "ctrl-name": cabinet.name,
         "ctrl-type": "Virtual Controller",
@@ -65,8 +65,8 @@ def identity(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("ctrl-identity-info", "identity", fields)])
 
 
-def clock(cabinet: Cabinet, request: Request) -> Answer:
-    fields = {"datetime": cabinet.now().strftime(TIME)}
+def read_clock(cabinet: Cabinet, request: Request) -> Answer:
+    fields = {"datetime": cabinet.now().strftime(CONTROLLER_TIME)}
     return Answer(items=[Item("ctrl-clock-info", "clock", fields)])
 
 
@@ -81,7 +81,7 @@ def set_clock(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-def environment(cabinet: Cabinet, request: Request) -> Answer:
+def volume_path(cabinet: Cabinet, request: Request) -> Answer:
     """`/ctrl/$RAMDISK`: where a volume is."""
     volume = request.captures["volume"].upper()
     if volume not in ("HOME", "TEMP", "RAMDISK", "BACKUP"):
@@ -104,13 +104,13 @@ def backup_ready(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("ctrl-backup-state", "backup", {"backup-state": "Backup Ready"})])
 
 
-def progress(cabinet: Cabinet, request: Request) -> Answer:
+def read_progress(cabinet: Cabinet, request: Request) -> Answer:
     """Of what a 202 was answered to."""
     number = request.captures["number"]
     return Answer(items=[Item("progress", number, {"state": "ready", "code": "294912"})])
 
 
-def backup(cabinet: Cabinet, request: Request) -> Answer:
+def create_backup(cabinet: Cabinet, request: Request) -> Answer:
     target = path_of(cabinet, unit_path(request.given("backup")))
     if target.exists():
         raise Rejected(reasons.BAD_ARGUMENT, "there is a file or folder of that name")
