@@ -9,9 +9,9 @@ import numpy as np
 
 from assistant import languages, robots
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.motion import Timed
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 from benchmarks.reading import Reading
 
 ROUNDS: Final = 50_000

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from assistant.virtual.comparing import COMPARED, NOT_COMPARED
+from assistant.virtual.proving.comparison import COMPARED, NOT_COMPARED
 
 HEAD = """\
 # Comparing two programs

@@ -16,8 +16,8 @@ from assistant.compiler.running import programs
 from assistant.program.geometry import Pose
 from assistant.sources.sights import Seeing, Sight
 from assistant.virtual.events import Moved
-from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.program_run import Settings, prepared
 
 PROGRAM: Final = Path(__file__).parent.parent / "samples" / "seen" / "seam.pseudo"
 USUAL: Final = (320.0, 0.0, 200.0, 0.0)

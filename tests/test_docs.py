@@ -25,9 +25,9 @@ from assistant.findings.severities import severities_for
 from assistant.program import pseudo
 from assistant.project.schema import schema
 from assistant.sources.process.file import read_process
-from assistant.virtual.comparing import NOT_COMPARED, Uncompared
 from assistant.virtual.melfa import Options
-from assistant.virtual.melfa.choosing import choose
+from assistant.virtual.melfa.options import choose
+from assistant.virtual.proving.comparison import NOT_COMPARED, Uncompared
 from assistant.vision.cameras.camera_file import read_cameras
 from assistant.vision.pointing.device_file import read_device
 from assistant.vision.servoing.task_file import read_servo

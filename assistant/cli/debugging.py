@@ -11,8 +11,8 @@ from assistant.base.diagnostics import Refused, error
 from assistant.cli.presentation import print_findings
 
 if TYPE_CHECKING:
+    from assistant.virtual.debugging.break_points import Lines
     from assistant.virtual.debugging.messages import Object
-    from assistant.virtual.debugging.points import Lines
     from assistant.virtual.kernel import Kernel
 
 WRONG_LAUNCH: Final = error(
@@ -57,8 +57,8 @@ def _launch(wanted: Object) -> tuple[Kernel, Lines]:
     """The programs of a launch request, ready to run, and their lines; raises Refused."""
     from assistant.compiler.arms import robot_of
     from assistant.compiler.running import programs
-    from assistant.virtual.debugging.points import statement_lines
-    from assistant.virtual.running import MOST_STEPS, Settings, prepared
+    from assistant.virtual.debugging.break_points import statement_lines
+    from assistant.virtual.program_run import MOST_STEPS, Settings, prepared
 
     for name, value in wanted.items():
         if name.startswith("__") or name in OF_EDITORS:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
     from assistant.virtual.kernel.script import Script
-    from assistant.virtual.parts import Programs
+    from assistant.virtual.tasks import Programs
 
 NO_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
 NOT_FOR_PROGRAMS: Final = error(
@@ -155,8 +155,8 @@ class _Running:
     ) -> None:
         from assistant.compiler.script_file import not_visited
         from assistant.virtual.kernel.script import follow
-        from assistant.virtual.running import Settings, prepared
-        from assistant.virtual.telling import ColumnWidths
+        from assistant.virtual.program_run import Settings, prepared
+        from assistant.virtual.run_log import ColumnWidths
 
         self.programs, self.options, self.format = programs, options, format
         self.arm, self.sources = arm, programs.sources()
@@ -202,7 +202,7 @@ class _Running:
         return lasts and self.format is Format.TEXT
 
     def run(self) -> int:
-        from assistant.virtual.telling import NOTED, end_finding, summary
+        from assistant.virtual.run_log import NOTED, end_finding, summary
 
         self._prepare_stops()
         quiet = self.live or self.options.step or bool(self.points)
@@ -291,7 +291,7 @@ class _Running:
     def flush(self) -> None:
         """Prints what happened since the last time."""
         from assistant.virtual.events import Logged
-        from assistant.virtual.telling import ColumnWidths, log_rows
+        from assistant.virtual.run_log import ColumnWidths, log_rows
 
         first, log = self.printed, self.kernel.log[self.printed :]
         given = self.given[self.changed :]
@@ -311,7 +311,7 @@ class _Running:
         self, run: Run, findings: Sequence[Diagnostic], written: Sequence[Path]
     ) -> dict[str, Any]:
         from assistant.findings.formats import finding_record
-        from assistant.virtual.telling import json_record, log_rows
+        from assistant.virtual.run_log import json_record, log_rows
 
         path, line = run.place or (None, None)
         return {
@@ -331,7 +331,7 @@ class _Running:
 
     def _written(self, run: Run) -> list[Path]:
         from assistant.base.file_sets import write_all
-        from assistant.virtual.tracing import event_columns, motion_columns, npz
+        from assistant.virtual.run_log import event_columns, motion_columns, npz
 
         trace, plot = self.options.trace, self.options.plot
         if trace is None and plot is None:

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.presentation import say
-from assistant.virtual.debugging.holding import Holding, Step, Stride
+from assistant.virtual.debugging.break_points import Holding, Step, Stride
 from assistant.virtual.events import Place
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
-from assistant.virtual.telling import short_place
+from assistant.virtual.run_log import short_place
 
 if TYPE_CHECKING:
     from assistant.base.source_text import SourceText

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
-    from assistant.virtual.melfa.lines import Line
+    from assistant.virtual.melfa.communication_lines import Line
 
 NOT_STARTED = error(
     "CL101",
@@ -62,7 +62,7 @@ def run_irc5(
     from assistant.compiler.arms import robot_of
     from assistant.virtual.irc5 import VirtualIrc5
     from assistant.virtual.irc5.controller import DEVICES
-    from assistant.virtual.irc5.rws.faults import Fault
+    from assistant.virtual.irc5.rws_faults import Fault
 
     arm, given = robot_of(robot), os.environ.get(PASSWORD)
     assert arm is not None
@@ -178,7 +178,7 @@ def run_cr(
 @contextmanager
 def _line(name: str, target: str) -> Iterator[Line]:
     """Open the target of a line until the controller ends; raises Refused."""
-    from assistant.virtual.melfa.lines import line_to
+    from assistant.virtual.melfa.communication_lines import line_to
 
     try:
         line, leave = line_to(target)

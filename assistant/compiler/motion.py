@@ -23,11 +23,10 @@ from assistant.program.program import Program
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.virtual.branches import Branch
-    from assistant.virtual.events import Run
+    from assistant.virtual.events import Branch, Run
+    from assistant.virtual.proving.compared_programs import Side
+    from assistant.virtual.proving.comparison import Rounding
     from assistant.virtual.proving.search import Found
-    from assistant.virtual.proving.sides import Side
-    from assistant.virtual.rounding import Rounding
 
 MOVES_OTHERWISE = error(
     "CO110",
@@ -204,8 +203,8 @@ def prove_motion(
     for a script that cannot be used.
     """
     from assistant.compiler.script_file import not_visited, read_script
+    from assistant.virtual.proving.compared_programs import can_run
     from assistant.virtual.proving.search import Budget, Found, compared
-    from assistant.virtual.proving.sides import can_run
 
     source = pair.first
     names = pair.first.name, pair.second.name
@@ -250,7 +249,7 @@ def _rounding(sides: Sequence[Side], languages: Sequence[Language[Any]], terms: 
     """What the texts leave open of the places in them; only the second one, if it was made of the
     first.
     """
-    from assistant.virtual.rounding import Rounding
+    from assistant.virtual.proving.comparison import Rounding
 
     counted = languages if terms.typed else languages[-1:]
     positions = [language.precision.position for language in counted]

@@ -19,9 +19,9 @@ from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.virtual.comparing import Bits
-    from assistant.virtual.proving.sides import Side
-    from assistant.virtual.proving.wires import Wiring
+    from assistant.virtual.proving.compared_programs import Side
+    from assistant.virtual.proving.comparison import Bits
+    from assistant.virtual.proving.driver import Wiring
 
 HAND_NUMBERS: Final = 9000
 """Numbers of no signal, for the hands that a language has words for."""
@@ -83,8 +83,8 @@ def written(source: Program, program: Program, language: str, files: Mapping[str
 
 def sides(pair: Pair, trees: Sequence[Any], arms: Arms, entry: str | None) -> tuple[Side, Side]:
     """Both programs before the same motion and with the same signals. trees: of the first."""
-    from assistant.virtual.proving.sides import PLAIN_JOINTS, PLAIN_START, PSEUDO, Side
-    from assistant.virtual.running import home
+    from assistant.virtual.program_run import home
+    from assistant.virtual.proving.compared_programs import PLAIN_JOINTS, PLAIN_START, PSEUDO, Side
 
     first = pair.first
     spoken = None if first.origin is None else first.origin.language
@@ -176,7 +176,7 @@ def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]
     A small, a middling and a large one of the catalogue, as a program may be for any of them.
     """
     from assistant import robots
-    from assistant.virtual.running import home
+    from assistant.virtual.program_run import home
 
     known = sorted(map(robots.get, robots.names()), key=lambda robot: robot.reach)
     usual = [r for r in known if len(r.axes) == 6 and r.counts == "quadrants"]
@@ -197,7 +197,7 @@ def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
     Tools and frames that a process file states anew are in the program as it was lifted, not in the
     text that is run.
     """
-    from assistant.virtual.proving.equipping import Cell, with_equipment
+    from assistant.virtual.proving.compared_programs import Cell, with_equipment
 
     origin = program.origin
     if origin is None:  # it is run as it stands
@@ -232,8 +232,8 @@ def names_of_wires(pair: Pair) -> dict[str, str]:
 
 def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
     """What a program of a family calls the inputs: by their numbers where it counts them."""
-    from assistant.virtual.proving.sides import counts_signals
-    from assistant.virtual.proving.wires import Wiring
+    from assistant.virtual.proving.compared_programs import counts_signals
+    from assistant.virtual.proving.driver import Wiring
 
     named: dict[str, tuple[str, ...]] = {}
     wide: set[str] = set()
@@ -269,7 +269,7 @@ def outputs_of(pair: Pair, families: Sequence[str]) -> Bits:
 
     families: of their languages.
     """
-    from assistant.virtual.proving.sides import counts_signals
+    from assistant.virtual.proving.compared_programs import counts_signals
 
     if all(map(counts_signals, families)) and not pair.names:
         return {}
@@ -288,7 +288,7 @@ def outputs_of(pair: Pair, families: Sequence[str]) -> Bits:
 
 def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:
     """What a program calls outputs of one bit, by their names or else by their numbers."""
-    from assistant.virtual.proving.sides import counts_signals
+    from assistant.virtual.proving.compared_programs import counts_signals
 
     found: dict[str, str] = {}
     for name, signal in signals.items():

@@ -25,7 +25,7 @@ from assistant.compiler.loading import (
 from assistant.compiler.seen_frames import with_known
 from assistant.program import pseudo
 from assistant.sources.sights import NOTHING_SEEN, Seeing
-from assistant.virtual.parts import Group, Part, Programs, groups
+from assistant.virtual.tasks import Group, Part, Programs, groups
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree

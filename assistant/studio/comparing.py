@@ -20,9 +20,8 @@ from assistant.studio.watching import Inputs
 from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Ending, Task
 from assistant.virtual.kernel.script import follow
-from assistant.virtual.running import Settings, prepared
-from assistant.virtual.telling import end_finding
-from assistant.virtual.tracing import motion_columns
+from assistant.virtual.program_run import Settings, prepared
+from assistant.virtual.run_log import end_finding, motion_columns
 
 LONGEST: Final = 60.0
 """Seconds that each of them may run here, where nobody can switch what it waits for."""

@@ -18,7 +18,7 @@ from assistant.studio.studio import Studio
 if TYPE_CHECKING:
     from assistant.compiler.comparing import Comparison
     from assistant.studio.running import Running, Wanted
-    from assistant.virtual.debugging.holding import Stride
+    from assistant.virtual.debugging.break_points import Stride
 
 RUN: Final = "run"
 """What it is called among what is live."""
@@ -153,7 +153,7 @@ def motion(studio: Studio, asked: Asked) -> dict[str, Any]:
     """How the arm moved until now, in columns; see `motions.shown`."""
     from assistant.studio.motions import MOST_POINTS, shown
     from assistant.virtual.kernel import Kernel
-    from assistant.virtual.tracing import motion_columns
+    from assistant.virtual.run_log import motion_columns
 
     run = _running(studio)
 

@@ -24,14 +24,18 @@ from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals
 from assistant.studio.windows import Tell
-from assistant.virtual.debugging.holding import Holding, Step, Stride
-from assistant.virtual.debugging.points import moved_to_statements, statement_lines
+from assistant.virtual.debugging.break_points import (
+    Holding,
+    Step,
+    Stride,
+    moved_to_statements,
+    statement_lines,
+)
 from assistant.virtual.events import Logged, Place, Run, Stopped
 from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.kernel.script import InputChange, Script, follow
-from assistant.virtual.parts import Programs
-from assistant.virtual.running import Settings, prepared
-from assistant.virtual.telling import (
+from assistant.virtual.program_run import Settings, prepared
+from assistant.virtual.run_log import (
     NOTED,
     end_finding,
     event_words,
@@ -39,6 +43,7 @@ from assistant.virtual.telling import (
     log_rows,
     summary,
 )
+from assistant.virtual.tasks import Programs
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -1,12 +1,13 @@
-"""What a program does to the world while it runs, told alike for every language.
+"""Events: what a program does to the world while it runs, the same records for every language.
 
-Two programs do the same if their events agree: that is how a translation is judged without
-the reading that it was written by.
+Two programs do the same if their events agree: a translation is judged by its events, without the
+reader that it was made with. A `Branch` is a way on which a run can go on at a decision of a
+program; interpreters report those that are taken to `Kernel.branch`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -231,3 +232,20 @@ class Run:
     steps: int = field(default=0, compare=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
     """What the program asks for that the run takes without any effect, each once."""
+
+
+BranchKey = tuple[str, int, int]
+"""A file, where a statement stands in it, and which way it goes on, as `Kernel.branch` is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """One way. file, line: of its statement. said: the word of the statement and what it finds."""
+
+    file: str
+    line: int
+    said: str
+
+
+Branches = Mapping[BranchKey, Branch]
+"""Those that a run can go. Of a condition that is a constant there are none."""

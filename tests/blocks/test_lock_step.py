@@ -19,7 +19,7 @@ from assistant.blocks.lock_step import LockStep
 from assistant.blocks.running_bdsim import run_bdsim, run_paced
 from assistant.robots.timing import drive_of
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.faults import Faults
+from assistant.virtual.cr.session import Faults
 
 ARM = robots.get("rv-2aj")
 STEP, SECONDS = 0.01, 5.0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.virtual.motion import track_of
+from assistant.virtual.kernel.timed_arm import track_of
 from docs import models
 
 pytest.importorskip("bdsim")

@@ -21,7 +21,7 @@ from assistant.controllers import connect, parse
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.mxt_command import Enet, mxt_commands
+from assistant.virtual.cr.real_time import Enet, mxt_commands
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from tests.cli.test_commands import run
 from tests.controllers.abb.exchanging import RunningRobot

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.mxt_command import Enet, mxt_commands
+from assistant.virtual.cr.real_time import Enet, mxt_commands
 from tests.cli.test_commands import run
 from tests.cli.test_follow import FIVE, free_port
 from tests.cli.test_pointing import PLACES, POINT, filmed

@@ -13,7 +13,7 @@ import pytest
 
 from assistant.controllers import Controller, connect
 from assistant.controllers.states import State
-from assistant.virtual.irc5.rws.faults import Fault
+from assistant.virtual.irc5.rws_faults import Fault
 from tests.cli.terminal import Terminal
 from tests.cli.test_commands import run
 

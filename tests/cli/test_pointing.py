@@ -23,7 +23,7 @@ from assistant.program.geometry import Pose
 from assistant.sources import read
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.program_run import Settings, prepared
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
 from assistant.vision.pointing.devices import Device, ball, wand

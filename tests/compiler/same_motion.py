@@ -9,8 +9,8 @@ from assistant import languages
 from assistant.compiler import Translation, translate
 from assistant.program.geometry import Pose
 from assistant.virtual import melfa, rapid
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved, Run
+from assistant.virtual.proving.comparison import difference
 from tests.virtual.one_cycle import one_cycle
 
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")

@@ -22,9 +22,9 @@ from assistant.languages.language_types import Frames
 from assistant.program.geometry import Pose
 from assistant.project import build, project_of
 from assistant.virtual import melfa, rapid
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved, Run
 from assistant.virtual.melfa.options import Options
+from assistant.virtual.proving.comparison import difference
 
 PROCESS = """
 [motion]

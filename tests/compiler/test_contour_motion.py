@@ -19,9 +19,9 @@ from assistant.compiler import compile
 from assistant.robots.timing import Drive
 from assistant.virtual.events import Switched
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed, track_of
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.motion import Timed, track_of
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 ARMS = {"rapid": "irb1200-7-0.7", "melfa-basic-5": "rv-4frl"}
 HOME = {

@@ -14,7 +14,7 @@ from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load, load_text
 from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
 from assistant.compiler.motion_sides import written
-from assistant.virtual.proving import lasting, search
+from assistant.virtual.proving import search
 
 CELL = """
 [signals.doGrip]
@@ -152,12 +152,12 @@ def test_a_run_that_takes_too_long_is_broken_off(
     """What was compared by then is reported, and is no proof."""
     done = made("MODULE Cell\n" + LONG, "melfa-basic-5", tmp_path)
     every = proof(done).found
-    monkeypatch.setattr(lasting, "LEAST_SECONDS", 0.0)
+    monkeypatch.setattr(search, "LEAST_SECONDS", 0.0)
     short = proof(done, Proving(seconds=0.0))
     assert every is not None and every.changes == 500
     assert [f.code for f in short.findings if f.severity == "error"] == ["CO111"]
-    monkeypatch.setattr(lasting, "first_run", lambda _, source: 0.0 if source else 60.0)
-    monkeypatch.setattr(search, "first_run", lasting.first_run_seconds)
+    monkeypatch.setattr(search, "first_run", lambda _, source: 0.0 if source else 60.0)
+    monkeypatch.setattr(search, "first_run", search.first_run_seconds)
     longer = proof(done, Proving(seconds=0.0))
     assert not longer.holds and longer.found is not None
     assert 0 < longer.found.changes < 100

@@ -9,7 +9,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.compiler.running import programs
 from assistant.virtual.events import Said
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.program_run import Settings, prepared
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 MAIN = "MODULE {name}\nPROC main()\nWaitTime {seconds};\n{more}ENDPROC\nENDMODULE\n"

@@ -15,8 +15,8 @@ from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.script import InputChange, follow
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.rapid.running import start_task
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.program_run import Settings, prepared
+from assistant.virtual.rapid.interpreter import start_task
 
 RAPID = """MODULE cell
 PROC main()

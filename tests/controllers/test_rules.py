@@ -8,9 +8,9 @@ from assistant.base.diagnostics import Rule
 from assistant.controllers import rules as controllers
 from assistant.controllers.abb.exchange import rules as exchanging
 from assistant.deploy import rules as deploying
-from assistant.virtual.irc5 import file_server as irc5
-from assistant.virtual.irc5 import modules as irc5_modules
-from assistant.virtual.irc5.rws import certificate as irc5_certificate
+from assistant.virtual.irc5 import controller as irc5
+from assistant.virtual.irc5 import programs as irc5_modules
+from assistant.virtual.irc5 import rws_faults as irc5_certificate
 
 RULES = sorted(
     {

@@ -12,7 +12,7 @@ from assistant.controllers.states import Identity
 from assistant.deploy import EVERY, Change, FileState
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import BackgroundTask
-from assistant.virtual.irc5.rws.faults import Fault
+from assistant.virtual.irc5.rws_faults import Fault
 
 SEAM = """MODULE Seam
   ! taught on Monday

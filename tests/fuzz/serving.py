@@ -13,11 +13,10 @@ from functools import cache
 from typing import Final
 
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr import framing as cr_framing
-from assistant.virtual.cr.commands import COMMANDS
-from assistant.virtual.cr.controller import CrSession
+from assistant.virtual.cr import session as cr_framing
+from assistant.virtual.cr.controller import COMMANDS, CrSession
 from assistant.virtual.irc5 import VirtualIrc5, egm_packets
-from assistant.virtual.irc5.rws.http import Connection, Server
+from assistant.virtual.irc5.rws_http import Connection, Server
 from tests.fuzz.target import Target, folder, promise
 
 PASSWORD: Final = "secret"

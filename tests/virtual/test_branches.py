@@ -8,11 +8,11 @@ import pytest
 
 from assistant import languages
 from assistant.virtual import melfa
-from assistant.virtual.branches import Branches, BranchKey
+from assistant.virtual.events import Branches, BranchKey
 from assistant.virtual.kernel import Board, Kernel, Signals
-from assistant.virtual.melfa.branches import branches as melfa_branches
-from assistant.virtual.rapid.branches import branches as rapid_branches
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.melfa.code import branches as melfa_branches
+from assistant.virtual.rapid.interpreter import start_task
+from assistant.virtual.rapid.statements import branches as rapid_branches
 from tests.virtual import random_melfa, random_rapid
 from tests.virtual.translating import START
 

@@ -12,11 +12,11 @@ from assistant.program import pseudo
 from assistant.program.program import Program
 from assistant.virtual.events import Run, Switched
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.motion.timed import Timed
 from assistant.virtual.pseudo import start_program
 from assistant.virtual.rapid.controller import Controller
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 ARMS = {"pseudo": "irb1200-7-0.7", "rapid": "irb1200-7-0.7", "melfa-basic-6": "rv-7frl"}
 PROGRAM = """program p for {arm}

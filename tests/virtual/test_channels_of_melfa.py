@@ -13,11 +13,11 @@ from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation, translate
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry
-from assistant.virtual.melfa.lines import TcpServer
+from assistant.virtual.melfa.communication_lines import TcpServer
 from assistant.virtual.melfa.world import STEP_TIME
 from assistant.virtual.rapid.controller import Controller as Irc5
 from assistant.virtual.rapid.disk import Disk
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 CELL = """
 [lines.line_3]

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from assistant.program.geometry import Pose
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Event, Moved, Reported, Run, Said, Stopped, Switched, Waited
-from assistant.virtual.rounding import Rounding
+from assistant.virtual.proving.comparison import Rounding, difference
 
 MOVE = Moved("linear", Pose((400.0, 0.0, 300.0)), Pose((0.0, 0.0, 100.0)), speed=100.0, blend=10.0)
 ARC = replace(MOVE, kind="circular", via=Pose((410.0, 10.0, 300.0)))

@@ -16,7 +16,7 @@ from assistant import languages, robots
 from assistant.base import rotations
 from assistant.virtual.events import Run
 from assistant.virtual.irc5 import VirtualIrc5
-from assistant.virtual.motion import Timed
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.rapid import TaskProgram, run_tasks
 from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.disk import Disk

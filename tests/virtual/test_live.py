@@ -9,8 +9,8 @@ import pytest
 
 from assistant import languages, robots
 from assistant.virtual.kernel import Board, Ending, Kernel, Live
-from assistant.virtual.motion import Timed
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.kernel.timed_arm import Timed
+from assistant.virtual.rapid.interpreter import start_task
 
 
 @pytest.fixture

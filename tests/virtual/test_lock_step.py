@@ -8,8 +8,8 @@ import pytest
 
 from assistant import languages
 from assistant.virtual.kernel import Board, Kernel
-from assistant.virtual.kernel.lock_step import Stepped
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.kernel.kernel_thread import Stepped
+from assistant.virtual.rapid.interpreter import start_task
 
 BLINK = """\
 MODULE M

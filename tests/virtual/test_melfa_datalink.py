@@ -25,11 +25,11 @@ from assistant import languages, robots
 from assistant.languages.melfa_basic.tree.syntax import File
 from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Ending, Kernel, Motion
-from assistant.virtual.kernel.motion import Instant
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import Controller, Entry, Options, status
-from assistant.virtual.melfa.lines import Line, Serial, TcpServer, Wire
+from assistant.virtual.melfa.communication_lines import Line, Serial, TcpServer, Wire
 from assistant.virtual.melfa.world import STEP_TIME
-from assistant.virtual.motion.timed import Timed
 
 PRINTED = Path(__file__).parents[2] / "samples" / "melfa"
 HARDENED = PRINTED / "datalink"

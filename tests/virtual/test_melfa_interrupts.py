@@ -7,9 +7,9 @@ import pytest
 from assistant import languages, robots
 from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import Controller, Entry
 from assistant.virtual.melfa.world import STEP_TIME
-from assistant.virtual.motion.timed import Timed
 
 ROBOT = robots.get("rv-4frl")
 POSITIONS = """

@@ -10,7 +10,7 @@ from assistant import languages
 from assistant.virtual.events import Run
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry
-from assistant.virtual.melfa.lines import Line, Serial, TcpServer
+from assistant.virtual.melfa.communication_lines import Line, Serial, TcpServer
 from assistant.virtual.melfa.world import STEP_TIME
 from tests.virtual.melfa_cell import START, outputs
 

@@ -10,7 +10,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.virtual.melfa import Options
-from assistant.virtual.melfa.choosing import choose
+from assistant.virtual.melfa.options import choose
 
 PAGE = Path(__file__).parents[2] / "docs" / "running.md"
 ROW = re.compile(r"^\| (`[a-z_, `]+`) \| ([^|]+) \|", re.M)

@@ -6,8 +6,7 @@ import pytest
 
 from assistant.virtual.events import Switched
 from assistant.virtual.melfa import Given
-from assistant.virtual.melfa.stops import Failed
-from assistant.virtual.melfa.values import Position, Value
+from assistant.virtual.melfa.values import Failed, Position, Value
 from tests.virtual.melfa_cell import outputs, run, shown
 
 

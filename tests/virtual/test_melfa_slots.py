@@ -23,7 +23,7 @@ from assistant import languages
 from assistant.virtual.events import Logged, Moved, Stopped, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry, Options
-from assistant.virtual.melfa.lines import Wire
+from assistant.virtual.melfa.communication_lines import Wire
 from assistant.virtual.melfa.world import STEP_TIME
 from tests.virtual.melfa_cell import START
 

@@ -6,7 +6,7 @@ from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 TABLE = "".join(f"{n}0 MOV P1\n" for n in range(1, 5)) + "P1=(300,0,300,180,0,180)(6,0)\n"
 TARGET = "CONST robtarget p{}:=[[400,{},400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"

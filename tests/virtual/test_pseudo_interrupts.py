@@ -6,7 +6,7 @@ from assistant import robots
 from assistant.program import pseudo
 from assistant.virtual.events import Run, Said
 from assistant.virtual.kernel import Kernel
-from assistant.virtual.motion.timed import Timed
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.pseudo import start_program
 
 HEAD = """program p for irb1200-7-0.7

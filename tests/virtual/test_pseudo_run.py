@@ -10,10 +10,10 @@ from assistant import compile, robots
 from assistant.compiler.running import programs
 from assistant.languages import get
 from assistant.program import pseudo
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved, Run, Said, Stopped, Switched, Waited
 from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.melfa import run as run_melfa
+from assistant.virtual.proving.comparison import difference
 from assistant.virtual.pseudo import start_program
 from assistant.virtual.rapid import run as run_rapid
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assistant.virtual.events import Said, Waited
 from assistant.virtual.rapid import Given
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.control_flow import Fault
 from tests.virtual.rapid_cell import ran, said
 
 

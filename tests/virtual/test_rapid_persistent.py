@@ -9,7 +9,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.events import Said
 from assistant.virtual.rapid import run
 from assistant.virtual.rapid.controller import Controller
-from assistant.virtual.rapid.persistent import saved
+from assistant.virtual.rapid.value_text import saved
 
 TEXT = r'''MODULE Cell
     ! count of what was made

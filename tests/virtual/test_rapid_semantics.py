@@ -27,7 +27,7 @@ from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.kernel.script import Answer
 from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.disk import Disk
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 CASES = Path(__file__).parent / "semantics" / "rapid"
 

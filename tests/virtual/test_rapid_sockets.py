@@ -14,7 +14,7 @@ from assistant import languages
 from assistant.virtual.events import Run, Said
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.rapid.controller import Controller, Options
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 SERVER = """
 MODULE Server

@@ -7,9 +7,9 @@ import pytest
 from assistant import languages, robots
 from assistant.virtual.events import Run, Said, Switched
 from assistant.virtual.kernel.script import Answer, Change, Script
-from assistant.virtual.motion import Timed
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.rapid import TaskProgram, run_tasks
-from assistant.virtual.rapid.multitasking import STATEMENT_TIME
+from assistant.virtual.rapid.interpreter import STATEMENT_TIME
 
 PLACES = """
 CONST robtarget p10:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

@@ -19,9 +19,9 @@ from assistant.program.statements import Follow
 from assistant.robots.timing import Drive, simulate
 from assistant.virtual.events import How, Moved, Noted, Run, Said, Switched
 from assistant.virtual.kernel import Ending, Kernel, Task
+from assistant.virtual.kernel.timed_arm import Timed, track_of
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.motion import Timed, track_of
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 ARM = robots.get("irb1200-7-0.7")
 MELFA = robots.get("rv-4frl")

@@ -10,9 +10,9 @@ from assistant.compiler import translate
 from assistant.compiler.loading import load_text
 from assistant.virtual.events import Run, Switched
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import start_slot
-from assistant.virtual.motion import Timed
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 from tests.virtual.test_timed import ARM, MELFA, drive, joints_at, times
 
 MELFA_HEAD = "PA=(+400.00,-100.00,+400.00,+180.00,+0.00,+180.00)(7,0)\n"

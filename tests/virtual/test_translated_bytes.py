@@ -18,10 +18,10 @@ from assistant.compiler.translating import Translation, translate
 from assistant.controllers.gateway import Gateway
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry
-from assistant.virtual.melfa.lines import Line, TcpClient, TcpServer
+from assistant.virtual.melfa.communication_lines import Line, TcpClient, TcpServer
 from assistant.virtual.melfa.world import STEP_TIME
 from assistant.virtual.rapid.controller import Controller as Irc5
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 HERE = "127.0.0.1"
 LASTS = 12.0

@@ -15,11 +15,11 @@ from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation, translate
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry
-from assistant.virtual.melfa.lines import Line, Serial, TcpClient, TcpServer
+from assistant.virtual.melfa.communication_lines import Line, Serial, TcpClient, TcpServer
 from assistant.virtual.melfa.world import STEP_TIME
 from assistant.virtual.rapid import disk
 from assistant.virtual.rapid.controller import Controller as Irc5
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.rapid.interpreter import start_task
 
 PROGRAM = r"""MODULE m
 VAR num x:=3.5;

@@ -10,8 +10,8 @@ from assistant import robots
 from assistant.virtual import melfa
 from assistant.virtual.events import Run
 from assistant.virtual.kernel import Board, Kernel, Signals
-from assistant.virtual.proving.sides import STATEMENT_TIME
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.proving.compared_programs import STATEMENT_TIME
+from assistant.virtual.rapid.interpreter import start_task
 from tests.virtual.random_melfa import drawn, program
 from tests.virtual.translating import (
     START,

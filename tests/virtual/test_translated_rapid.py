@@ -9,7 +9,7 @@ import pytest
 
 from assistant.virtual import melfa, rapid
 from assistant.virtual.events import Run
-from assistant.virtual.kernel.signals import Source
+from assistant.virtual.kernel.kernel import Source
 from tests.virtual import rapid_words
 from tests.virtual.one_cycle import one_cycle
 from tests.virtual.random_rapid import drawn_with_more, program

@@ -22,10 +22,9 @@ from assistant.compiler.motion_sides import written as written_files
 from assistant.compiler.tasks import Task, load_task
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.virtual.comparing import Bits, difference
 from assistant.virtual.events import Run
-from assistant.virtual.proving.sides import Side
-from assistant.virtual.rounding import Rounding
+from assistant.virtual.proving.compared_programs import Side
+from assistant.virtual.proving.comparison import Bits, Rounding, difference
 
 START = Pose((320.0, 10.0, 420.0), (0.0, 0.0, 1.0, 0.0))
 """Where the flange is before both programs."""

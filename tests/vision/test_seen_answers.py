@@ -26,8 +26,8 @@ from assistant.program.geometry import Pose
 from assistant.sources.sights import Sight, seeing
 from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Kernel
-from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.program_run import Settings, prepared
 from assistant.vision.answering import Answer, answer, answered, numbers
 
 TEXT = """program seam

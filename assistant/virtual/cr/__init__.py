@@ -5,7 +5,7 @@ with VirtualCr("rv-2aj") as controller:
 """
 
 from assistant.virtual.cr.controller import VirtualCr
-from assistant.virtual.cr.faults import Faults
-from assistant.virtual.cr.powered import Contact
+from assistant.virtual.cr.session import Faults
+from assistant.virtual.cr.slots_and_arm import Contact
 
 __all__ = ["Contact", "Faults", "VirtualCr"]

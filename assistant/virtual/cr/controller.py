@@ -1,37 +1,172 @@
-"""An embedded virtual CR controller: controller link over TCP, programs, states; no motion.
+"""A virtual CR controller on this computer: the controller link over TCP and serial lines.
 
-with VirtualCr("rv-2aj") as controller:
-    connect(f"melfa://127.0.0.1:{controller.port}")
+    with VirtualCr("rv-2aj") as controller:
+        connect(f"melfa://127.0.0.1:{controller.port}")
+
+`execute` answers a command of the link; answers, arguments and error numbers are those of the
+manual BFP-A4288 and of the controllers' error lists, and each command is a row in the table of its
+subject. `DataLines` are the lines of the data link, which `Open "COM2:"` of a program leads to.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
+import re
 import socket
 import socketserver
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final, Literal, Self
 
 from assistant import languages
-from assistant.virtual.cr.commands import execute
-from assistant.virtual.cr.data_lines import DATA_LINK, DataLines
-from assistant.virtual.cr.error_log import error_level
-from assistant.virtual.cr.faults import Faults
-from assistant.virtual.cr.framing import MOST_BYTES
-from assistant.virtual.cr.ports import SerialPort, SocketPort
-from assistant.virtual.cr.powered import Contact, Equipment
+from assistant.virtual.cr import (
+    execution_commands,
+    maintenance_commands,
+    program_commands,
+    status_commands,
+)
+from assistant.virtual.cr.command import Command
 from assistant.virtual.cr.real_time import RealTime
-from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
+from assistant.virtual.cr.session import (
+    MOST_BYTES,
+    Faults,
+    Plain,
+    Procedural,
+    SerialPort,
+    SocketPort,
+)
+from assistant.virtual.cr.slots_and_arm import Contact, Equipment
+from assistant.virtual.cr.state import (
+    SUFFIXES,
+    TASKMAX,
+    CrSession,
+    CrState,
+    Parameters,
+    error_level,
+)
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
-from assistant.virtual.cr.talking import Plain, Procedural
-from assistant.virtual.melfa.lines import MADE, Descriptor, Line, Rate
-from assistant.virtual.melfa.plugins import Commands
+from assistant.virtual.melfa.communication import LOOPBACK
+from assistant.virtual.melfa.communication_lines import (
+    MADE,
+    Descriptor,
+    Line,
+    Rate,
+    TcpClient,
+    TcpServer,
+)
+from assistant.virtual.melfa.world import Commands
+
+COMMANDS: Final[Mapping[str, Command]] = {
+    **status_commands.SESSION_COMMANDS,
+    **program_commands.EDIT_COMMANDS,
+    **program_commands.LIST_COMMANDS,
+    **program_commands.VARIABLE_COMMANDS,
+    **program_commands.FILE_COMMANDS,
+    **execution_commands.SLOT_COMMANDS,
+    **execution_commands.RUN_COMMANDS,
+    **status_commands.STATE_COMMANDS,
+    **status_commands.SIGNAL_COMMANDS,
+    **maintenance_commands.ERROR_COMMANDS,
+    **maintenance_commands.PARAMETER_COMMANDS,
+    **maintenance_commands.MAINTENANCE_COMMANDS,
+}
+
+BY_LENGTH: Final = sorted(COMMANDS, key=len, reverse=True)
+"""Longest first, so that OVRD= is not taken for OVRD."""
+
+MOST_ROBOTS: Final = 3
+LINE_ENDS: Final = re.compile(r"[\r\n\0]")
+"""A frame can hold them, but no line of a program and no name."""
+EDIT_SLOT: Final = TASKMAX + 1
+
+
+def execute(session: CrSession, text: str) -> str:
+    """The answer to `[robot];[slot];COMMAND`, without `QoK`; raises CrRefusal."""
+    head = re.match(r"(\d*);(\d*); *", text, re.ASCII)
+    if head is None or LINE_ENDS.search(text):
+        raise CrRefusal(6010)
+    if int(head[1][:3] or 1) > MOST_ROBOTS:
+        raise CrRefusal(5430)
+    session.slot = int(head[2][:3] or 1)
+    if session.slot > EDIT_SLOT:
+        raise CrRefusal(5420)
+    body = text[head.end() :]
+    name = next((n for n in BY_LENGTH if body.startswith(n)), None)
+    if name is None:
+        raise CrRefusal(6010)
+    command, argument = COMMANDS[name], body[len(name) :]
+    if command.right and session.state.right is not session:
+        raise CrRefusal(6020)
+    return command.handler(session, argument)
+
+
+DATA_LINK: Final = "2"
+"""Protocol of a line that programs open (CPRCE11 to CPRCE19, CPRC232)."""
+SERIAL_PORT: Final = "RS232"
+FIRST_OPTION: Final = 11
+
+
+class DataLines:
+    """lines: by what programs open, as `COM2:`. ports: (host, port) that clients connect to, by the
+    same names. first_port: of the first network line, the others follow; 0 for any that are free.
+    without: names that lead elsewhere.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        host: str,
+        first_port: int,
+        serial: Line | None,
+        *,
+        without: Container[str] = (),
+    ) -> None:
+        """Raises OSError if a port is taken."""
+        self.lines: dict[str, Line] = {}
+        self.ports: dict[str, tuple[str, int]] = {}
+        self._ends: list[Callable[[], None]] = []
+        try:
+            for number, device in enumerate(parameters["COMDEV"], start=1):
+                if f"COM{number}:" in without:
+                    continue
+                if device == SERIAL_PORT and serial is not None:
+                    self.lines[f"COM{number}:"] = serial
+                elif device.startswith("OPT"):
+                    self._network(f"COM{number}:", device, parameters, (host, first_port))
+        except OSError:
+            self.shut()
+            raise
+
+    def _network(
+        self, name: str, device: str, parameters: Parameters, first: tuple[str, int]
+    ) -> None:
+        """A line OPT11 to OPT19, if it is one of the data link."""
+        option = device.removeprefix("OPT")
+        index = int(option) - FIRST_OPTION if option.isdigit() else -1
+        if not 0 <= index < len(parameters["NETMODE"]):
+            return
+        if parameters[f"CPRCE{option}"] != (DATA_LINK,):
+            return
+        host, port = first
+        if parameters["NETMODE"][index] == "0":
+            target = parameters["NETHSTIP"][index], int(parameters["NETPORT"][index + 1])
+            if target[0] in LOOPBACK:  # a virtual controller connects to no other computer
+                self.lines[name] = TcpClient(*target)
+            return
+        server = TcpServer(port + index if port else 0, host)
+        self.lines[name], self.ports[name] = server, server.address
+        self._ends.append(server.shut)
+
+    def shut(self) -> None:
+        for end in self._ends:
+            end()
+        self._ends.clear()
+
 
 FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
 """Of the serial line → the parameter CPRC232."""

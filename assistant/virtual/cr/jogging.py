@@ -14,12 +14,12 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.virtual.cr.arm import CrArm
 from assistant.virtual.cr.store import CrRefusal
 from assistant.virtual.events import How, Moved
 from assistant.virtual.kernel import Ending, Kernel, Task
-from assistant.virtual.melfa.arm import Arm
-from assistant.virtual.melfa.stops import Failed
+from assistant.virtual.kernel.timed_arm import CrArm
+from assistant.virtual.melfa.arm_state import Arm
+from assistant.virtual.melfa.values import Failed
 
 GRACE: Final = 0.14
 """Seconds of real time after which a jog stops that is not asked for again (BFP-A4288, JOG)."""

@@ -19,8 +19,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any, Final, Self, get_args
 
-from assistant.virtual.cr.mxt import CYCLE, Fault, MxtControl
-from assistant.virtual.cr.mxt_arm import MxtArm
+from assistant.virtual.cr.mxt import CYCLE, Fault, MxtArm, MxtControl
 
 PATIENCE: Final = 10.0
 """Seconds for it to begin, and to end once it is asked to."""

@@ -1,24 +1,206 @@
-"""What a virtual CR controller is and does: arm, slots, alarm, operation right."""
+"""The state of a virtual CR controller: alarm, operation right, programs, errors, parameters.
+
+`CrState` is shared by all connections, `CrSession` is one of them. The table `errors.tsv` says what
+error numbers mean. The table `parameters.tsv` has the parameters that have an effect here or that
+tools ask for, with the settings of BFP-A4288 and BFP-A3379 where those state any; COM2 to COM8 lead
+to lines of the network. No manual at hand says which parameters a controller protects: here it
+protects those of the origin.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
+import re
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
-from assistant.virtual.cr.error_log import ErrorLog, error_level
-from assistant.virtual.cr.machinery import Machinery
-from assistant.virtual.cr.parameter_table import Parameters
-from assistant.virtual.cr.powered import Equipment
+from assistant.virtual.cr.slots_and_arm import Equipment, Machinery
 from assistant.virtual.cr.store import CrProgram, CrRefusal, CrStore
 from assistant.virtual.kernel import Board
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+
+MOST_ERRORS: Final = 128
+"""That the history keeps; the oldest go first."""
+LEVELS: Final = {"H": 1, "L": 2, "C": 3}
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorEntry:
+    """level: 1 high, 2 low, 3 caution. program, line: where it came, empty and 0 for none."""
+
+    when: datetime
+    number: int
+    level: int
+    program: str = ""
+    line: int = 0
+
+    @property
+    def detail(self) -> str:
+        """The number with the detail that nothing here tells, nine digits."""
+        return f"{self.number:04}00000"
+
+    @property
+    def fields(self) -> str:
+        """As ERRORLOG tells it."""
+        when = f"{self.when:%y-%m-%d;%H:%M:%S}"
+        text = error_message(self.number)
+        return (
+            f"{when};{self.number:04};{text};{self.level};{self.program};{self.line};{self.detail}"
+        )
+
+
+@dataclass
+class ErrorLog:
+    """entries: the newest first. counts: by number, since the summary was cleared.
+
+    since: when the history and the summary were begun.
+    """
+
+    entries: list[ErrorEntry] = field(default_factory=list)
+    counts: dict[int, int] = field(default_factory=dict)
+    latest: dict[int, datetime] = field(default_factory=dict)
+    since: dict[str, datetime] = field(default_factory=dict)
+
+    def add(self, when: datetime, number: int, level: int, program: str, line: int) -> None:
+        self.entries.insert(0, ErrorEntry(when, number, level, program, line))
+        del self.entries[MOST_ERRORS:]
+        self.counts[number] = self.counts.get(number, 0) + 1
+        self.latest[number] = when
+
+    def of(self, level: int, detail: str) -> Sequence[ErrorEntry]:
+        """The newest first; of a level, 0 for all, whose details begin as stated."""
+        return [e for e in self.entries if level in (0, e.level) and e.detail.startswith(detail)]
+
+    def clear(self, level: int) -> None:
+        self.entries = [e for e in self.entries if level not in (0, e.level)]
+
+    def clear_summary(self) -> None:
+        self.counts.clear()
+        self.latest.clear()
+
+
+def error_message(number: int) -> str:
+    """What an error number means; never fails."""
+    return error_table().get(number, ("", f"Error {number:04}"))[1]
+
+
+def error_level(number: int) -> int:
+    """1 high, 2 low, 3 caution; low where the table does not know the number."""
+    return LEVELS.get(error_table().get(number, ("L", ""))[0], LEVELS["L"])
+
+
+@cache
+def error_table() -> Mapping[int, tuple[str, str]]:
+    """Number → letter of its level, and what it means."""
+    text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
+    rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
+    return {int(row["number"]): (row["level"], row["text"]) for row in rows}
+
+
+VALUE_SEPARATOR: Final = ", "
+PARAMETER_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
+PARAMETER_CHARACTERS: Final = re.compile(r"[ -:<-~]*", re.ASCII)
+"""A value takes part in answers: no semicolon and no control character."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """values: as the controller is delivered. protected: can be read and written by PAR and PAW,
+    by PNR and PRM only behind the keyword.
+    """
+
+    name: str
+    values: tuple[str, ...]
+    protected: bool = False
+
+
+class Parameters:
+    """robot, language, slots: what some of them tell."""
+
+    def __init__(self, robot: Robot, language: str, slots: int) -> None:
+        own = [
+            Parameter("RLNG", ("1" if language == "melfa-basic-4" else "2",)),
+            Parameter("TASKMAX", (str(slots),)),
+            Parameter("MEJAR", tuple(f"{float(v):.2f}" for p in robot.limits for v in p)),
+            Parameter("JSAFE", _safe_joints(robot)),
+        ]
+        self._rows: Mapping[str, Parameter] = {row.name: row for row in (*_parameter_table(), *own)}
+        self._values: dict[str, tuple[str, ...]] = {}
+
+    def __getitem__(self, name: str) -> tuple[str, ...]:
+        """The values of a parameter that there is."""
+        return self._values.get(name, self._rows[name].values)
+
+    def read(self, name: str, *, all_levels: bool) -> tuple[str, ...]:
+        """Raises CrRefusal 7080 where there is none, or it is protected."""
+        row = self._rows.get(name)
+        if row is None or (row.protected and not all_levels):
+            raise CrRefusal(7080)
+        return self[name]
+
+    def write(self, name: str, text: str, *, all_levels: bool) -> None:
+        """Raises CrRefusal: 7040 where it is protected, 7081 for values that it cannot have."""
+        row = self._rows.get(name)
+        if row is None:
+            raise CrRefusal(7081)
+        if row.protected and not all_levels:
+            raise CrRefusal(7040)
+        values = tuple(part.strip() for part in text.split(","))
+        fits = len(values) == len(row.values) and PARAMETER_CHARACTERS.fullmatch(text)
+        if not fits or not all(map(_formatted_like, values, row.values)):
+            raise CrRefusal(7081)
+        self._values[name] = values
+
+    def undo(self, name: str) -> None:
+        """What it was delivered with; raises CrRefusal 7080."""
+        if name not in self._rows:
+            raise CrRefusal(7080)
+        self._values.pop(name, None)
+
+    def undo_all(self) -> None:
+        self._values.clear()
+
+    @property
+    def changed(self) -> list[str]:
+        """Names of those that are not as delivered."""
+        return [n for n, v in self._values.items() if v != self._rows[n].values]
+
+
+def _formatted_like(value: str, before: str) -> bool:
+    """A number stays a number."""
+    return bool(PARAMETER_NUMBER.fullmatch(value)) or not PARAMETER_NUMBER.fullmatch(before)
+
+
+def _safe_joints(robot: Robot) -> tuple[str, ...]:
+    """The joints J1 to J8 of the safe position."""
+    angles = dict(zip(robot.places, robot.home, strict=True))
+    return tuple(f"{float(angles.get(at, 0.0)):.2f}" for at in range(8))
+
+
+@cache
+def _parameter_table() -> tuple[Parameter, ...]:
+    text = files(__package__).joinpath("parameters.tsv").read_text(encoding="ascii")
+    rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
+    return tuple(
+        Parameter(
+            row["name"],
+            tuple(value.strip() for value in row["values"].split(",")),
+            row["level"] == "key",
+        )
+        for row in rows
+    )
+
 
 TASKMAX: Final = 8
 """Task slots of a controller as delivered; the edit slot is the next one."""

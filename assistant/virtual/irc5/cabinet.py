@@ -1,30 +1,114 @@
-"""What the cabinet of an IRC5 holds: panel, event log, programs, signals, files, and who commands.
+"""The cabinet of an IRC5: panel, event log, programs, signals, system parameters and backups.
 
-Handlers of requests act upon it from threads of their own. What belongs to the programs is only
-touched in the thread of the kernel, through `do`.
+Handlers of requests act on it from threads of their own. Whatever belongs to the programs is only
+touched in the thread of the kernel, through `do`. System parameters are stored, read, saved and
+loaded; what is set after the start changes nothing else here, as a real controller takes most of it
+over at its next start. A backup has the layout that controllers write (reference, 4.3): `BACKINFO`,
+`HOME`, `RAPID/TASK1/PROGMOD` and `SYSMOD`, `SYSPAR`; a restore brings the files of HOME:, the
+modules and the system parameters back.
 """
 
 from __future__ import annotations
 
+import re
+import shutil
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from pathlib import Path as FilePath
 from typing import Final, Literal, TypeVar, get_args
 
+from assistant.base.file_access import UNFINISHED, read_file, read_text, write_whole
+from assistant.base.source_text import lines_of
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.robots import Robot
 from assistant.virtual.irc5 import egm_instructions
 from assistant.virtual.irc5.panel import EventLog, Panel
-from assistant.virtual.irc5.parameters import Parameters
-from assistant.virtual.irc5.programs import Programs
+from assistant.virtual.irc5.programs import TASK, Programs, read_module
 from assistant.virtual.kernel import Board, Instant, Kernel, Live
-from assistant.virtual.kernel.motion import Standing
+from assistant.virtual.kernel.kernel import Standing
+from assistant.virtual.program_run import BUSY_TIME
+from assistant.virtual.rapid.controller import used_signals
 from assistant.virtual.rapid.disk import Disk
-from assistant.virtual.rapid.loading import used_signals
-from assistant.virtual.running import BUSY_TIME
+
+PARAMETER_DOMAINS: Final = ("EIO", "MMC", "MOC", "PROC", "SIO", "SYS")
+CFG_HEAD: Final = "{domain}:CFG_1.0:6:1::\n"
+_CFG_HEAD: Final = re.compile(r"\s*(\w+):CFG_[\d.]+:")
+_CFG_TYPE: Final = re.compile(r"^(\w+):[ \t]*$", re.MULTILINE)
+_CFG_ATTRIBUTE: Final = re.compile(r'-(\w+)(?:[ \t]+("[^"]*"|[^\s"-][^\s"]*|-[\d.][^\s"]*))?')
+INSTANCE_NAME: Final = ("Name", "name")
+LoadMethod = Literal["add", "replace", "add-with-reset"]
+
+Instance = dict[str, str]
+
+
+class Parameters:
+    """values: attributes by domain, type and instance."""
+
+    def __init__(self, signals: Iterable[Signal], robot: str) -> None:
+        rows = {
+            one.name: {"Name": one.name, "SignalType": one.type, "Device": one.device}
+            for one in signals
+        }
+        task = {"Name": TASK, "Type": "NORMAL", "Entry": "main", "MotionTask": "TRUE"}
+        unit = {"name": "ROB_1", "use_robot_type": robot}
+        self.values: dict[str, dict[str, dict[str, Instance]]] = {
+            name: {} for name in PARAMETER_DOMAINS
+        }
+        self.values["EIO"]["EIO_SIGNAL"] = rows
+        self.values["SYS"]["CAB_TASKS"] = {TASK: task}
+        self.values["MOC"]["ROBOT"] = {"ROB_1": unit}
+
+    def text(self, domain: str) -> str:
+        """As the file of a domain."""
+        said = [CFG_HEAD.format(domain=domain)]
+        for type, instances in self.values[domain].items():
+            said.append(f"#\n{type}:\n")
+            for attributes in instances.values():
+                row = " ".join(f'-{name} "{value}"' for name, value in attributes.items())
+                said.append(f"\n      {row}\n")
+        return "".join(said)
+
+    def load(self, text: str, how: LoadMethod) -> None:
+        """Takes a file over; raises ValueError for what is none, or for an instance that is there.
+
+        how: `add` only what is new, `replace` what is there too, `add-with-reset` all of a type.
+        """
+        domain, types = parse_cfg(text)
+        kept = self.values[domain]
+        if how == "add":
+            for type, instances in types.items():
+                both = set(instances) & set(kept.get(type, {}))
+                if both:
+                    raise ValueError(f"{type} {min(both)} is there already")
+        for type, instances in types.items():
+            before = {} if how == "add-with-reset" else kept.get(type, {})
+            kept[type] = {**before, **instances}
+
+
+def parse_cfg(text: str) -> tuple[str, dict[str, dict[str, Instance]]]:
+    """The domain of a file, and what it holds; raises ValueError."""
+    head = _CFG_HEAD.match(text)
+    if head is None or head[1].upper() not in PARAMETER_DOMAINS:
+        raise ValueError("it does not begin with the name of a domain")
+    found: dict[str, dict[str, Instance]] = {}
+    lines = "\n".join(line for line in lines_of(text)[1:] if not line.lstrip().startswith("#"))
+    places = list(_CFG_TYPE.finditer(lines))
+    ends = [*(place.start() for place in places[1:]), len(lines)]
+    for place, end in zip(places, ends, strict=False):
+        body = lines[place.end() : end].replace("\\\n", " ")
+        instances = found.setdefault(place[1], {})
+        for row in lines_of(body):
+            attributes = {
+                name: (value or "TRUE").strip('"') for name, value in _CFG_ATTRIBUTE.findall(row)
+            }
+            if attributes:
+                own = next((attributes[key] for key in INSTANCE_NAME if key in attributes), None)
+                instances[own or str(len(instances))] = attributes
+    return head[1].upper(), found
+
 
 SignalType = Literal["DI", "DO", "GI", "GO", "AI", "AO"]
 SIGNAL_TYPES: Final[Mapping[str, SignalType]] = {name: name for name in get_args(SignalType)}
@@ -143,7 +227,7 @@ class Cabinet:
         if self.robot is None:
             motion = None
         else:
-            from assistant.virtual.motion import Timed
+            from assistant.virtual.kernel.timed_arm import Timed
 
             motion = Timed(self.robot)
         kernel = Kernel(self.board, motion or Instant(), most_steps=MOST_STEPS, busy_time=BUSY_TIME)
@@ -200,3 +284,84 @@ class Cabinet:
 
     def standing(self) -> Standing | None:
         return self.live.do(lambda kernel: kernel.motion.where())
+
+
+BACKUP_FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
+"""By whether a module is a SYSMODULE."""
+MODULE_FOLDER_SUFFIXES: Final = {False: ".mod", True: ".sys"}
+
+
+def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
+    """Makes a folder, which appears whole or not at all; raises OSError."""
+    beside = target.with_name(f"{UNFINISHED}{target.name}")
+    shutil.rmtree(beside, ignore_errors=True)
+    try:
+        _write_backup(programs, beside, cabinet)
+        beside.replace(target)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _write_backup(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
+    home = cabinet.disk.folder("HOME")
+    arriving = shutil.ignore_patterns(f"{UNFINISHED}*")
+    (folder / "BACKINFO").mkdir(parents=True)
+    told = f">>SYSTEM_ID:\n{cabinet.name}\n\n>>PRODUCTS_ID:\nRobotWare\n\n>>TASK1: ({TASK},,)\n"
+    (folder / "BACKINFO" / "backinfo.txt").write_text(told, "latin-1")
+    shutil.copytree(home, folder / "HOME", ignore=arriving)
+    for system in (False, True):
+        (folder / "RAPID" / "TASK1" / BACKUP_FOLDERS[system]).mkdir(parents=True)
+    for one in programs.modules.values():
+        file = (
+            folder
+            / "RAPID"
+            / "TASK1"
+            / BACKUP_FOLDERS[one.system]
+            / f"{one.name}{MODULE_FOLDER_SUFFIXES[one.system]}"
+        )
+        file.write_bytes(programs.text(one).encode("latin-1", "replace"))
+    (folder / "SYSPAR").mkdir()
+    for domain in PARAMETER_DOMAINS:
+        text = cabinet.parameters.text(domain)
+        (folder / "SYSPAR" / f"{domain}.cfg").write_text(text, "latin-1", "replace")
+
+
+def is_backup(folder: FilePath) -> bool:
+    return (folder / "BACKINFO").is_dir() and (folder / "RAPID").is_dir()
+
+
+def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
+    """Raises NotPossible or ValueError for what cannot be loaded, and changes nothing; OSError."""
+    files = sorted((source / "RAPID").glob("TASK1/*/*"))
+    read = [one for file in files for one in read_module(file.name, read_file(file))]
+    settings = [read_text(file, "latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
+    for text in settings:
+        parse_cfg(text)
+    home, kept = cabinet.disk.folder("HOME"), source / "HOME"
+    programs.restore(read)
+    for text in settings:
+        cabinet.parameters.load(text, "add-with-reset")
+    _restore_files(kept, home)
+
+
+def _restore_files(kept: FilePath, home: FilePath) -> None:
+    """Has a folder hold what another one does; each file of it is whole at any time."""
+    wanted = {one.relative_to(kept): one for one in sorted(kept.rglob("*"))}
+    for name, one in wanted.items():
+        target = home / name
+        if target.exists() and target.is_dir() != one.is_dir():
+            _remove_folder(target)
+        if one.is_dir():
+            target.mkdir(exist_ok=True)
+        else:
+            write_whole(target, one.read_bytes())
+    for old in sorted(home.rglob("*"), reverse=True):
+        if old.relative_to(home) not in wanted:
+            _remove_folder(old)
+
+
+def _remove_folder(old: FilePath) -> None:
+    if old.is_dir() and not old.is_symlink():
+        shutil.rmtree(old)
+    else:
+        old.unlink()

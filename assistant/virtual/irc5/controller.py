@@ -1,34 +1,125 @@
-"""A virtual IRC5: its file server, Robot Web Services of both dialects, and its programs.
+"""A virtual IRC5: its FTP server, Robot Web Services of both dialects, and its programs.
 
-with VirtualIrc5("home", robot="irb1200-7-0.7") as controller:
-connect(controller.address, password=controller.password)
+    with VirtualIrc5("home", robot="irb1200-7-0.7") as controller:
+        connect(controller.address, password=controller.password)
+
+The FTP server runs in a thread; its package is loaded when it starts.
 """
 
 from __future__ import annotations
 
 import contextlib
+import logging
 import secrets
 import shutil
 import tempfile
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 from urllib.parse import quote
 
-from assistant.base.diagnostics import Refused
+from assistant.base.diagnostics import Refused, error
 from assistant.base.file_access import read_file
 from assistant.virtual.irc5.cabinet import Cabinet, Signal
-from assistant.virtual.irc5.file_server import FileServer
-from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load_module_file
 from assistant.virtual.irc5.panel import Mode
-from assistant.virtual.irc5.programs import Cycle, Programs, read_module
-from assistant.virtual.irc5.rws.certificate import NEEDS_PACKAGE
-from assistant.virtual.irc5.rws.faults import Faults
+from assistant.virtual.irc5.programs import (
+    MODULE_SUFFIXES,
+    TWICE,
+    Cycle,
+    LoadedModule,
+    Programs,
+    load_module_file,
+    read_module,
+)
+from assistant.virtual.irc5.rws_faults import NEEDS_PACKAGE, Faults
 
 if TYPE_CHECKING:
-    from assistant.virtual.irc5.rws.http import Server
-    from assistant.virtual.irc5.rws.service import Service
-    from assistant.virtual.irc5.rws.sessions import Sessions
+    from assistant.virtual.irc5.rws_http import Server
+    from assistant.virtual.irc5.rws_messages import Sessions
+    from assistant.virtual.irc5.rws_service import Service
+
+
+NEEDS_PYFTPDLIB = error(
+    "VC001",
+    "the virtual IRC5 needs pyftpdlib, which is not installed",
+    "install it with `pip install 'robot-assistant[virtual]'`",
+)
+POLL_PERIOD: Final = 0.05
+"""Seconds after which the server looks whether it shall stop."""
+
+
+class FileServer:
+    """Serves a folder to one user. place: host and port, 0 for a free one."""
+
+    def __init__(
+        self,
+        folder: FilePath,
+        place: tuple[str, int],
+        user: str,
+        password: str,
+        quota: int | None,
+        report: Callable[[str], None],
+    ) -> None:
+        self.folder, self._place = folder, place
+        self._user, self._password = user, password
+        self._quota, self._report = quota, report
+        self._server: Any = None
+        self._thread: threading.Thread | None = None
+        self._stopping = threading.Event()
+
+    @property
+    def port(self) -> int:
+        assert self._server is not None, "the server is not started"
+        return int(self._server.address[1])
+
+    def start(self) -> None:
+        """Listens; raises OSError for the port, Refused if pyftpdlib is missing."""
+        self._server = self._listening()
+        self._stopping.clear()
+        self._thread = threading.Thread(target=self._serve, name="virtual-irc5", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Hangs up on every client, drops what was arriving, and frees the port."""
+        if self._thread is None:
+            return
+        self._stopping.set()
+        self._thread.join()
+        self._server = self._thread = None
+
+    def _listening(self) -> Any:
+        try:
+            from pyftpdlib.authorizers import DummyAuthorizer
+            from pyftpdlib.ioloop import IOLoop
+            from pyftpdlib.servers import FTPServer
+        except ImportError:
+            raise Refused(NEEDS_PYFTPDLIB()) from None
+
+        from assistant.virtual.irc5.ftp import Home, Session
+
+        _silence_log()
+        authorizer = DummyAuthorizer()
+        authorizer.add_user(self._user, self._password, str(self.folder), perm="elrdfmw")
+        home = type("Home", (Home,), {"quota": self._quota, "report": staticmethod(self._report)})
+        session = type("Session", (Session,), {"authorizer": authorizer, "abstracted_fs": home})
+        return FTPServer(self._place, session, ioloop=IOLoop())
+
+    def _serve(self) -> None:
+        server = self._server
+        try:
+            while not self._stopping.is_set():
+                server.ioloop.loop(timeout=POLL_PERIOD, blocking=False)
+        finally:
+            server.close_all()
+
+
+def _silence_log() -> None:
+    """Pyftpdlib writes to standard error where nobody has set up logging."""
+    logger = logging.getLogger("pyftpdlib")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
+
 
 USER: Final = "engineer"
 DEVICES: Final[Mapping[str, tuple[str, int]]] = {"UCdevice": ("127.0.0.1", 6510)}
@@ -173,7 +264,7 @@ class VirtualIrc5:
         from assistant import robots
 
         try:
-            from assistant.virtual.irc5.rws import serving
+            from assistant.virtual.irc5 import rws_service
         except ImportError as missing:
             raise Refused(NEEDS_PACKAGE(package=missing.name)) from None
 
@@ -189,12 +280,14 @@ class VirtualIrc5:
         cabinet.panel.mode, cabinet.grants = self._mode, self._grants
         cabinet.start()
         self._cabinet = cabinet
-        self._service = serving.make_service(cabinet, self.user, self.password)
+        self._service = rws_service.make_service(cabinet, self.user, self.password)
         for dialect, port in self._ports.items():
             if port is not None:
                 secure = self.certificate if dialect == 2 else None
                 place = self.host, port
-                server = serving.make_server(dialect, place, self._service, self._faults, secure)
+                server = rws_service.make_server(
+                    dialect, place, self._service, self._faults, secure
+                )
                 server.start()
                 self._servers[dialect] = server
 

@@ -22,13 +22,11 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import Moved
 from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance
 from assistant.virtual.irc5.egm_packets import Kind
-from assistant.virtual.rapid.arm import is_carried
-from assistant.virtual.rapid.ends import Fault, NotSimulated
-from assistant.virtual.rapid.given import Ability, Given
-from assistant.virtual.rapid.machine import Machine
+from assistant.virtual.rapid.call_arguments import Ability, Given
+from assistant.virtual.rapid.control_flow import Fault, NotSimulated
+from assistant.virtual.rapid.machine import Machine, is_carried
 from assistant.virtual.rapid.motion import flange_of
-from assistant.virtual.rapid.poses import number, pose_of
-from assistant.virtual.rapid.predefined import wobj0
+from assistant.virtual.rapid.records import number, pose_of, wobj0
 from assistant.virtual.rapid.values import Handle, Record
 
 Devices = Mapping[str, tuple[str, int]]

@@ -4,10 +4,8 @@ It knows no language. A language runs each of its programs in a `Task`: it tells
 waits, and counts statements through it.
 """
 
-from assistant.virtual.kernel.kernel import MOST_STEPS, Kernel
-from assistant.virtual.kernel.live import Live
-from assistant.virtual.kernel.motion import Instant, Motion
-from assistant.virtual.kernel.signals import Board, Signals
+from assistant.virtual.kernel.kernel import MOST_STEPS, Board, Instant, Kernel, Motion, Signals
+from assistant.virtual.kernel.kernel_thread import Live
 from assistant.virtual.kernel.task import Broken, Ending, Task
 
 __all__ = [

@@ -1,25 +1,227 @@
-"""The kernel: tasks that take turns on a simulated clock, and what happens, in its order."""
+"""The kernel: tasks that take turns on one simulated clock, its timers, signals, motion and log.
+
+Time is in seconds from the start; `date_at` gives the date and time of day that the clock shows.
+`Signals` are inputs that the world sets or outputs that programs set; a `Board` holds both.
+`Motion` is what follows the motions that programs command; `Instant` makes them without any time.
+"""
 
 from __future__ import annotations
 
+import heapq
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final
+from datetime import datetime, timedelta
+from itertools import count
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 from greenlet import getcurrent
 
 from assistant.base.budgets import RUNNING, within
+from assistant.program.geometry import Pose
 from assistant.virtual.events import Called, Event, Kept, Logged, Moved, Place, Run, Switched
-from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person
-from assistant.virtual.kernel.signals import Board
 from assistant.virtual.kernel.task import Body, Broken, Ending, Task
-from assistant.virtual.kernel.timers import Timer, Timers
 
 if TYPE_CHECKING:
-    from assistant.virtual.kernel.live import Live
+    from assistant.virtual.kernel.kernel_thread import Live
+
+
+@dataclass(slots=True, order=True)
+class Timer:
+    """An action at a time; it is left out if it is cancelled by then."""
+
+    time: float
+    number: int
+    action: Callable[[], None] = field(compare=False)
+    cancelled: bool = field(default=False, compare=False)
+
+
+class Timers:
+    """due: the time of the first one, infinite where there is none."""
+
+    def __init__(self) -> None:
+        self.due = math.inf
+        self._heap: list[Timer] = []
+        self._numbers = count()
+
+    def add(self, moment: float, action: Callable[[], None]) -> Timer:
+        timer = Timer(moment, next(self._numbers), action)
+        heapq.heappush(self._heap, timer)
+        self.due = self._heap[0].time
+        return timer
+
+    def fire(self, clock: float) -> None:
+        """Has those act whose time has come."""
+        while self._heap and self._heap[0].time <= clock:
+            timer = heapq.heappop(self._heap)
+            if not timer.cancelled:
+                timer.action()
+        self.due = self._heap[0].time if self._heap else math.inf
+
+
+Source = Mapping[str, float] | Callable[[str], float]
+"""What each signal reads that nothing has set, by name in lower case. A table leaves out 0."""
+Listener = Callable[[str, float, float], None]
+"""Is told of a signal's name, and of its value before and now."""
+
+NO_SIGNALS: Final[Mapping[str, float]] = {}
+
+
+@dataclass(slots=True, eq=False)
+class Signals:
+    """Signals of one direction by their name in lower case, or their number as text.
+
+    source: what those read that nothing has set. watched: those that interrupts listen to.
+    """
+
+    source: Source = field(default_factory=dict)
+    values: dict[str, float] = field(default_factory=dict)
+    listeners: list[Listener] = field(default_factory=list)
+    watched: list[str] = field(default_factory=list)
+
+    def read(self, name: str) -> float:
+        if name in self.values:
+            return self.values[name]
+        source = self.source
+        return float(source(name) if callable(source) else source.get(name, 0.0))
+
+    def set(self, name: str, value: float) -> None:
+        """Gives a signal a value; whoever listens is told if it is another one."""
+        before = self.read(name)
+        self.values[name] = value
+        if before != value:
+            for listener in tuple(self.listeners):
+                listener(name, before, value)
+
+
+@dataclass(slots=True, eq=False)
+class Board:
+    """inputs: set from outside, by a script or by what is connected. outputs: set by programs."""
+
+    inputs: Signals = field(default_factory=Signals)
+    outputs: Signals = field(default_factory=Signals)
+
+
+class Progress(NamedTuple):
+    """Of a motion: mm that are left, the percent that is done, and mm/s of the tool."""
+
+    left: float = 0.0
+    done: float = 100.0
+    speed: float = 0.0
+
+
+Standing = tuple[Pose, tuple[float, ...]]
+"""The flange in the base, and the joints J1, J2, … in degrees."""
+
+
+class Motion(Protocol):
+    """The arm of a controller.
+
+    A motion that takes time may let a program run ahead as long as nobody asks for the time: the
+    times of what is logged meanwhile are put right by `catch_up`. behind: whether they are to be.
+    """
+
+    @property
+    def behind(self) -> bool: ...
+
+    def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
+        """Commands a motion, and waits as the controller does before the next statement.
+
+        changes: outputs that are set on its way.
+        """
+
+    def settle(self, task: Task) -> None:
+        """Waits until the arm stands at its latest target, whatever corner the motion states."""
+
+    def stands(self) -> bool:
+        """Whether the arm is where its latest motion leads."""
+
+    def where(self) -> Standing | None:
+        """Where the arm is now; None if only the motions tell, which take no time."""
+
+    def progress(self) -> Progress | None:
+        """Of the motion that is made now, or was made last; None if only the motions tell."""
+
+    def catch_up(self, kernel: Kernel) -> None:
+        """Somebody asks for the time: it is as late as the program is."""
+
+    def rest(self) -> float:
+        """The time from which on the arm stands, if nothing more is commanded."""
+
+    def store(self, kernel: Kernel) -> None:
+        """Stops the arm, and keeps what it was to do until `restore`; other motions may come."""
+
+    def restore(self, task: Task) -> None:
+        """What was kept is to be done again; the arm stays where it is until `resume`."""
+
+    def cut(self, task: Task) -> Standing | None:
+        """Ends all motions where the arm is, and tells where that is."""
+
+    def lead(self, kernel: Kernel, joints: Sequence[float]) -> None:
+        """The arm, which stood, is at these joints in degrees, where no motion led it."""
+
+    def hold(self, kernel: Kernel) -> None:
+        """Stops the arm on its way."""
+
+    def resume(self, kernel: Kernel) -> None:
+        """Lets the arm go on."""
+
+    def forget(self) -> None:
+        """Nobody will ask for what is over."""
+
+
+class Instant:
+    """Motions take no time: the arm is where it is sent."""
+
+    behind = False
+
+    def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
+        task.tell(moved)
+        for change in changes:
+            task.kernel.change(task, change)
+
+    def settle(self, task: Task) -> None:
+        """The latest motion was one that ends at its target."""
+        task.kernel.stop_latest()
+
+    def stands(self) -> bool:
+        return True
+
+    def where(self) -> None:
+        return None
+
+    def progress(self) -> None:
+        return None
+
+    def catch_up(self, kernel: Kernel) -> None:
+        """There is nothing behind."""
+
+    def rest(self) -> float:
+        return -math.inf
+
+    def store(self, kernel: Kernel) -> None:
+        """Nothing is left to do."""
+
+    def restore(self, task: Task) -> None:
+        """Nothing was left to do."""
+
+    def cut(self, task: Task) -> None:
+        """The latest motion has come to its end."""
+
+    def lead(self, kernel: Kernel, joints: Sequence[float]) -> None:
+        """Who leads it knows."""
+
+    def hold(self, kernel: Kernel) -> None:
+        """The arm stands."""
+
+    def resume(self, kernel: Kernel) -> None:
+        """The arm stands."""
+
+    def forget(self) -> None:
+        """There is nothing to forget."""
+
 
 MOST_STEPS: Final = 100_000
 BUSY: Final = 1000
@@ -445,3 +647,12 @@ class Kernel:
             if isinstance(row.what, Moved):
                 row.what = replace(row.what, blend=0.0)
                 return
+
+
+CLOCK_START: Final = datetime(2026, 1, 1)
+"""A time of no place, so that a run always tells the same."""
+
+
+def date_at(seconds: float, began: datetime = CLOCK_START) -> datetime:
+    """The moment when a simulated clock that started at `began` shows so many seconds."""
+    return began + timedelta(seconds=seconds)

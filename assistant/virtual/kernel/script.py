@@ -1,4 +1,9 @@
-"""What happens outside of a controller while it runs: inputs that change, a person who answers."""
+"""Scripts: what happens outside of a controller while it runs.
+
+Inputs change by time, by what the programs do, or by each other; a person answers questions. Where
+a cell has keys instead of a dialog, a `Panel` reads the answers from inputs: a key counts from when
+it is pressed anew, and so does the input that says that a number is there (as in `passes.asking`).
+"""
 
 from __future__ import annotations
 
@@ -9,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from assistant.program.passes.operator_texts import ENTERED, KEY, NUMBER
 from assistant.virtual.events import Logged, Moved
 
 if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
     from assistant.virtual.kernel.kernel import Kernel
-    from assistant.virtual.kernel.panel import Panel
     from assistant.virtual.kernel.task import Task
 
 
@@ -223,3 +228,26 @@ def _listener(
             kernel.at(kernel.now + one.after, partial(change, one))
 
     return heard
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """read: what an input is now, by its name."""
+
+    read: Callable[[str], float]
+
+    def key(self, task: Task, keys: Sequence[int]) -> int:
+        """Waits for one of some keys, counted from 1: the first one that is pressed."""
+        names = {key: KEY.format(key) for key in keys}
+        task.wait(lambda: all(self.read(n) == 0.0 for n in names.values()), what="keys let go")
+        while True:
+            task.wait(lambda: any(self.read(n) == 1.0 for n in names.values()), what="a key")
+            for key, name in names.items():
+                if self.read(name) == 1.0:
+                    return key
+
+    def number(self, task: Task) -> float:
+        """Waits for a number that is entered."""
+        task.wait(lambda: self.read(ENTERED) == 0.0, what="the end of the number before")
+        task.wait(lambda: self.read(ENTERED) == 1.0, what="a number")
+        return self.read(NUMBER)

@@ -1,10 +1,13 @@
-"""A task: one program that runs beside others, as a coroutine."""
+"""A task: one program that runs beside others as a coroutine, and what can be seen of it.
+
+A `Level` is a call that runs, with its data, for a debugger that looks at a held task.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,10 +15,28 @@ from greenlet import greenlet
 
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
-from assistant.virtual.kernel.looking import Level
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Kernel
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A piece of data. value: as the language writes it. parts: its components or elements."""
+
+    name: str
+    value: str
+    type: str = ""
+    parts: Callable[[], Sequence[Shown]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A call that runs. groups: data by where it is known, worked out when it is asked for."""
+
+    name: str
+    place: Place | None
+    groups: Mapping[str, Callable[[], Sequence[Shown]]]
 
 
 @dataclass(frozen=True, slots=True)

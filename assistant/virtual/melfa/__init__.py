@@ -14,21 +14,25 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Run
 from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
-from assistant.virtual.melfa.arm import Arm
+from assistant.virtual.melfa.arm_state import Arm
 from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.controller import Controller, Entry
-from assistant.virtual.melfa.looking import call_levels, statement_place
-from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.memory import Cell, is_external
+from assistant.virtual.melfa.machine import Machine, call_levels, statement_place
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.plugins import Command, Given, commands_by_name
-from assistant.virtual.melfa.stops import Failed, Unknown
-from assistant.virtual.melfa.values import Value
-from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
+from assistant.virtual.melfa.values import Cell, Failed, Unknown, Value, is_external
+from assistant.virtual.melfa.world import (
+    STEP_TIME,
+    Command,
+    Given,
+    Inputs,
+    World,
+    commands_by_name,
+    inputs_of,
+)
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.virtual.melfa.plugins import Commands
+    from assistant.virtual.melfa.world import Commands
 
 __all__ = ["Command", "Controller", "Entry", "Given", "Options", "run", "start_slot"]
 

@@ -1,20 +1,140 @@
-"""Open, Close, Print# and Input#: communication lines, and files on the controller (COSIROP)."""
+"""Open, Close, Print# and Input#: communication lines, files on the controller, and their records.
+
+COSIROP: PRINT, INPUT, OPEN. Print# writes numbers, texts, positions and joints as ASCII; a position
+is `(x,y,z,a,b,c)(fl1,fl2)` in mm and degrees, joints are `(j1,...)` in degrees.
+"""
 
 from __future__ import annotations
 
+import math
+import re
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.melfa import expressions, records
-from assistant.virtual.melfa.lines import Line, Stored, TcpClient
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
-from assistant.virtual.melfa.values import Kind, text
+from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa.communication_lines import Line, Stored, TcpClient
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.values import (
+    Elements,
+    Failed,
+    Joints,
+    Kind,
+    Position,
+    Unknown,
+    Value,
+    eight,
+    number,
+    out_of_range,
+    text,
+)
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.world import World
+
+
+ALL_DIGITS: Final = 10_000_000
+"""From here on seven digits are not enough for the whole part of a number."""
+
+# ------------------------------------------------------------------------------------ writing
+
+
+def record_text(value: Value, options: Options) -> str:
+    """One item of Print#."""
+    match value:
+        case str():
+            return value
+        case Position(values, (one, two)):
+            if one is None or two is None:
+                raise Unknown("the flags of a position that is printed")
+            return f"{_bracket_text(values, options)}({one},{two})"
+        case Joints(values):
+            return _bracket_text(values, options)
+        case int() | float():
+            return _number_record(number(value), options)
+    raise Unknown("how Print # writes a constant that may be a position or joints")
+
+
+def _number_record(value: float, options: Options) -> str:
+    if not math.isfinite(value):
+        raise Unknown("a number that is not finite")
+    if abs(value) >= ALL_DIGITS:
+        return f"{value:.0f}"
+    made = f"{value:.{options.printed}g}"
+    return made if "e" not in made else f"{value:.12f}".rstrip("0").rstrip(".")
+
+
+def _bracket_text(values: Elements, options: Options) -> str:
+    """Elements up to the last one that is defined."""
+    count = max((i + 1 for i, v in enumerate(values) if v is not None), default=0)
+    made = ("" if v is None else f"{v + 0.0:.{options.places}f}" for v in values[:count])
+    return f"({','.join(made)})"
+
+
+def padded_text(text: str, width: int) -> str:
+    """Up to the next column that items begin in."""
+    return text + " " * (-len(text) % width)
+
+
+# ------------------------------------------------------------------------------------ reading
+
+_ITEM: Final = re.compile(r"(?:\([^()]*\)|[^,()])*")
+_POSITION_ITEM: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
+
+
+def record_items(line: str) -> Iterator[str]:
+    """What stands between commas outside of brackets."""
+    at = 0
+    while True:
+        found = _ITEM.match(line, at)
+        assert found is not None
+        end = found.end()
+        if end < len(line) and line[end] != ",":
+            end = len(line)  # a bracket that nothing closes
+        yield line[at:end]
+        if end >= len(line):
+            return
+        at = end + 1
+
+
+def record_value(item: str, kind: Kind) -> Value:
+    """An item for a variable of a type; error 3500 if it is of another one."""
+    match kind:
+        case "text":
+            return item
+        case "position" | "joints":
+            return _position_value(item, kind)
+    return _plain_number(item, item)
+
+
+def _plain_number(text: str, item: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise Failed(3500, f"`{item}` is not of the type of its variable")
+    return value
+
+
+def _position_value(item: str, kind: Kind) -> Value:
+    found = _POSITION_ITEM.fullmatch(item)
+    if found is None or (kind == "joints" and found[2] is not None):
+        raise Failed(3500, f"`{item}` is no {kind}")
+    parts = [part.strip() for part in found[1].split(",")]
+    values = eight(tuple(_plain_number(part, item) if part else None for part in parts))
+    if kind == "joints":
+        return Joints(values)
+    if found[2] is None:
+        raise Unknown("a position without flags that comes over a line")
+    flags = [part.strip().rstrip(".") for part in found[2].split(",")]
+    if len(flags) != 2:
+        raise Unknown("a position with other than two flags that comes over a line")
+    one, two = (_plain_number(flag, item) for flag in flags)
+    return Position(values, (int(one), int(two)))
+
 
 FILE_NUMBERS: Final = range(1, 9)
 RECORD_END: Final = "\r"
@@ -55,7 +175,7 @@ class Channel:
                 continue  # a command to the controller, none of whose programs reads it
             if self.prefixed:
                 one = one.removeprefix(PREFIX).removeprefix(" ")
-            self._items.extend(records.record_items(one))
+            self._items.extend(record_items(one))
             self.arrived += 1
 
     def has(self, count: int) -> bool:
@@ -142,9 +262,9 @@ def _print_record(m: Machine, node: s.Print) -> None:
     for place, (mark, item) in enumerate(node.items):
         goes_on = item is None
         if mark == "," and place > 0:
-            made = records.padded_text(made, options.columns)
+            made = padded_text(made, options.columns)
         if item is not None:
-            made += records.record_text(expressions.value(m, item), options)
+            made += record_text(expressions.value(m, item), options)
     new = made[len(channel.unfinished) :] + ("" if goes_on else RECORD_END)
     channel.unfinished = made if goes_on else ""
     line = channel.line
@@ -168,7 +288,7 @@ def _input_record(m: Machine, node: s.Input) -> None:
         lambda: channel.has(count), what=f"data on {channel.name}", outside=line.outside
     )
     for variable, item in zip(node.variables, channel.take(count), strict=True):
-        expressions.store(m, variable, records.record_value(item, _variable_kind(m, variable)))
+        expressions.store(m, variable, record_value(item, _variable_kind(m, variable)))
 
 
 def _variable_kind(m: Machine, variable: s.Variable) -> Kind:

@@ -1,15 +1,209 @@
-"""Functions of MELFA-BASIC in a table; angles in radian (COSIROP help, list of RT ToolBox)."""
+"""Functions of MELFA-BASIC on numbers and texts, in tables (COSIROP help, CR1D, RT ToolBox).
+
+Angles are radian. Functions of texts give parts of them, their codes, and numbers as text.
+"""
 
 from __future__ import annotations
 
 import math
+import re
+import struct
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.melfa import places, texts
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
-from assistant.virtual.melfa.values import Value, number, whole
+from assistant.virtual.melfa import positions
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.values import (
+    Failed,
+    Unknown,
+    Value,
+    number,
+    open_point,
+    out_of_range,
+    text,
+    whole,
+)
 from assistant.virtual.melfa.world import World
+
+CHARACTER_CODES: Final = "latin-1"
+"""A character is one byte here: what it shows is up to the controller's code page."""
+
+# ------------------------------------------------------------------------------------- parts
+
+
+def _middle_text(of: Value, at: Value, count: Value) -> str:
+    first, many, whole_text = whole(at), whole(count), text(of)
+    if first <= 0 or many <= 0 or first - 1 + many > len(whole_text):
+        raise out_of_range("the part of a text")
+    return whole_text[first - 1 : first - 1 + many]
+
+
+def _text_end(of: Value, count: Value, left: bool) -> str:
+    many, whole_text = whole(count), text(of)
+    if not 0 <= many <= len(whole_text):
+        raise out_of_range("the part of a text")
+    return whole_text[:many] if left else whole_text[len(whole_text) - many :]
+
+
+def _find_text(of: Value, sought: Value) -> int:
+    if not text(sought):
+        raise out_of_range("an empty text that is looked for")
+    return text(of).find(text(sought)) + 1
+
+
+# ------------------------------------------------------------------------------------- codes
+
+
+def _text_bytes(of: Value) -> bytes:
+    try:
+        return text(of).encode(CHARACTER_CODES)
+    except UnicodeEncodeError:
+        raise Unknown(f"the codes of the characters of `{text(of)}`") from None
+
+
+def _character_code(of: Value) -> int:
+    if not text(of):
+        raise out_of_range("the first character of an empty text")
+    return _text_bytes(of)[0]
+
+
+def _character(code: Value) -> str:
+    if not 0 <= whole(code) < 256:
+        raise out_of_range(f"the character {whole(code)}")
+    return chr(whole(code))
+
+
+def _code_sum(of: Value, first: Value, last: Value) -> int:
+    """CkSum: the codes from one character to another, or to the end, in eight bits."""
+    codes, start, end = _text_bytes(of), whole(first), whole(last)
+    if not 1 <= start <= len(codes):
+        raise out_of_range(f"the character {start} of a text of {len(codes)}")
+    if end < start:
+        raise Unknown("a sum of characters that ends before it begins")
+    return sum(codes[start - 1 : end]) % 256
+
+
+def _reversed_text(of: Value) -> str:
+    """Mirror$: all bits of the text in the other order, so that "BJ" becomes "RB"."""
+    codes = _text_bytes(of)
+    bits = "".join(f"{code:08b}" for code in codes)[::-1]
+    return bytes(int(bits[i : i + 8], 2) for i in range(0, len(bits), 8)).decode(CHARACTER_CODES)
+
+
+def _packed_number(form: str) -> Callable[[Value], str]:
+    """Mki$, Mks$, Mkd$: the bytes of a number, the lowest first as `Cvi` has them."""
+
+    def made(given: Value) -> str:
+        value = number(given)
+        if form == WHOLE_CODE:
+            return (whole(value) & 0xFFFF).to_bytes(2, "little").decode(CHARACTER_CODES)
+        try:
+            return struct.pack(form, value).decode(CHARACTER_CODES)
+        except OverflowError:
+            raise Unknown(f"{value} in single precision") from None
+
+    return made
+
+
+def _unpacked_number(form: str) -> Callable[[Value], int | float]:
+    """Cvi, Cvs, Cvd: Cvi("10ABC") is &H3031, the first character the lowest byte (COSIROP)."""
+    size = struct.calcsize(form)
+
+    def made(of: Value) -> int | float:
+        codes = _text_bytes(of)[:size]
+        if len(codes) < size:
+            raise out_of_range(f"a text of fewer than {size} characters")
+        (value,) = struct.unpack(form, codes)
+        if not math.isfinite(value):
+            raise Unknown("a number that is not finite")
+        return int(value) if form == WHOLE_CODE else float(value)
+
+    return made
+
+
+WHOLE_CODE: Final = "<h"
+SINGLE_CODE: Final = "<f"
+DOUBLE_CODE: Final = "<d"
+
+# ----------------------------------------------------------------------------------- numbers
+
+
+def number_text(options: Options, value: Value) -> str:
+    """A number as Str$ writes it; of those that are not whole the form is an option."""
+    given = number(value)
+    if given == int(given) and abs(given) < LONG_CODE:
+        return str(int(given))
+    if options.digits is None:
+        raise open_point("how Str$ writes a number that is not whole", "digits")
+    return f"{given:.{options.digits}g}"
+
+
+LONG_CODE: Final = 1 << 31
+"""From here on a number is no whole one of 32 bits."""
+
+
+def _number_in_text(of: Value) -> int | float:
+    given = text(of).strip().upper()
+    if BASED.fullmatch(given):
+        return int(given[2:], BASES[given[1]])
+    value = float(given) if DECIMAL.fullmatch(given) else math.nan
+    if not math.isfinite(value):
+        raise Unknown(f"the number in the text `{text(of)}`")
+    return int(value) if value.is_integer() else value
+
+
+BASED: Final = re.compile(r"&H[0-9A-F]+|&B[01]+")
+BASES: Final = {"H": 16, "B": 2}
+DECIMAL: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d+)?", re.ASCII)
+
+
+def _based_digits(options: Options, of: Value, base: str, count: Value | None = None) -> str:
+    """Hex$, Bin$; of a negative number the last four hexadecimal digits are sure."""
+    given, wanted = whole(of), None if count is None else whole(count)
+    if given < 0:
+        bits = options.bits
+        if bits is None and base == "X" and wanted is not None and wanted <= SURE_DIGITS:
+            bits = 16
+        if bits is None:
+            raise open_point("the digits of a negative number", "bits")
+        given &= (1 << bits) - 1
+    made = format(given, base)
+    if wanted is None:
+        return made
+    if not 1 <= wanted <= len(made):
+        raise Unknown(f"{wanted} digits of the {len(made)} of a number")
+    return made[-wanted:]
+
+
+SURE_DIGITS: Final = 4
+
+TEXT_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
+    "MID": _middle_text,
+    "LEFT": lambda of, count: _text_end(of, count, left=True),
+    "RIGHT": lambda of, count: _text_end(of, count, left=False),
+    "LEN": lambda of: len(text(of)),
+    "ASC": _character_code,
+    "CHR": _character,
+    "STRPOS": _find_text,
+    "STRUPR": lambda of: text(of).upper(),
+    "STRLWR": lambda of: text(of).lower(),
+    "VAL": _number_in_text,
+    "CKSUM": _code_sum,
+    "MIRROR": _reversed_text,
+    "MKI": _packed_number(WHOLE_CODE),
+    "MKS": _packed_number(SINGLE_CODE),
+    "MKD": _packed_number(DOUBLE_CODE),
+    "CVI": _unpacked_number(WHOLE_CODE),
+    "CVS": _unpacked_number(SINGLE_CODE),
+    "CVD": _unpacked_number(DOUBLE_CODE),
+}
+
+OPTION_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
+    "STR": number_text,
+    "HEX": lambda options, of, count=None: _based_digits(options, of, "X", count),
+    "BIN": lambda options, of: _based_digits(options, of, "b"),
+}
+"""Functions that take the options first."""
 
 
 def call(name: str, arguments: tuple[Value | None, ...], world: World) -> Value:
@@ -21,14 +215,14 @@ def call(name: str, arguments: tuple[Value | None, ...], world: World) -> Value:
         return NUMBER_FUNCTIONS[name](
             *(number(a, f"an argument of {name}") for a in _required(arguments))
         )
-    if name in texts.TEXT_FUNCTIONS:
-        return texts.TEXT_FUNCTIONS[name](*_required(arguments))
-    if name in texts.OPTION_FUNCTIONS:
-        return texts.OPTION_FUNCTIONS[name](world.options, *_required(arguments))
-    if name in places.CONSTRUCTORS:
-        return places.CONSTRUCTORS[name](world, *arguments)
-    if name in places.POSITION_FUNCTIONS:
-        return places.POSITION_FUNCTIONS[name](world, *_required(arguments))
+    if name in TEXT_FUNCTIONS:
+        return TEXT_FUNCTIONS[name](*_required(arguments))
+    if name in OPTION_FUNCTIONS:
+        return OPTION_FUNCTIONS[name](world.options, *_required(arguments))
+    if name in positions.CONSTRUCTORS:
+        return positions.CONSTRUCTORS[name](world, *arguments)
+    if name in positions.POSITION_FUNCTIONS:
+        return positions.POSITION_FUNCTIONS[name](world, *_required(arguments))
     raise Unknown(f"the function {name}")
 
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.melfa import expressions, pausing
+from assistant.virtual.melfa import arm_state, expressions
 from assistant.virtual.melfa.code import nodes
-from assistant.virtual.melfa.stops import Failed, Redirected, Unknown, out_of_range
-from assistant.virtual.melfa.values import holds
+from assistant.virtual.melfa.values import Failed, Redirected, Unknown, holds, out_of_range
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.communication import Channel
@@ -134,13 +133,13 @@ class Interrupts:
     def _run(self, act: Act) -> None:
         m, node = self._m, act.node
         late = isinstance(node, s.DefAct) and node.stop.upper() == "L"
-        paused = pausing.pause_arm(m.world, late)
+        paused = arm_state.pause_arm(m.world, late)
         function = act.frame.function
         if isinstance(node, s.DefAct) and node.keyword == "GoTo":
             above = m.frames[m.frames.index(act.frame) + 1 :] if act.frame in m.frames else None
             if above is None or not all(frame.interrupts for frame in above):
                 raise Unknown("an interrupt that jumps out of a Function")
-            pausing.cut_motion(m.world)
+            arm_state.cut_motion(m.world)
             del m.frames[len(m.frames) - len(above) :]
             self._ranks.append(act.rank)
             raise Redirected(act.nest, m.code.target(node.target, function))
@@ -163,7 +162,7 @@ class Interrupts:
         """
         m = self._m
         if choice == 0:
-            if not paused or pausing.resume_arm(m.world):
+            if not paused or arm_state.resume_arm(m.world):
                 return
             if not (m.began and _moves(m)):
                 return
@@ -173,7 +172,7 @@ class Interrupts:
             raise Unknown("how an arc goes on that an interrupt has moved the arm from")
         if not m.began and not _lasts(m):
             raise Unknown("which line an interrupt comes in, between two that take no time")
-        pausing.cut_motion(m.world)
+        arm_state.cut_motion(m.world)
         raise Redirected(m.nest, m.here + 1)
 
 

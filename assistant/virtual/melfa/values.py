@@ -1,13 +1,59 @@
-"""Values of MELFA-BASIC: numbers, texts, positions and joints, and what types do to them."""
+"""Values of MELFA-BASIC, the variables that hold them, and the errors that end a run.
+
+Values are numbers, texts, positions and joints; a type changes what is stored. A memory holds cells
+by name, arrays, and references to either.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.stops import Failed, Unknown, number_wanted, open_point
+
+
+class Failed(Exception):
+    """The controller stops with an error.
+
+    number: as it shows it (lists of errors, BFP-A8871), None where the manuals give none.
+    """
+
+    def __init__(self, number: int | None, what: str) -> None:
+        super().__init__(f"error {number}: {what}" if number else f"error: {what}")
+        self.number = number
+
+
+class Unknown(Exception):
+    """What nothing at hand tells, or what is not simulated: the run ends instead of guessing."""
+
+
+class Ended(Exception):
+    """`End` of the program that runs."""
+
+
+class Redirected(Exception):
+    """An interrupt has the program go on elsewhere. nest: the run of rows. at: the row."""
+
+    def __init__(self, nest: int, at: int) -> None:
+        super().__init__(nest, at)
+        self.nest, self.at = nest, at
+
+
+def number_wanted(what: str) -> Failed:
+    return Failed(4390, f"{what} is no number")
+
+
+def out_of_range(what: str) -> Failed:
+    return Failed(3110, f"{what} is out of range")
+
+
+def open_point(what: str, option: str) -> Unknown:
+    """What the manuals leave open, and an option of the run tells (see `Options`)."""
+    return Unknown(f"{what}: the option `{option}` tells")
+
 
 Kind = Literal["number", "integer", "long", "text", "position", "joints"]
 """Types of variables. Single and double precision are both kept as double here."""
@@ -227,3 +273,133 @@ def _defined_element(value: float | None, name: str) -> float:
     if value is None:
         raise Failed(3700, f"the component {name} is not defined")
     return value
+
+
+Index = tuple[int, ...]
+
+LETTERS: Final[Mapping[str, Kind]] = {"P": "position", "J": "joints"}
+SUFFIXES: Final[Mapping[str, Kind]] = {
+    "%": "integer", "&": "long", "!": "number", "#": "number", "$": "text",
+}  # fmt: skip
+DEFINED: Final[Mapping[str, Kind]] = {
+    "Inte": "integer", "Long": "long", "Float": "number", "Double": "number", "Char": "text",
+    "Pos": "position", "Jnt": "joints",
+}  # fmt: skip
+"""Type of `Def …`."""
+
+
+OWN_ARRAY: Final = re.compile(r"[PJMC]_10[0-4]")
+OWN_ELEMENTS: Final = 10
+"""Arrays that all programs share on every controller, and how many elements each has."""
+
+
+def kind_by_name(name: str) -> Kind:
+    """The type of a name that nothing declares; an external one that begins with C is a text."""
+    if name[:2] == "C_":
+        return "text"
+    return LETTERS.get(name[:1], "number")
+
+
+def is_external(name: str) -> bool:
+    """Whether all programs share it (CR1D 4.3.7)."""
+    return name[1:2] == "_"
+
+
+@dataclass(slots=True)
+class Cell:
+    """A variable. size: extents of an array, empty for a single value."""
+
+    name: str
+    kind: Kind
+    size: Index = ()
+    values: dict[Index, Value] = field(default_factory=dict)
+
+    def get(self, index: Index = ()) -> Value:
+        self._check(index)
+        if index not in self.values:
+            raise Failed(3700, f"the variable {self._said(index)} has no value")
+        return self.values[index]
+
+    def set(self, value: Value, index: Index = ()) -> None:
+        self._check(index)
+        self.values[index] = converted(value, self.kind, self._said(index))
+
+    def is_set(self, index: Index = ()) -> bool:
+        self._check(index)
+        return index in self.values
+
+    def copy(self, name: str) -> Cell:
+        """For an array that is given by value."""
+        return Cell(name, self.kind, self.size, dict(self.values))
+
+    def _check(self, index: Index) -> None:
+        if len(index) != len(self.size):
+            if not index:
+                raise Unknown(f"the array {self.name} without a subscript")
+            raise Failed(4370, f"{self._said(index)} is no element of an array")
+        if any(not 1 <= i <= n for i, n in zip(index, self.size, strict=True)):
+            raise Failed(4370, f"there is no element {self._said(index)}")
+
+    def _said(self, index: Index) -> str:
+        return f"{self.name}({','.join(map(str, index))})" if index else self.name
+
+
+@dataclass(slots=True)
+class Element:
+    """One element of an array under a name of its own: a reference that a Function takes."""
+
+    cell: Cell
+    at: Index
+
+    @property
+    def kind(self) -> Kind:
+        return self.cell.kind
+
+    def get(self, index: Index = ()) -> Value:
+        self._check(index)
+        return self.cell.get(self.at)
+
+    def set(self, value: Value, index: Index = ()) -> None:
+        self._check(index)
+        self.cell.set(value, self.at)
+
+    def is_set(self, index: Index = ()) -> bool:
+        self._check(index)
+        return self.cell.is_set(self.at)
+
+    def _check(self, index: Index) -> None:
+        if index:
+            raise Failed(4370, f"{self.cell.name} is no array here")
+
+
+Storage = Cell | Element
+
+
+@dataclass(slots=True)
+class Scope:
+    """Types and extents as the text of a program or of a function declares them."""
+
+    kinds: dict[str, Kind] = field(default_factory=dict)
+    sizes: dict[str, Index] = field(default_factory=dict)
+    declared: set[str] = field(default_factory=set)
+    static: set[str] = field(default_factory=set)
+
+    def cell(self, name: str) -> Cell:
+        return Cell(name, self.kinds.get(name, kind_by_name(name)), self.sizes.get(name, ()))
+
+
+@dataclass(slots=True)
+class Memory:
+    """Variables by upper-case name, made when they are first met."""
+
+    scope: Scope
+    places: dict[str, Storage] = field(default_factory=dict)
+
+    def place(self, name: str) -> Storage:
+        found = self.places.get(name)
+        if found is None:
+            found = self.places[name] = self.scope.cell(name)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.places)

@@ -1,4 +1,15 @@
-"""What a program acts on: arm, signals, clock, variables of all programs, and what happened."""
+"""The world of a program: arm, signals, clock, variables of all programs, and added commands.
+
+Commands, functions and status variables can be added to a run; they come before what is simulated,
+and any name may be one that the language lacks:
+
+    run(tree, commands={
+        "Rnd": lambda given: 0.5,                            # a function
+        "M_Uar": lambda given: 1,                            # a status variable that is read
+        "P_FsGn0=": lambda given: print(given.arguments),    # one that is set: indices, the value
+        "Fsc On": lambda given: given.task.switch("force", 1.0),    # a command
+    })
+"""
 
 from __future__ import annotations
 
@@ -8,24 +19,50 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Sent, Stopped, Switched
-from assistant.virtual.kernel.signals import Source
+from assistant.virtual.kernel.kernel import Source
 from assistant.virtual.kernel.task import Task
-from assistant.virtual.melfa.arm import Arm, Settings
-from assistant.virtual.melfa.memory import Memory, Scope
+from assistant.virtual.melfa.arm_state import Arm, Settings
+from assistant.virtual.melfa.communication_lines import SimulatedClient
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.peers import SimulatedClient
-from assistant.virtual.melfa.plugins import Command, Given
-from assistant.virtual.melfa.stops import Failed, Unknown
-from assistant.virtual.melfa.values import Value
+from assistant.virtual.melfa.values import Failed, Memory, Scope, Unknown, Value
 from assistant.virtual.melfa.values import number as number_of
-from assistant.virtual.on_way import ordered_triggers
+from assistant.virtual.triggers import ordered_triggers
 
 if TYPE_CHECKING:
-    from assistant.virtual.kernel.timers import Timer
+    from assistant.virtual.kernel import Task
+    from assistant.virtual.kernel.kernel import Timer
     from assistant.virtual.melfa.communication import Channel
-    from assistant.virtual.melfa.lines import Line
+    from assistant.virtual.melfa.communication_lines import Line
+    from assistant.virtual.melfa.controller import Slot
     from assistant.virtual.melfa.machine import Machine
-    from assistant.virtual.melfa.slots import Slot
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What a plug-in is called with.
+
+    name: upper case, without `$`. arguments: their values, None for one that is left out; a bare
+    word is a text. task: to tell events, to set outputs, to wait. arm: where it stands.
+    files: what is open, by its number, as `Open` named it.
+    """
+
+    name: str
+    arguments: tuple[Value | None, ...]
+    task: Task
+    arm: Arm
+    files: Mapping[int, str] = field(default_factory=dict)
+
+
+Command = Callable[[Given], Value | None]
+"""Runs a command, or gives the value of a function or status variable. It may raise `Failed`."""
+Commands = Mapping[str, Command]
+
+
+def commands_by_name(commands: Commands | None) -> dict[str, Command]:
+    """Plug-ins by upper-case name without `$`; a command of two words has one blank in it."""
+    found = {" ".join(name.upper().split()): command for name, command in (commands or {}).items()}
+    return {name.removesuffix("$"): command for name, command in found.items()}
+
 
 STEP_TIME: Final = 0.001
 """Seconds that a statement takes on the clock of M_Timer."""

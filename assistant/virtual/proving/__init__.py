@@ -1,7 +1,7 @@
 """Two programs run against the same signals, and what they do compared.
 
-`sides` says how the programs of each language run. `wires` are the signals that both have, whatever
-each calls them. A `Scenario` tells what they read, by what has happened so far, so that it is the
-same for both; `driver` plays one, and answers waits that nobody else ends. `search` looks for
-scenarios that take every branch of both programs.
+`compared_programs` runs a program of each language. A `Scenario` states what both read, by what has
+happened so far, so that it is the same for both; `driver` plays one, names the signals that both
+have, and ends their waits. `search` looks for scenarios that take every branch of both programs.
+`comparison` compares the events of two runs.
 """

@@ -1,8 +1,9 @@
-"""What a program reads while it runs: inputs that change by what it has done so far.
+"""Inputs of programs that are compared: a scenario that both read, and what ends their waits.
 
-Time is another one in two languages, what they do is not: an input changes when so many motions,
-delays and stops have been told (beats), or when the program has waited for so long that nothing but
-an input can help it (idle). So both programs read the same.
+Time differs between two languages, what programs do does not: an input changes when a number of
+motions, delays and stops have been reported (beats), or when the program has waited for so long
+that only an input can help it (idle). So both programs read the same. `Wiring` names the signals
+that both have, whatever each calls them.
 """
 
 from __future__ import annotations
@@ -11,13 +12,52 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from random import Random
 from typing import Final, Protocol
 
-from assistant.virtual.branches import BranchKey
-from assistant.virtual.events import Awaited, Logged, Moved, Stopped, Switched, Waited
+from assistant.virtual.events import Awaited, BranchKey, Logged, Moved, Stopped, Switched, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.kernel import NEVER
-from assistant.virtual.proving.wires import Wiring
+
+Wires = tuple[str, ...]
+"""Bits of a signal, the lowest first; a signal without numbers is one wire of its own name."""
+
+GROUP_BITS: Final = 16
+"""Of a group of signals whose width nothing tells: what a controller's word has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """What a program reads by a name. named: wires by names in lower case.
+
+    wide: names of wires that hold numbers of more than a bit. Any other name is a wire of its own.
+    """
+
+    named: Mapping[str, Wires] = field(default_factory=dict)
+    wide: frozenset[str] = frozenset()
+
+    def wires(self, name: str) -> Wires:
+        return self.named.get(name, (name,))
+
+    def bits(self, name: str) -> int:
+        """How many a number has that a name reads."""
+        count = len(self.wires(name))
+        return GROUP_BITS if count == 1 and name in self.wide else count
+
+    def value(self, name: str, state: Mapping[str, float]) -> float:
+        """What a name reads, of wires of which those at 0 may be missing."""
+        wires = self.wires(name)
+        if len(wires) == 1:
+            return state.get(wires[0], 0.0)
+        return float(sum(int(state.get(wire, 0.0)) << at for at, wire in enumerate(wires)))
+
+    def spread(self, name: str, value: float) -> dict[str, float]:
+        """What the wires of a name are where it reads a value."""
+        wires = self.wires(name)
+        if len(wires) == 1:
+            return {wires[0]: value}
+        return {wire: float(int(value) >> at & 1) for at, wire in enumerate(wires)}
+
 
 POLLS: Final = 50
 """Readings at one beat and one place after which a program waits in a loop of its own."""
@@ -402,3 +442,69 @@ class _Inputs(Signals):
 
     def set(self, name: str, value: float) -> None:
         self._driver.put(name, value)
+
+
+PLAIN_ANSWERS: Final = 15
+"""Bits of the largest number that is tried: with one more it may have a sign, or be too large for a
+variable, and the manuals do not tell what becomes of it."""
+
+
+@dataclass
+class Answers:
+    """Ends waits: with the values that let a program go on."""
+
+    random: Random
+    numbers: list[int]
+
+    def answer(self, driver: Driver, task: Task, read: tuple[str, ...]) -> Mapping[str, float]:
+        wiring, state = driver.wiring, driver.state
+        tries = [*self._singly(wiring, state, read), *self._jointly(wiring, read)]
+        if not tries:
+            return {}
+        until = task.until if task.waiting else None
+        if until is None:  # a loop that only reads: one of what may help
+            return self.random.choice(tries)
+        for change in tries:
+            if driver.would(change, until):
+                return change
+        return {}
+
+    def _singly(
+        self, wiring: Wiring, state: Mapping[str, float], read: tuple[str, ...]
+    ) -> Iterator[Mapping[str, float]]:
+        """Another value of one input."""
+        for name in read:
+            bits = wiring.bits(name)
+            if bits == 1:
+                yield wiring.spread(name, 1.0 - wiring.value(name, state))
+                continue
+            near = {n + by for n in self.numbers for by in (0, 1, -1)} | {
+                0,
+                (1 << min(bits, PLAIN_ANSWERS)) - 1,
+            }
+            values = sorted(value for value in near if 0 <= value < 1 << bits)
+            yield from (wiring.spread(name, float(value)) for value in values)
+
+    def _jointly(self, wiring: Wiring, read: tuple[str, ...]) -> Iterator[Mapping[str, float]]:
+        """All inputs that are read at once, and numbers that are read bit by bit."""
+        if len(read) > 1:
+            for value in (1.0, 0.0):
+                yield {wire: value for name in read for wire in wiring.wires(name)}
+        for wires, _ in answer_rows(wiring, dict.fromkeys(read, Moment())):
+            for number in self.numbers:
+                if number < 1 << len(wires):
+                    yield {wire: float(number >> i & 1) for i, wire in enumerate(wires)}
+
+
+def answer_rows(wiring: Wiring, names: Mapping[str, Moment]) -> list[tuple[list[str], Moment]]:
+    """Wires with numbers that follow each other: bits that are read as one number."""
+    single = {
+        int(n): when for n, when in names.items() if n.isdecimal() and not wiring.named.get(n)
+    }
+    found: list[tuple[list[str], Moment]] = []
+    for number in sorted(single):
+        if found and int(found[-1][0][-1]) == number - 1:
+            found[-1][0].append(str(number))
+        else:
+            found.append(([str(number)], single[number]))
+    return [(wires, when) for wires, when in found if len(wires) > 1]

@@ -1,9 +1,14 @@
-"""A seeded search for inputs that take every branch of two programs, and the runs it compares."""
+"""A seeded search for inputs that take every branch of two programs, and the runs it compares.
+
+It tries bytes that the other ends of sockets may send, and limits each run to the time of the
+proof.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+import struct
 import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
@@ -12,19 +17,149 @@ from itertools import product
 from random import Random
 from typing import Final
 
-from assistant.virtual.branches import Branch, Branches, BranchKey
-from assistant.virtual.comparing import Bits, Uncompared, Unlike, likeness
-from assistant.virtual.events import Awaited, Kept, Logged, Place, Run, Stopped, Waited
+from assistant.virtual.events import (
+    Awaited,
+    Branch,
+    Branches,
+    BranchKey,
+    Kept,
+    Logged,
+    Place,
+    Run,
+    Stopped,
+    Waited,
+)
 from assistant.virtual.kernel import Board, Kernel
-from assistant.virtual.kernel.panel import Panel
-from assistant.virtual.kernel.script import Script, by_numbers, follow
-from assistant.virtual.proving.answers import PLAIN_ANSWERS, Answers, answer_rows
-from assistant.virtual.proving.driver import POLLS, Driver, Moment, Readings, Scenario
-from assistant.virtual.proving.lasting import OVER, RAN_ON, first_run_seconds, limit_run
-from assistant.virtual.proving.messages import likely_messages, sent_words
-from assistant.virtual.proving.sides import STATEMENT_TIME, Side
-from assistant.virtual.proving.wires import Wiring
-from assistant.virtual.rounding import Rounding
+from assistant.virtual.kernel.script import Panel, Script, by_numbers, follow
+from assistant.virtual.kernel.task import Ending
+from assistant.virtual.proving.compared_programs import STATEMENT_TIME, Side
+from assistant.virtual.proving.comparison import Bits, Rounding, Uncompared, Unlike, likeness
+from assistant.virtual.proving.driver import (
+    PLAIN_ANSWERS,
+    POLLS,
+    Answers,
+    Driver,
+    Moment,
+    Readings,
+    Scenario,
+    Wiring,
+    answer_rows,
+)
+
+MESSAGE_WORDS: Final = 20
+"""Numbers in a message; what most protocols of arms send has fewer."""
+MOST_MESSAGES: Final = 60
+SAID_WORD: Final = 60
+"""Texts that come over a line in a run."""
+_BYTES: Final = re.compile(r"\brawbytes\b", re.IGNORECASE)
+_HIGHEST_FIRST: Final = re.compile(r"\\\s*Network\b", re.IGNORECASE)
+_WHOLE: Final = re.compile(r"(?<![\w.#])[0-9]{1,4}(?![\w.])")
+
+
+def likely_messages(text: str) -> tuple[str, ...]:
+    """Messages for a program: how long one is, and words that are all one number of its text.
+
+    A program goes on where it knows the kind of a message by its number; what it does not know may
+    end it. Most numbers have four bytes, with the lowest first unless the text says otherwise.
+    Characters stand for the bytes.
+    """
+    if _BYTES.search(text) is None:
+        return ()
+    numbers = dict.fromkeys(int(one) for one in _WHOLE.findall(text))
+    orders = "><" if _HIGHEST_FIRST.search(text) else "<"
+    return tuple(_built_message(list(numbers), orders))
+
+
+def _built_message(numbers: list[int], orders: str) -> Iterator[str]:
+    for number in sorted(numbers, reverse=True)[:MOST_MESSAGES]:
+        for order in orders:
+            words = struct.pack(f"{order}{MESSAGE_WORDS}I", *[number] * MESSAGE_WORDS)
+            yield (struct.pack(f"{order}I", len(words)) + words).decode("latin-1")
+
+
+def sent_words(run: int, known: Sequence[str], texts: Sequence[str]) -> tuple[str, ...]:
+    """What the other ends of lines say in a run, by its number: a message of those that are known.
+
+    Else numbers first, which any variable takes, and in the runs behind that also texts that the
+    first program has, in turn.
+    """
+    if known:
+        return (known[run % len(known)],)
+    place = run % len(texts)
+    first = [*texts[place:], *texts] if place else ["1", "2", "3"]
+    return tuple(first[i % len(first)] for i in range(SAID_WORD))
+
+
+LATER_SHARE: Final = 3
+"""Times as long as the source the written program may take; it has to do as much by then."""
+LEAST_SECONDS: Final = 2.0
+"""Of the first run of the source."""
+LOOK_PERIOD: Final = 64
+"""Statements between two looks at the clock."""
+MORE_EVENTS_THAN_SOURCE: Final = (1.25, 4)
+"""Of the written program, times and beside what the source has told, when that has no end."""
+MORE_EFFECTS_THAN_SOURCE: Final = 2
+"""Times as many visits and changes as the source has told are far more."""
+OVER: Final = "time"
+"""How such a run has ended."""
+QUIET_STATEMENTS: Final = 250_000
+"""Statements without an effect: taking a text apart, letter by letter, takes over 100,000."""
+RAN_ON: Final = "it runs on without any effect"
+"""What a run says that was broken off for this."""
+
+
+def first_run_seconds(seconds: float, source: bool) -> float:
+    """Seconds of the first run of the source, or of what was written, in a proof of so many."""
+    return max(seconds, LEAST_SECONDS) * (1 if source else LATER_SHARE)
+
+
+def limit_run(
+    kernel: Kernel,
+    seconds: float,
+    after: Run | None = None,
+    most: float = math.inf,
+    ample: float = math.inf,
+) -> None:
+    """Has the run of a kernel end after so many seconds of the real clock.
+
+    after: the run that it is compared with. Where that was broken off by its statements, what it
+    has told is all that can be compared. most: events that the run may tell. ample: statements
+    after which it ends where it has done far more, or nothing for a long time.
+    """
+    until = time.thread_time() + seconds
+    counted = told = effects = latest = 0
+    endless = after is not None and after.ended == "steps"
+    enough = (
+        MORE_EVENTS_THAN_SOURCE[0] * len(after.events) + MORE_EVENTS_THAN_SOURCE[1]
+        if after and endless
+        else most
+    )
+    far_more = MORE_EFFECTS_THAN_SOURCE * (_effect_count(after.log) + 1) if after else math.inf
+
+    def limit() -> Ending | None:
+        nonlocal counted, told, effects, latest
+        counted += 1
+        if counted % LOOK_PERIOD:
+            return None
+        if new := _effect_count(kernel.log[told:]):
+            effects, latest = effects + new, counted
+        told = len(kernel.log)
+        if time.thread_time() > until:
+            return Ending(OVER, f"it takes more than {seconds:.3g} s")
+        if told > enough:
+            return Ending("steps", "it has told as much as the run before")
+        if counted > ample and effects > far_more:
+            return Ending("steps", "it has done far more than the run before")
+        if counted > ample and counted - latest > QUIET_STATEMENTS:
+            return Ending("steps", RAN_ON)
+        return None
+
+    kernel.limit = limit
+
+
+def _effect_count(log: Sequence[Logged]) -> int:
+    return sum(not isinstance(row.what, Awaited | Waited) for row in log)
+
 
 MOST_RUNS: Final = 200
 SECONDS: Final = 10.0

@@ -3,6 +3,6 @@
 It reads the statements of a program as they stand. Vendor text in it is not run.
 """
 
-from assistant.virtual.pseudo.running import start_program
+from assistant.virtual.pseudo.statements import start_program
 
 __all__ = ["start_program"]

@@ -14,11 +14,19 @@ from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import configuration_of, configuration_row
 from assistant.robots.target_lookup import SHIFTS
-from assistant.virtual.kernel import dates
-from assistant.virtual.pseudo import data
-from assistant.virtual.pseudo.data import Place, Value, kind_of, number_of, truth_of, whole_of
-from assistant.virtual.pseudo.ends import Fault, NotRun
-from assistant.virtual.pseudo.machine import Machine
+from assistant.virtual.kernel import kernel
+from assistant.virtual.pseudo import machine
+from assistant.virtual.pseudo.machine import (
+    Fault,
+    Machine,
+    NotRun,
+    Place,
+    Value,
+    kind_of,
+    number_of,
+    truth_of,
+    whole_of,
+)
 
 CLOCK: Final[Mapping[str, str]] = {"date_today": "%Y/%m/%d", "time_of_day": "%H:%M:%S"}
 Called = Callable[[Machine, str, tuple[e.Expression, ...]], Value | None]
@@ -76,10 +84,10 @@ def place(m: Machine, node: e.Expression) -> Place:
                 raise Fault(f"there is no variable `{name}`")
             return found
         case e.Member(value, field):
-            return data.value_component(place(m, value), field.lower())
+            return machine.value_component(place(m, value), field.lower())
         case e.Index(value, indices):
             at = tuple(whole_of(evaluate(m, one), "an index") for one in indices)
-            return data.array_element(place(m, value), at, _name(value))
+            return machine.array_element(place(m, value), at, _name(value))
     raise Fault("a value where a variable is wanted")
 
 
@@ -103,12 +111,12 @@ def _part(m: Machine, node: e.Member | e.Index) -> Value:
         root = root.value
     if isinstance(root, e.Name):
         return place(m, node).get()
-    held = data.Cell(evaluate(m, node.value))
-    whole = data.place_of(held, "the value")
+    held = machine.Cell(evaluate(m, node.value))
+    whole = machine.place_of(held, "the value")
     if isinstance(node, e.Member):
-        return data.value_component(whole, node.field.lower()).get()
+        return machine.value_component(whole, node.field.lower()).get()
     at = tuple(whole_of(evaluate(m, one), "an index") for one in node.indices)
-    return data.array_element(whole, at, "the array").get()
+    return machine.array_element(whole, at, "the array").get()
 
 
 # ----------------------------------------------------------------------------------- operators
@@ -231,7 +239,7 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
     if key == "broken_off" and not arguments:
         return float(m.broken_off)
     if key in CLOCK and not arguments:
-        return format(dates.date_at(m.task.kernel.now), CLOCK[key])
+        return format(kernel.date_at(m.task.kernel.now), CLOCK[key])
     values = [evaluate(m, one) for one in arguments]
     if key in SHIFTS and values:
         return _shifted(key, values[0], [number_of(one) for one in values[1:]])
@@ -243,7 +251,7 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
     try:
         return function(*values)
     except (ValueError, ZeroDivisionError, OverflowError):
-        raise Fault(f"`{name}` of {', '.join(map(data.value_text, values))}") from None
+        raise Fault(f"`{name}` of {', '.join(map(machine.value_text, values))}") from None
     except TypeError:
         raise Fault(f"`{name}` is given {len(values)} arguments") from None
 
@@ -338,7 +346,7 @@ def _oriented(value: Value, *angles: Value) -> Value:
     if not isinstance(value, Target):
         raise Fault(f"`oriented` of {kind_of(value)}")
     given = dict(zip(e.ANGLES, map(number_of, angles), strict=True))
-    return replace(value, pose=data.turned_pose(value.pose, given))
+    return replace(value, pose=machine.turned_pose(value.pose, given))
 
 
 def _inverse(value: Value) -> Value:
@@ -354,7 +362,7 @@ def _fixed(value: Value, places: Value) -> Value:
 
 
 def _text(value: Value) -> Value:
-    return value if isinstance(value, str) else data.value_text(value)
+    return value if isinstance(value, str) else machine.value_text(value)
 
 
 def _words(value: Value) -> str:

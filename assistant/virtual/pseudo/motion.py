@@ -16,12 +16,10 @@ from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed, c
 from assistant.program.rewriting import records
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import to_flange
-from assistant.virtual.breaking import move_until
 from assistant.virtual.events import How, Moved, OnWay, Switched
-from assistant.virtual.on_way import ordered_triggers
-from assistant.virtual.pseudo.ends import Fault, NotRun
 from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, truth_or
-from assistant.virtual.pseudo.machine import Machine
+from assistant.virtual.pseudo.machine import Fault, Machine, NotRun
+from assistant.virtual.triggers import move_until, ordered_triggers
 
 Way = Literal["joint", "linear", "circular"]
 KINDS: Final[dict[int, Way]] = {

@@ -1,22 +1,146 @@
-"""What each statement of a pseudo-program does."""
+"""Statements and interrupts of a pseudo-program, and the start of one in a kernel.
+
+`assistant.program.interrupts` states what interrupts mean.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Final
 
-from assistant.base.source_text import lines_of
+from assistant.base.source_text import SourceText, lines_of
 from assistant.program import statements as p
-from assistant.program.expressions import Expression
-from assistant.program.program import Procedure
+from assistant.program.expressions import Elapsed, Expression
+from assistant.program.geometry import Pose
+from assistant.program.program import Procedure, Program
 from assistant.program.pseudo.expressions import expression_text
+from assistant.program.rewriting import records
+from assistant.robots import Robot
 from assistant.virtual.events import Said, Stopped
-from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.pseudo import interrupts, motion
-from assistant.virtual.pseudo.data import Call, Cell, Value, copied, first_value, value_text
-from assistant.virtual.pseudo.ends import Fault, Jump, NotRun, Over, Returned
+from assistant.virtual.kernel import Ending, Kernel, Task
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.pseudo import motion
 from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, place, truth_or
-from assistant.virtual.pseudo.machine import MOST_CALLS, Machine
+from assistant.virtual.pseudo.machine import (
+    MOST_CALLS,
+    Call,
+    Cell,
+    Fault,
+    Jump,
+    Machine,
+    NotRun,
+    Over,
+    Returned,
+    Value,
+    copied,
+    first_value,
+    value_text,
+)
+
+LOOK_PERIOD: Final = 0.0071
+"""Seconds between two looks at what time alone changes, as controllers of MELFA-BASIC have it."""
+
+
+@dataclass(slots=True, eq=False)
+class Interrupts:
+    """Those of a program: as they were defined, by lower-case name, and which of them are on.
+
+    run: makes the call of one, in the call that it was defined in.
+    """
+
+    machine: Machine
+    run: Callable[[p.Call], None]
+    known: dict[str, tuple[p.Interrupt, Call]] = field(default_factory=dict)
+    on: set[str] = field(default_factory=set)
+    open: bool = True
+    busy: bool = False
+
+    def look(self) -> None:
+        """Runs what is due now."""
+        while not self.busy and (due := self._due()) is not None:
+            self._answer(*due)
+
+    def _due(self) -> tuple[p.Interrupt, Call] | None:
+        if not self.open:
+            return None
+        for name, (node, frame) in self.known.items():
+            if name in self.on and self._within(frame, partial(self._holds, node)):
+                return node, frame
+        return None
+
+    def _holds(self, node: p.Interrupt) -> bool:
+        kernel = self.machine.task.kernel
+        kernel.looking = True
+        try:
+            return condition(self.machine, node.condition)
+        finally:
+            kernel.looking = False
+
+    def _within(self, frame: Call, does: Callable[[], Any]) -> Any:
+        """What something gives, in the call that an interrupt was defined in."""
+        calls, self.busy = self.machine.calls, True
+        calls.append(frame)
+        try:
+            return does()
+        finally:
+            calls.pop()
+            self.busy = False
+
+    def _answer(self, node: p.Interrupt, frame: Call) -> None:
+        kernel = self.machine.task.kernel
+        stands = kernel.motion.stands()
+        if not stands:
+            kernel.motion.hold(kernel)
+        before = self.machine.flange
+        self._within(frame, lambda: self.run(node.call))
+        ends = node.ends
+        if ends is not None and self._within(frame, lambda: condition(self.machine, ends)):
+            raise Over
+        if stands:
+            return
+        if self.machine.flange is not before:
+            raise NotRun("a move in an interrupt that came on the way of another one")
+        kernel.motion.resume(kernel)
+
+    def attend(self) -> None:
+        """Has statements, waits and moves look for interrupts."""
+        task = self.machine.task
+        nodes = [node.condition for node, _ in self.known.values()]
+        timed = any(isinstance(part, Elapsed) for part in records(tuple(nodes)))
+        task.looks, task.sampling = self.look, LOOK_PERIOD if timed else None
+
+
+def _interrupts_of(m: Machine) -> Interrupts:
+    assert m.interrupts is not None
+    return m.interrupts
+
+
+def _define_interrupt(m: Machine, node: p.Interrupt) -> None:
+    own = _interrupts_of(m)
+    own.known[node.name.lower()] = node, m.call
+    own.attend()
+
+
+def _switch_interrupt(m: Machine, node: p.SwitchInterrupt) -> None:
+    name = node.name.lower()
+    if node.state == "on":
+        _interrupts_of(m).on.add(name)
+    else:
+        _interrupts_of(m).on.discard(name)
+
+
+def _switch_interrupts(m: Machine, node: p.SwitchInterrupts) -> None:
+    _interrupts_of(m).open = node.state == "on"
+
+
+INTERRUPT_STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    p.Interrupt: _define_interrupt,
+    p.SwitchInterrupt: _switch_interrupt,
+    p.SwitchInterrupts: _switch_interrupts,
+}
+
 
 Body = Sequence[p.Statement]
 
@@ -274,7 +398,70 @@ STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Goto: _goto,
     p.Message: _message,
     **dict.fromkeys((p.Attach, p.Detach, p.Send), _channel),
-    **interrupts.INTERRUPT_STATEMENTS,
+    **INTERRUPT_STATEMENTS,
     p.Opaque: _vendor_statement,
 }
 """Comments and labels do nothing."""
+
+
+TASK_NAME: Final = "program"
+"""Of its task."""
+
+
+def start_program(
+    kernel: Kernel,
+    program: Program,
+    *,
+    robot: Robot | None = None,
+    start: Pose | None = None,
+    text: SourceText | None = None,
+    cycles: int = 1,
+) -> Task:
+    """A task that runs one cycle of a program, from the call of its first procedure to its end.
+
+    robot: the arm, without which a motion to joints ends nowhere that is known. start: the flange
+    in the base before the first motion. text: that the program was read from, for places in it.
+    cycles: how often that procedure is called; if more than once, the run is over behind them.
+    """
+
+    def body(task: Task) -> Ending:
+        machine = Machine(task, program, robot, text, flange=start)
+        machine.interrupts = Interrupts(machine, lambda node: call_statement(machine, node))
+        task.where, task.levels = machine.where, machine.levels
+        try:
+            _declare_variables(machine)
+            entry = program.procedure(program.entry) if program.entry else None
+            if entry is None:
+                raise Fault("the program has no procedure to begin with")
+            call(machine, entry, ())
+            for _ in range(cycles - 1):
+                task.step()
+                call(machine, entry, ())
+        except Fault as fault:
+            return Ending("error", str(fault))
+        except NotRun as unknown:
+            return Ending("unknown", str(unknown))
+        except RecursionError:
+            return Ending("unknown", "statements nested so deep")
+        except Over:
+            return Ending()
+        return Ending() if cycles == 1 else Ending("steps", f"more than {cycles} cycles")
+
+    return kernel.task(TASK_NAME, body)
+
+
+def _declare_variables(machine: Machine) -> None:
+    """The program's targets and variables with their first values."""
+    program, shared = machine.program, machine.shared
+    for name, target in program.targets.items():
+        shared[name.lower()] = Cell(target)
+    for name, joints in program.joint_targets.items():
+        shared[name.lower()] = Cell(joints)
+    for name, variable in program.variables.items():
+        first = None if variable.initial is None else evaluate(machine, variable.initial)
+        constant = variable.storage == "constant"
+        shared[name.lower()] = Cell(first_value(variable, first), constant)
+    for name, tool in program.tools.items():
+        shared.setdefault(name.lower(), Cell(tool.tip))
+    for name, frame in program.frames.items():
+        shared.setdefault(name.lower(), Cell(frame.pose))

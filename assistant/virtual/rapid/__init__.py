@@ -14,8 +14,7 @@ and `place` by their position from 0, `optional` and `has` by the name of an opt
 A function returns its value.
 """
 
-from assistant.virtual.rapid.given import Ability, Given
-from assistant.virtual.rapid.multitasking import TaskProgram, run_tasks
-from assistant.virtual.rapid.running import Inputs, run
+from assistant.virtual.rapid.call_arguments import Ability, Given
+from assistant.virtual.rapid.interpreter import Inputs, TaskProgram, run, run_tasks
 
 __all__ = ["Ability", "Given", "Inputs", "TaskProgram", "run", "run_tasks"]

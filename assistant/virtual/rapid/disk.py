@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, ClassVar, Final, Literal
 
 from assistant.base.file_access import check_regular
-from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.control_flow import Fault, NotSimulated
 
 Mode = Literal["read", "write", "append"]
 MODES: Final[Mapping[Mode, Literal["rb", "wb", "ab"]]] = {

@@ -1,18 +1,26 @@
-"""What a name stands for: data, references, signals and routines, and where it is known."""
+"""Names and types of a program: data, references, signals and routines, and where each is known.
+
+Types are those of every controller, and the records and aliases that the program declares.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
+from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.rapid.ends import UNSURE, Fault
+from assistant.virtual.rapid.control_flow import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.values import (
     Array,
+    Clock,
+    Handle,
     Record,
     Shape,
+    Trigger,
     Value,
     copied,
     fitted,
@@ -143,3 +151,118 @@ class Frame:
     called_at: tuple[Unit, Span | None] | None = None
     handling: Fault | None = None
     retries: int = 0
+
+
+PLAIN_TYPES: Mapping[str, Value] = {
+    "num": 0.0,
+    "dnum": 0.0,
+    "bool": False,
+    "string": "",
+    "switch": True,
+}
+"""First values of the types without components."""
+MOST_ELEMENTS: Final = 1_000_000
+"""Of one array or record, counted through those in it: beyond what a controller's memory holds."""
+INPUT_TYPES: Final = ("signaldi", "signalgi", "signalai")
+OUTPUT_TYPES: Final = ("signaldo", "signalgo", "signalao")
+SIGNAL_TYPES: Final = (*INPUT_TYPES, *OUTPUT_TYPES)
+"""Types of data that stands for a signal once AliasIO says which one."""
+
+
+FIRST_VALUES, ALL_TYPES = "<first>", "<all>"
+"""What is kept of a record whose components are not known: its first number, and all as text."""
+
+
+@dataclass(slots=True)
+class Types:
+    """Records by name in lower case, each its components' types; aliases of types.
+
+    A LOCAL record and one of another module must not share a name here.
+    """
+
+    records: dict[str, dict[str, str]] = field(default_factory=dict)
+    aliases: dict[str, str] = field(default_factory=dict)
+    _counts: dict[str, int] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def declare(self, item: s.Record | s.Alias) -> None:
+        name = item.name.lower()
+        if name in self.records or name in self.aliases:
+            raise NotSimulated(f"two types of the name `{item.name}`")
+        self._counts.clear()
+        if isinstance(item, s.Alias):
+            self.aliases[name] = item.type.lower()
+        else:
+            self.records[name] = {of.lower(): type.lower() for type, of in item.components}
+
+    def name(self, type: str) -> str:
+        """The type that a name stands for, aliases undone, in lower case."""
+        name = type.lower()
+        if name in self.aliases:
+            return self.name(self.aliases[name])
+        known = predefined.types().get(name)
+        if name not in self.records and known is not None and known.kind == "ALIAS":
+            return known.of.lower()
+        return name
+
+    def components(self, type: str) -> Mapping[str, str] | None:
+        """Types of a record's components by name, None for any other type."""
+        if type in self.records:
+            return self.records[type]
+        known = predefined.types().get(type)
+        if known is None or known.components is None:
+            return None
+        return {of.lower(): kind.lower() for of, kind in known.components.items()}
+
+    def is_unlisted(self, type: str) -> bool:
+        """Whether it is a record of an option whose components are not known here."""
+        known = predefined.types().get(type)
+        unknown = known is not None and known.kind == "RECORD" and known.components is None
+        return unknown and type not in self.records
+
+    def component(self, type: str, name: str) -> Shape | None:
+        parts = self.components(type)
+        of = None if parts is None else parts.get(name)
+        return None if of is None else Shape(self.name(of))
+
+    def first(self, shape: Shape) -> Value:
+        """The value of data without a first value.
+
+        Raises NotSimulated for types without one, and for more than `MOST_ELEMENTS` elements.
+        """
+        if self._count(shape) > MOST_ELEMENTS:
+            what = "an array" if shape.sizes else f"a record `{shape.type}`"
+            raise NotSimulated(f"{what} of more than {MOST_ELEMENTS} elements")
+        return self._first(shape)
+
+    def _count(self, shape: Shape) -> int:
+        """Elements of data, those of the arrays and records in it counted; nothing is built."""
+        if shape.sizes:
+            return max(1, shape.sizes[0] * self._count(shape.element))
+        if shape.type in PLAIN_TYPES:
+            return 1
+        if shape.type not in self._counts:
+            parts = self.components(shape.type) or {}
+            inner = sum(self._count(Shape(self.name(of))) for of in parts.values())
+            self._counts[shape.type] = max(1, inner)
+        return self._counts[shape.type]
+
+    def _first(self, shape: Shape) -> Value:
+        if shape.sizes:
+            return Array([self._first(shape.element) for _ in range(max(shape.sizes[0], 0))])
+        if shape.type in PLAIN_TYPES:
+            return PLAIN_TYPES[shape.type]
+        if shape.type == "clock":
+            return Clock()
+        if shape.type == "triggdata":
+            return Trigger()
+        known = predefined.types().get(shape.type)
+        if known is not None and (known.kind == "HANDLE" or shape.type in SIGNAL_TYPES):
+            return Handle(shape.type)
+        if self.is_unlisted(shape.type):
+            return Record(shape.type, {FIRST_VALUES: 0.0, ALL_TYPES: ""})
+        parts = self.components(shape.type)
+        if parts is None:
+            raise NotSimulated(f"data of type {shape.type}")
+        return Record(
+            shape.type, {name: self._first(Shape(self.name(of))) for name, of in parts.items()}
+        )

@@ -1,16 +1,24 @@
-"""Statements, one after the other, with their jumps."""
+"""Statements of RAPID with their jumps, calls of the program's own routines, and branches.
+
+`branches` lists every way that a decision of a module can go, as `Machine.took` reports them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
 from assistant.languages.rapid.tables.predefined import INSTRUCTIONS
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.events import Stopped
-from assistant.virtual.rapid.ends import (
+from assistant.languages.rapid.tree.walk import nodes
+from assistant.virtual.events import Branch, Branches, BranchKey, Stopped
+from assistant.virtual.rapid.call_arguments import bound_parameters
+from assistant.virtual.rapid.control_flow import (
+    ERROR_NAMES,
+    MOST_RAISED,
     Again,
+    Cycled,
     Fault,
     Jump,
     NotSimulated,
@@ -18,17 +26,30 @@ from assistant.virtual.rapid.ends import (
     Over,
     Returned,
 )
-from assistant.virtual.rapid.errors import ERROR_NAMES, MOST_RAISED
-from assistant.virtual.rapid.expressions import condition, evaluate, numeric, place
-from assistant.virtual.rapid.machine import Machine
-from assistant.virtual.rapid.operators import whole
-from assistant.virtual.rapid.poses import number, text
-from assistant.virtual.rapid.precision import Double, as_kind, single
-from assistant.virtual.rapid.recovery import error_name, leave_handler, run_with_recovery
-from assistant.virtual.rapid.rows import move_calls
-from assistant.virtual.rapid.scopes import Cell, Known, Meaning
-from assistant.virtual.rapid.traps import connect_trap
-from assistant.virtual.rapid.values import NUMBER, Shape, equal
+from assistant.virtual.rapid.controller import move_calls, target_data
+from assistant.virtual.rapid.expressions import condition, declare, evaluate, numeric, place, whole
+from assistant.virtual.rapid.handlers import (
+    connect_trap,
+    error_name,
+    leave_handler,
+    run_with_recovery,
+    undo_handler,
+)
+from assistant.virtual.rapid.machine import MOST_CALLS, Machine
+from assistant.virtual.rapid.records import number, text
+from assistant.virtual.rapid.scopes import Cell, Frame, Known, Meaning, Pending
+from assistant.virtual.rapid.values import (
+    NUMBER,
+    Double,
+    Shape,
+    Value,
+    as_kind,
+    copied,
+    equal,
+    fitted,
+    is_like,
+    single,
+)
 
 Body = Sequence[s.StatementNode]
 
@@ -257,3 +278,105 @@ STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.MoveRunNode: _moves,
     s.Placeholder: _placeholder,
 }
+
+
+def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Value | None:
+    """Runs a routine; the value of a function, None of a procedure."""
+    if len(machine.frames) >= MOST_CALLS:
+        raise NotSimulated(f"more than {MOST_CALLS} routines inside of one another")
+    at = machine.at
+    frame = Frame(known.unit, known.node, bound_parameters(machine, known.node, arguments), at)
+    machine.frames.append(frame)
+    try:
+        value = _run_routine(machine, known.node)
+    except Fault as fault:
+        if fault.goal is not None:
+            undo_handler(machine, frame, execute)
+        if known.node.kind == "TRAP":  # its errors are dealt with by the system
+            fault.number = None
+        raise
+    except Cycled:
+        undo_handler(machine, frame, execute)
+        raise
+    finally:
+        machine.frames.pop()
+    machine.at = at
+    return value
+
+
+def _run_routine(machine: Machine, routine: s.Routine) -> Value | None:
+    for node in routine.body:
+        for datum in target_data(node) if isinstance(node, s.TargetRunNode) else (node,):
+            if isinstance(datum, s.Data):
+                _declare_local(machine, datum)
+    try:
+        execute(machine, routine.body)
+    except Returned as returned:
+        return _routine_result(machine, routine, returned.value)
+    except Jump as jump:
+        raise Fault(f"there is no label `{jump.label}` that can be jumped to") from None
+    if routine.kind == "FUNC":
+        raise Fault(f"`{routine.name}` ends without RETURN", "ERR_FNCNORET")
+    return None
+
+
+def _declare_local(machine: Machine, node: s.Data) -> None:
+    if node.storage == "PERS":
+        raise Fault(f"the persistent `{node.name}` inside of a routine")
+    cell = Cell(Shape("num"), "CONST" if node.storage == "CONST" else "VAR")
+    try:
+        declare(machine, cell, node)
+    except NotSimulated:
+        if node.value is not None:
+            raise
+        cell.pending = Pending(node, machine.frame.unit)
+    machine.frame.names[node.name.lower()] = cell
+
+
+def _routine_result(machine: Machine, routine: s.Routine, value: Value | None) -> Value | None:
+    if routine.kind != "FUNC":
+        return None
+    wanted = Shape(machine.types.name(routine.type))
+    if value is None or not is_like(value, wanted):
+        raise Fault(f"`{routine.name}` does not give {routine.type}")
+    return fitted(copied(value), wanted)
+
+
+def branches(files: Sequence[s.File]) -> Branches:
+    """Every way that a statement of the routines can go on."""
+    found: dict[BranchKey, Branch] = {}
+    for file in files:
+        path = (file.source.path if file.source else None) or ""
+        for node in nodes(file.parts):
+            if file.source is None or not isinstance(node, DECISION_NODES) or node.span is None:
+                continue
+            start = node.span.start
+            line = file.source.line_column(start)[0]
+            for way, said in _branch_ways(node):
+                found[path, start, way] = Branch(path, line, said)
+    return found
+
+
+DECISION_NODES = s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf
+
+
+def _branch_ways(
+    node: s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf,
+) -> Iterator[tuple[int, str]]:
+    match node:
+        case s.IfThen(branches=parts):
+            for way, _ in enumerate(parts):
+                yield way, "ELSEIF met" if way else "IF met"
+            yield len(parts), "ELSE" if node.otherwise else "IF not met"
+        case s.CompactIf():
+            yield from ((0, "IF met"), (1, "IF not met"))
+        case s.WhileLoop(condition=condition) if not isinstance(condition, s.BoolLiteral):
+            yield from ((0, "WHILE met"), (1, "WHILE not met"))
+        case s.ForLoop(step=step) if step is not None:
+            bounds = (node.first, node.last)
+            if not all(isinstance(bound, s.NumberLiteral) for bound in bounds):
+                yield from ((0, "FOR entered"), (1, "FOR passed"))
+        case s.TestOf(cases=cases):
+            for way, _ in enumerate(cases):
+                yield way, f"CASE {way + 1}"
+            yield len(cases), "DEFAULT" if node.otherwise else "no CASE"

@@ -1,14 +1,65 @@
-"""Values while a program runs: numbers, texts, truths, records, arrays and clocks.
+"""Values of a running program: numbers, strings, truths, records, arrays, clocks; precision.
 
-Numbers that functions put into a record are rounded to single precision when they are read.
+A num has single precision, a dnum double (reference, 2.1). Wherever a program reads it, a num is a
+plain float that single precision can hold; a literal that is not stored yet is as exact as the data
+that it meets. Numbers that functions put into a record are rounded when they are read.
 """
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
+from typing import Final
 
 from assistant.virtual.events import Switched
-from assistant.virtual.rapid.precision import Double, digits, paired, single
+
+LARGEST: Final = 3.40282347e38
+"""Of a num (manual, errnum, ERR_NUM_LIMIT)."""
+
+
+class Double(float):
+    """A dnum."""
+
+    __slots__ = ()
+
+
+class Exact(float):
+    """A number of literals alone."""
+
+    __slots__ = ()
+
+
+_SINGLE: Final = struct.Struct("f")
+_pack, _unpack = _SINGLE.pack, _SINGLE.unpack
+
+
+def single(value: float) -> float:
+    """The num next to a number; infinite beyond the largest."""
+    try:
+        found: float = _unpack(_pack(value))[0]
+    except OverflowError:
+        return float("inf") if value > 0 else float("-inf")
+    return found
+
+
+def paired(left: float, right: float) -> tuple[float, float, type[float]]:
+    """Two operands as exact as they are together, and what their result is."""
+    one, two = type(left), type(right)
+    if one is two:
+        return left, right, one
+    if one is Double or two is Double:
+        return left, right, Double
+    return single(left), single(right), float
+
+
+def as_kind(value: float, kind: type[float]) -> float:
+    """A result of what `paired` says it is."""
+    return single(value) if kind is float else kind(value)
+
+
+def digits(value: float) -> int:
+    """Significant digits that ValToStr writes (manual, ValToStr)."""
+    return 6 if type(value) is float else 15
 
 
 @dataclass(slots=True, eq=False)

@@ -35,7 +35,7 @@ from assistant.controllers.mitsubishi.control_mode.programs import MEASURE, text
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
-from assistant.virtual.motion import Track, track_of
+from assistant.virtual.kernel.timed_arm import Track, track_of
 
 ARM = robots.get("rv-2aj")
 STEP = 0.1

@@ -10,7 +10,7 @@ from assistant.compiler.running import programs
 from assistant.compiler.tasks import load_task, tasks_of
 from assistant.compiler.translating import Translation, translate
 from assistant.virtual.events import Switched
-from assistant.virtual.running import Settings, prepared
+from assistant.virtual.program_run import Settings, prepared
 
 COUNTING = r"""MODULE Counting
 PERS num parts:=3;

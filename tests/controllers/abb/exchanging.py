@@ -10,7 +10,7 @@ from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainFiles, Tool
 from assistant.virtual.events import Moved
 from assistant.virtual.irc5 import VirtualIrc5
-from assistant.virtual.motion import Timed
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.rapid import TaskProgram, run_tasks
 from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.disk import Disk

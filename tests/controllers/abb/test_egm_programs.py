@@ -18,9 +18,9 @@ from assistant.controllers.cyclic.wire import Wire
 from assistant.virtual.events import Moved, Said
 from assistant.virtual.irc5.egm_instructions import abilities
 from assistant.virtual.kernel import Board, Kernel
-from assistant.virtual.kernel.motion import Instant
-from assistant.virtual.motion import Timed
-from assistant.virtual.rapid.running import start_task
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.kernel.timed_arm import Timed
+from assistant.virtual.rapid.interpreter import start_task
 from tests.controllers.abb.test_egm import free_port
 
 RAPID = languages.get("rapid")

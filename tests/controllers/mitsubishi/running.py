@@ -10,11 +10,11 @@ from pathlib import Path
 
 from assistant import languages, robots
 from assistant.virtual.kernel import Ending, Kernel
-from assistant.virtual.kernel.motion import Instant
+from assistant.virtual.kernel.kernel import Instant
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import Controller, Entry, Options
-from assistant.virtual.melfa.lines import Serial, TcpServer
+from assistant.virtual.melfa.communication_lines import Serial, TcpServer
 from assistant.virtual.melfa.world import STEP_TIME
-from assistant.virtual.motion.timed import Timed
 
 ROBOT = robots.get("rv-2aj")
 HOME = (0.0, 0.0, 90.0, 0.0, 90.0, 0.0)

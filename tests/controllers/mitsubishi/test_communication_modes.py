@@ -18,7 +18,7 @@ import pytest
 
 from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.melfa.lines import line_to
+from assistant.virtual.melfa.communication_lines import line_to
 from tests.cli.test_commands import run
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")

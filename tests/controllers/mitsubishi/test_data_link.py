@@ -19,7 +19,7 @@ from assistant.controllers.mitsubishi.data_link.records import read, written
 from assistant.controllers.mitsubishi.data_link.streams import stream_to
 from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
-from assistant.virtual.melfa.lines import TcpClient
+from assistant.virtual.melfa.communication_lines import TcpClient
 from tests.controllers.mitsubishi.running import Running, serial, tcp
 
 NAN = math.nan

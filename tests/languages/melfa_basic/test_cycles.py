@@ -10,8 +10,8 @@ from assistant import languages
 from assistant.compiler import Translation, translate
 from assistant.compiler.motion import Proving
 from assistant.virtual import melfa, rapid
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved
+from assistant.virtual.proving.comparison import difference
 
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 

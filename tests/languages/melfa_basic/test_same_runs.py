@@ -13,8 +13,8 @@ from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
 from assistant.program.passes.variables import repeats_cycle
 from assistant.virtual import melfa, rapid
-from assistant.virtual.comparing import difference
 from assistant.virtual.events import Moved
+from assistant.virtual.proving.comparison import difference
 
 MELFA = ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"]
 MODULE = """\

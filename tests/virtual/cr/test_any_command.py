@@ -3,7 +3,7 @@
 import pytest
 
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.commands import COMMANDS
+from assistant.virtual.cr.controller import COMMANDS
 from tests.virtual.cr.test_link import load
 from tests.wire import Wire
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.virtual.cr.framing import MOST_BYTES, Framing
+from assistant.virtual.cr.session import MOST_BYTES, Framing
 
 COMMANDS = st.lists(
     st.binary(min_size=1, max_size=MOST_BYTES).filter(lambda c: not {10, 13} & set(c)), max_size=8

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.virtual.cr.mxt import Bits, MxtControl
-from assistant.virtual.cr.mxt_arm import MxtArm
+from assistant.virtual.cr.mxt import Bits, MxtArm, MxtControl
 
 ARM = robots.get("rv-4frl")
 CYCLE = 0.002

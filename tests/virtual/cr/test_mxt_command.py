@@ -10,10 +10,10 @@ import pytest
 
 from assistant import languages
 from assistant.controllers.mitsubishi.mxt import program
-from assistant.virtual.cr.mxt_command import Enet, mxt_commands
+from assistant.virtual.cr.real_time import Enet, mxt_commands
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel.timed_arm import Timed
 from assistant.virtual.melfa import Controller, Entry
-from assistant.virtual.motion import Timed
 from tests.controllers.mitsubishi.mxt.controllers import ARM, CYCLE, joints, led
 from tests.virtual.melfa_cell import outputs
 

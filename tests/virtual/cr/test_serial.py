@@ -8,7 +8,7 @@ import pytest
 
 from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
-from assistant.virtual.cr.framing import from_frame, in_frame
+from assistant.virtual.cr.session import from_frame, in_frame
 from tests.virtual.cr.waiting import wait_for
 from tests.wire import Wire
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.virtual.irc5 import Signal, VirtualIrc5
-from assistant.virtual.motion import Timed
+from assistant.virtual.kernel.timed_arm import Timed
 from tests.virtual.irc5.web import One, Robot, Two
 
 SIGNALS = [

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from assistant.virtual.irc5.rws.faults import Fault
+from assistant.virtual.irc5.rws_faults import Fault
 from tests.virtual.irc5.web import One
 
 

@@ -10,8 +10,7 @@ from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory,
 from assistant.controllers.cyclic.loop import Job, Loop, Stop
 from assistant.controllers.cyclic.wire import Wire
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
-from assistant.virtual.cr.mxt import MxtControl
-from assistant.virtual.cr.mxt_arm import MxtArm
+from assistant.virtual.cr.mxt import MxtArm, MxtControl
 from tests.virtual.cr.waiting import wait_for
 
 ARM = robots.get("rv-4frl")

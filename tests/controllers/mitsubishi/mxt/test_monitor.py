@@ -11,9 +11,8 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt import Monitor
 from assistant.controllers.mitsubishi.mxt.monitor import FIELDS, FORMS, TYPES
-from assistant.virtual.cr.mxt import Bits
-from assistant.virtual.cr.mxt_arm import MxtArm
-from assistant.virtual.cr.mxt_monitor import MONITOR_PACKET, MxtMonitor
+from assistant.virtual.cr.mxt import Bits, MxtArm
+from assistant.virtual.cr.real_time import MONITOR_PACKET, MxtMonitor
 from tests.controllers.mitsubishi.mxt.controllers import ARM
 
 # BFP-A3379-A, table 5-1: address of each field.

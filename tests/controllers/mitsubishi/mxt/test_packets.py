@@ -10,7 +10,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.mxt import orientation, packet, program
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
-from assistant.virtual.cr import mxt_packet
+from assistant.virtual.cr import mxt
 
 # BFP-A3379-A, strdef.h of the sample program: offset and size of each member.
 MANUAL = {
@@ -48,7 +48,7 @@ def test_the_client_knows_the_packet_of_the_manual():
 
 
 def test_the_virtual_controller_knows_the_packet_of_the_manual():
-    fields = mxt_packet.PACKET.fields
+    fields = mxt.PACKET.fields
     theirs = {name: (fields[name][1], fields[name][0].itemsize) for name in fields}
     assert theirs == MANUAL
 

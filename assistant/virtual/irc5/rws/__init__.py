@@ -1,1 +1,0 @@
-"""Robot Web Services as the virtual IRC5 serves them, in both dialects."""
