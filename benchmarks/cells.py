@@ -11,9 +11,9 @@ import numpy as np
 from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.cell import arms
-from assistant.cell.planning.goals import held
+from assistant.cell.planning.goals import goal_joints
 from assistant.cell.planning.space import Space
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule
 from assistant.program.geometry import Pose
 
@@ -26,9 +26,9 @@ def box(name: str, size: tuple[float, float, float], at: tuple[float, float, flo
     return Body(name, (Part(Box(size)),), Pose(at))
 
 
-def scene_of(*bodies: Body, others: tuple[Placed, ...] = ()) -> Scene:
+def scene_of(*bodies: Body, others: tuple[PlacedRobot, ...] = ()) -> Scene:
     """Bodies about an arm that carries a slim tool of 120 mm, its tip at `TIP`."""
-    arm = arms.placed("arm", ARM)
+    arm = arms.place_robot("arm", ARM)
     tool = Body("tool", (Part(Capsule(12.0, 100.0)),), Pose((0.0, 0.0, 62.0)), "arm.flange")
     allowed = set(arms.touching_links(arm))
     allowed |= {("arm.J6", "tool"), ("arm.J5", "tool"), ("arm.flange", "tool")}
@@ -60,7 +60,7 @@ def window() -> Scene:
 
 def two_robots() -> Scene:
     """Another arm opposite, which reaches over a table between both."""
-    other = arms.placed("other", ARM, Pose((950.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    other = arms.place_robot("other", ARM, Pose((950.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
     return scene_of(box("table", (300, 800, 40), (480, 0, 150)), others=(other,))
 
 
@@ -104,7 +104,7 @@ def problems(cell: str, scene: Scene, count: int, seed: int) -> Iterator[Problem
         space = Space(scene, scene.robots[0], others=others, tool=TIP)
         place = draw.uniform(low, high)
         goal = Pose.of(place, np.array(AHEAD))
-        ways = held(ARM, goal, ARM.home, TIP)
+        ways = goal_joints(ARM, goal, ARM.home, TIP)
         ways = ways[space.free(ways)] if len(ways) else ways
         out = _out(space, place, ways[int(draw.integers(len(ways)))]) if len(ways) else None
         if out is None:
@@ -120,7 +120,7 @@ def _out(space: Space, place: Floats, at: Floats) -> list[Floats] | None:
     rows = [at]
     for gone in np.linspace(0.0, BACK, 26)[1:]:
         pose = Pose.of(place - np.array([gone, 0.0, 0.0]), np.array(AHEAD))
-        ways = held(ARM, pose, rows[-1], TIP)
+        ways = goal_joints(ARM, pose, rows[-1], TIP)
         if not len(ways) or np.abs(ways[0] - rows[-1]).max() > 20.0:
             return None
         if not space.clear(rows[-1][None], ways[:1])[0]:

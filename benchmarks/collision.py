@@ -15,7 +15,7 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.cell import arms
 from assistant.cell.clearances import closeness, rows_of
-from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.continuous import JointPath, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
@@ -41,7 +41,7 @@ SAMPLED: Final = 3
 def cell() -> Scene:
     """An arm with a tool, a floor, a work piece, and bodies of all shapes beside its way."""
     robot, _ = surface(2)
-    arm = arms.placed("arm", robot)
+    arm = arms.place_robot("arm", robot)
     draw = np.random.default_rng(SEED)
     bodies = [
         Body("floor", (Part(Box((3000.0, 3000.0, 20.0))),), Pose((0.0, 0.0, -30.0))),
@@ -101,7 +101,7 @@ def edges(n: int) -> tuple[Model, np.ndarray]:
 def without_gaps(given: tuple[Model, np.ndarray]) -> None:
     model, ways = given
     for way in ways:
-        hits(model, Way(way), KEPT, SAFETY)
+        hits(model, JointPath(way), KEPT, SAFETY)
 
 
 def sampled(given: tuple[Model, np.ndarray]) -> float:
@@ -139,13 +139,13 @@ def whole(given: tuple[Simulation, Scene]) -> None:
             raise SystemExit(f"nothing comes near, but {found.contact} is said")
 
 
-def stretches(n: int) -> tuple[Model, Way]:
+def stretches(n: int) -> tuple[Model, JointPath]:
     simulation, scene = simulated(n)
     (passed,) = simulation.passed
-    return Model(scene), Way(*rows_of(scene, scene.robots[0], stretches_of(passed.plan)))
+    return Model(scene), JointPath(*rows_of(scene, scene.robots[0], stretches_of(passed.plan)))
 
 
-def culled(given: tuple[Model, Way]) -> Any:
+def culled(given: tuple[Model, JointPath]) -> Any:
     """How many stretches there were, and that none comes near."""
     model, way = given
     if hits(model, way, model.margins):

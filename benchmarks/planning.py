@@ -16,10 +16,10 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.planning.goals import held
-from assistant.cell.planning.moves import looked_at
+from assistant.cell.planning.goals import goal_joints
+from assistant.cell.planning.moves import check_route
 from assistant.cell.planning.planner import plan
-from assistant.cell.planning.search import library
+from assistant.cell.planning.search import planner_library
 from assistant.cell.planning.space import Space
 from assistant.cell.scene import Scene
 from benchmarks.cells import ARM, CELLS, TIP, Problem, problems
@@ -58,7 +58,7 @@ def ours(scene: Scene, problem: Problem, *, linear: bool = False) -> Way | None:
         return None
     done = time.perf_counter() - begun
     space = Space(scene, scene.robots[0], others=problem.others, tool=TIP)
-    clear = looked_at(space, way.route).good  # as a controller goes it, corners and all
+    clear = check_route(space, way.route).good  # as a controller goes it, corners and all
     return Way(done, way.length, clear, float(way.linear.mean()))
 
 
@@ -70,8 +70,8 @@ def plain(scene: Scene, problem: Problem) -> Way | None:
     """OMPL as it comes."""
     begun = time.perf_counter()
     space = Space(scene, scene.robots[0], others=problem.others, tool=TIP)
-    goals = held(ARM, problem.goal, problem.start, TIP)
-    base, geometric, util = library()
+    goals = goal_joints(ARM, problem.goal, problem.start, TIP)
+    base, geometric, util = planner_library()
     util.setLogLevel(util.LogLevel.LOG_NONE)
     util.RNG.setSeed(1)
     room = base.RealVectorStateSpace(len(ARM.axes))

@@ -153,4 +153,4 @@ def test_a_vendor_word_is_found(tmp_path: FilePath, text: str, word: str) -> Non
 
 
 def test_robots_know_the_languages_that_there_are() -> None:
-    assert set(programming.languages()) == set(languages.names())
+    assert set(programming.programming_languages()) == set(languages.names())

@@ -16,31 +16,33 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
-from assistant.cell.scene import FLANGE, Body, Part, Placed, Scene
+from assistant.cell.scene import FLANGE, Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Capsule
 from assistant.program.geometry import IDENTITY, Pose, Vector
-from assistant.robots.arms.chain import onto_z
+from assistant.robots.arms.chain import rotation_from_z
 from assistant.robots.robot import Robot
 
 if TYPE_CHECKING:
     from assistant.cell.collision.model import Model
 
-SHORT: Final = 1.0
+SHORTEST_LINK: Final = 1.0
 """mm of a link below which it has no body of its own."""
 SEED: Final = 20
-POSES: Final = 1000
-TOGETHER: Final = 50
+RANDOM_POSES: Final = 1000
+POSES_AT_ONCE: Final = 50
 """Of them, before it is seen which pairs are done with."""
-ALWAYS: Final = 0.95
+ALWAYS_TOUCHING: Final = 0.95
 """Share of random poses in which two links touch that cannot be kept apart: their bodies are
 rounder than the links."""
 
 
-def placed(
+def place_robot(
     name: str, robot: Robot, base: Pose = IDENTITY, links: Iterable[Body] | None = None
-) -> Placed:
+) -> PlacedRobot:
     """A robot of a cell with the bodies of its links; by its lengths if none are given."""
-    return Placed(name, robot, base, tuple(link_bodies(name, robot) if links is None else links))
+    return PlacedRobot(
+        name, robot, base, tuple(link_bodies(name, robot) if links is None else links)
+    )
 
 
 def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
@@ -57,12 +59,12 @@ def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
     origin, foot = np.zeros(3), np.zeros(3)
     for carrier, step, radius in zip(("base", *robot.axes), steps, robot.radii, strict=True):
         corners = [foot if carrier == "J1" else origin, _up(step), np.array(step)]
-        if carrier == "base" and norms(np.array([step]))[0] <= SHORT:
+        if carrier == "base" and norms(np.array([step]))[0] <= SHORTEST_LINK:
             corners = [origin, foot := _up(steps[1]) / 2.0]
         parts = tuple(
             capsule_between(start, end, float(radius))
             for start, end in pairwise(corners)
-            if norms((end - start)[None])[0] > SHORT
+            if norms((end - start)[None])[0] > SHORTEST_LINK
         )
         if parts:
             yield Body(f"{name}.{carrier}", parts, parent=f"{name}.{carrier}")
@@ -80,7 +82,7 @@ def _horizontal(name: str, robot: Robot) -> Iterator[Body]:
     low, high = (robot.limits[2] + robot.zero[2]) * float(chain.joints[2].axis[2])
     low, high = min(low, high), max(low, high)
     height = float(steps[0][2] + steps[1][2] + steps[2][2])
-    up = max(height + high, height) + max(one, two) - height if height <= SHORT else 0.0
+    up = max(height + high, height) + max(one, two) - height if height <= SHORTEST_LINK else 0.0
     parts = {
         "base": (_upright(base, base, height + up - one - base),),
         "J1": (_between(_raised(steps[1] * [0, 0, 1], up), _raised(steps[1], up), one),),
@@ -102,7 +104,7 @@ def _upright(radius: float, low: float, high: float) -> Part | None:
 
 
 def _between(start: Floats, end: Floats, radius: float) -> Part | None:
-    long = float(norms((end - start)[None])[0]) > SHORT and start[2] <= end[2]
+    long = float(norms((end - start)[None])[0]) > SHORTEST_LINK and start[2] <= end[2]
     return capsule_between(start, end, radius) if long else None
 
 
@@ -116,42 +118,44 @@ def capsule_between(start: Floats, end: Floats, radius: float) -> Part:
     way = end - start
     length = float(norms(way[None])[0])
     x, y, z = (way / length).tolist()
-    return Part(Capsule(radius, length), Pose.of((start + end) / 2.0, np.array(onto_z((x, y, z)))))
+    return Part(
+        Capsule(radius, length), Pose.of((start + end) / 2.0, np.array(rotation_from_z((x, y, z))))
+    )
 
 
-ALONE: Final = "robot"
+ALONE_NAME: Final = "robot"
 """Name of an arm outside a cell, as the names of its links state it."""
-THIN: Final = 1.0
+THIN_TOOL_RADIUS: Final = 1.0
 """mm of the radius of what stands for a tool of which only the tip is known."""
-_STANDING: Final[WeakKeyDictionary[Robot, dict[tuple[str, Vector] | None, Scene]]] = (
+_ARMS_ALONE: Final[WeakKeyDictionary[Robot, dict[tuple[str, Vector] | None, Scene]]] = (
     WeakKeyDictionary()
 )
-MOST: Final = 64
+MOST_SCENES_KEPT: Final = 64
 """Tools of an arm whose scenes are kept."""
 
 
-def alone(robot: Robot, tool: tuple[str, Pose] | None = None) -> Scene:
+def arm_alone(robot: Robot, tool: tuple[str, Pose] | None = None) -> Scene:
     """An arm without a cell, with a tool of a name and a tip, in which only contacts count.
 
     The tool is a thin rod from the middle of the flange to its tip.
     """
     key = None if tool is None else (tool[0], tool[1].position)
-    if key is not None and float(norms(np.array([key[1]]))[0]) <= SHORT:
+    if key is not None and float(norms(np.array([key[1]]))[0]) <= SHORTEST_LINK:
         key = None
-    made = _STANDING.setdefault(robot, {})
+    made = _ARMS_ALONE.setdefault(robot, {})
     if key not in made:
-        arm, bodies = placed(ALONE, robot), list[Body]()
+        arm, bodies = place_robot(ALONE_NAME, robot), list[Body]()
         if key is not None:
-            rod = capsule_between(np.zeros(3), np.array(key[1]), THIN)
-            bodies.append(Body(key[0], (rod,), parent=f"{ALONE}.{FLANGE}"))
+            rod = capsule_between(np.zeros(3), np.array(key[1]), THIN_TOOL_RADIUS)
+            bodies.append(Body(key[0], (rod,), parent=f"{ALONE_NAME}.{FLANGE}"))
         out = touching_links(replace(arm, links=(*arm.links, *bodies)))
-        if len(made) >= MOST:
+        if len(made) >= MOST_SCENES_KEPT:
             made.clear()
         made[key] = Scene(tuple(bodies), (arm,), allowed=out, margin=0.0)
     return made[key]
 
 
-def touching_links(placed: Placed) -> frozenset[tuple[str, str]]:
+def touching_links(placed: PlacedRobot) -> frozenset[tuple[str, str]]:
     """Pairs of an arm's own bodies, in order, whose contact says nothing.
 
     Neighbours, bodies that touch where the arm stands at home, and those that nearly always do;
@@ -161,7 +165,7 @@ def touching_links(placed: Placed) -> frozenset[tuple[str, str]]:
 
     model = Model(Scene(robots=(placed,)))
     low, high = np.clip(placed.robot.limits, -360.0, 360.0).T
-    rows = np.random.default_rng(SEED).uniform(low, high, (POSES, len(low)))
+    rows = np.random.default_rng(SEED).uniform(low, high, (RANDOM_POSES, len(low)))
     rows[0] = placed.robot.home
     order = [body.name for body in placed.links]
     names = [item.body.name for item in model.items]
@@ -170,14 +174,14 @@ def touching_links(placed: Placed) -> frozenset[tuple[str, str]]:
     out = {two for two in pairs if abs(order.index(two[0]) - order.index(two[1])) == 1}
     open_ = np.array([pair for pair, two in enumerate(pairs) if two not in out], dtype=np.intp)
     clear = np.zeros(len(pairs), dtype=np.intp)
-    for start in range(0, POSES, TOGETHER):
-        some = rows[start : start + TOGETHER]
+    for start in range(0, RANDOM_POSES, POSES_AT_ONCE):
+        some = rows[start : start + POSES_AT_ONCE]
         row, pair = (x.reshape(-1) for x in np.meshgrid(np.arange(len(some)), open_, indexing="ij"))
         touch = _touching(model, some, row, pair)
         if start == 0:
             out |= {pairs[p] for p in pair[(row == 0) & touch].tolist()}
         clear += np.bincount(pair[~touch], minlength=len(pairs))
-        open_ = open_[clear[open_] <= round((1.0 - ALWAYS) * POSES)]
+        open_ = open_[clear[open_] <= round((1.0 - ALWAYS_TOUCHING) * RANDOM_POSES)]
     return frozenset(out | {pairs[p] for p in open_.tolist()})
 
 

@@ -10,17 +10,25 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.base.diagnostics import Span
-from assistant.cell.arms import alone
+from assistant.cell.arms import arm_alone
 from assistant.cell.collision.carriers import Carriers
-from assistant.cell.collision.continuous import RESOLUTION, Curve, Hit, Least, Way, firsts, leasts
+from assistant.cell.collision.continuous import (
+    RESOLUTION,
+    ClosestApproach,
+    Curve,
+    Hit,
+    JointPath,
+    closest_approaches,
+    firsts,
+)
 from assistant.cell.collision.model import Contact, Model
-from assistant.cell.holding import Holding
-from assistant.cell.scene import FLANGE, Placed, Scene
+from assistant.cell.holding import CarriedBodies
+from assistant.cell.scene import FLANGE, PlacedRobot, Scene
 from assistant.cell.shapes import Mesh
 from assistant.program.geometry import Pose, Tool
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Carried, Simulation
-from assistant.robots.timing.passed import Passed, Stretches, stretches_of
+from assistant.robots.timing.passed import MovesWithoutStop, Stretches, stretches_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +75,9 @@ def closeness(
     models: dict[Carried | None, Model] = {}
     placed = robot_of(scene, simulation.robot, name)
     for passed in simulation.passed:
-        for carried, stretches in carrying(passed):
+        for carried, stretches in carried_stretches(passed):
             if carried not in models:
-                now = carried.scene_now() if isinstance(carried, Holding) else scene
+                now = carried.scene_now() if isinstance(carried, CarriedBodies) else scene
                 models[carried] = Model(now)
             model = models[carried]
             limit = model.margins if margin is None else np.full(len(model), margin)
@@ -91,7 +99,7 @@ def own_contacts(simulation: Simulation, tools: Mapping[str, Tool]) -> Iterator[
         for first, last in pairwise(ends):
             tool = moves.mounts[mount[first]].tool if last > first else Tool()
             name = names.get(tool.tip.position)
-            scene = alone(robot, (name, tool.tip) if name and tool.held else None)
+            scene = arm_alone(robot, (name, tool.tip) if name and tool.held else None)
             model = models.setdefault(id(scene), Model(scene))
             asked = scene.robots[0], model.margins
             yield from _of_stretches(simulation, model, passed, whole.part(first, last), asked)
@@ -100,15 +108,15 @@ def own_contacts(simulation: Simulation, tools: Mapping[str, Tool]) -> Iterator[
 def _of_stretches(
     simulation: Simulation,
     model: Model,
-    passed: Passed,
+    passed: MovesWithoutStop,
     stretches: Stretches,
-    asked: tuple[Placed, Floats],
+    asked: tuple[PlacedRobot, Floats],
 ) -> Iterator[Closeness]:
     """Select the pairs of the robot and their limits (p,)."""
     placed, limit = asked
     way = way_of(model.scene, placed, stretches)
-    statement = _statements(passed, stretches)
-    found = leasts(model, way, limit, statement)
+    statement = _statement_numbers(passed, stretches)
+    found = closest_approaches(model, way, limit, statement)
     contacts = [one for one in found if _touches(one)]
     others = [one for one in found if not _touches(one)]
     begin = firsts(model, way, np.minimum(limit, 0.0), statement, contacts)
@@ -120,7 +128,7 @@ def _of_stretches(
         yield _closeness(simulation, model, passed, stretches, (hit, one, starts))
 
 
-def _statements(passed: Passed, stretches: Stretches) -> Rows:
+def _statement_numbers(passed: MovesWithoutStop, stretches: Stretches) -> Rows:
     """(n - 1,) numbers that are the same for the stretches of a statement, or of a line of one."""
     sizes = np.array([len(piece.moves) for piece in passed.pieces], dtype=np.intp)
     ends, move = np.cumsum(sizes), stretches.row + passed.skipped
@@ -129,11 +137,11 @@ def _statements(passed: Passed, stretches: Stretches) -> Rows:
     return np.asarray(np.where(lines[piece], move, (ends - sizes)[piece]))
 
 
-def _touches(one: Least) -> bool:
+def _touches(one: ClosestApproach) -> bool:
     return one.bound <= 0.0 and one.distance <= RESOLUTION
 
 
-def carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
+def carried_stretches(passed: MovesWithoutStop) -> Iterator[tuple[Carried | None, Stretches]]:
     """The stretches of a plan, split where what the arm carries changes."""
     whole = stretches_of(passed.plan)
     kinds = list(dict.fromkeys(piece.carried for piece in passed.pieces))
@@ -148,7 +156,7 @@ def carrying(passed: Passed) -> Iterator[tuple[Carried | None, Stretches]]:
         yield kinds[int(kind[first])] if first < len(kind) else kinds[0], part
 
 
-def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:
+def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> PlacedRobot:
     """The robot of a scene that runs a program for a robot, the one that is named if any is.
 
     Raises LookupError if there is none, or if several are of that model and none is named.
@@ -164,7 +172,7 @@ def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> Placed:
     return found[0]
 
 
-def beyond_bodies(scene: Scene, placed: Placed, tip: Pose) -> float:
+def beyond_bodies(scene: Scene, placed: PlacedRobot, tip: Pose) -> float:
     """Mm from a tip in the flange frame to the boxes around what a robot carries there: 0 if it is
     in one of them.
     """
@@ -182,12 +190,12 @@ def beyond_bodies(scene: Scene, placed: Placed, tip: Pose) -> float:
     return min(gaps, default=float(np.linalg.norm(tip.position)))
 
 
-def way_of(scene: Scene, placed: Placed, stretches: Stretches) -> Way:
+def way_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> JointPath:
     """The way of the joints of all robots, of which one moves."""
-    return Way(*rows_of(scene, placed, stretches), curve_of(scene, placed, stretches))
+    return JointPath(*rows_of(scene, placed, stretches), curve_of(scene, placed, stretches))
 
 
-def curve_of(scene: Scene, placed: Placed, stretches: Stretches) -> Curve:
+def curve_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> Curve:
     """Return the joints of all robots along stretches on which one of them moves."""
     rows, _ = rows_of(scene, placed, stretches.part(0, 0))
     columns = Carriers(scene.robots).columns
@@ -202,7 +210,7 @@ def curve_of(scene: Scene, placed: Placed, stretches: Stretches) -> Curve:
     return curve
 
 
-def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats, Floats]:
+def rows_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> tuple[Floats, Floats]:
     """Rows of the joints of all robots, of which one moves, with their slack."""
     rows, slack = [], []
     for one in scene.robots:
@@ -215,9 +223,9 @@ def rows_of(scene: Scene, placed: Placed, stretches: Stretches) -> tuple[Floats,
 def _closeness(
     simulation: Simulation,
     model: Model,
-    passed: Passed,
+    passed: MovesWithoutStop,
     stretches: Stretches,
-    found: tuple[Hit, Least, bool],
+    found: tuple[Hit, ClosestApproach, bool],
 ) -> Closeness:
     hit, least, starts = found
     at = min(int(hit.at), len(stretches.row) - 1)

@@ -9,20 +9,20 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import FLANGE, WORLD, Body, Placed, Scene
+from assistant.cell.scene import FLANGE, WORLD, Body, PlacedRobot, Scene
 from assistant.program.geometry import Pose
 
-ROUND: Final = 6
+POSE_DIGITS: Final = 6
 """Digits of a place that is kept, so that rounds of a loop are alike."""
 
-Place: TypeAlias = tuple[str, Pose] | None
+CarriedPlace: TypeAlias = tuple[str, Pose] | None
 """What a body stands in, and its pose there; None if only running the program tells."""
 
 
 @dataclass(slots=True)
-class Doubts:
+class CarryingDoubts:
     """What was met that makes an answer less than whole. empty: outputs that should have taken
     something, and nothing was there; lost: bodies of which it is not known where they are.
     """
@@ -32,23 +32,25 @@ class Doubts:
 
 
 @dataclass(frozen=True)
-class Holding:
+class CarriedBodies:
     """Where the bodies of a scene are that can be taken, as `Carried` of a simulation.
 
     robot: the one that takes. places: of `takeable(scene)`, in order.
     """
 
     scene: Scene = field(compare=False)
-    robot: Placed = field(compare=False)
-    places: tuple[Place, ...]
-    doubts: Doubts = field(default_factory=Doubts, compare=False)
+    robot: PlacedRobot = field(compare=False)
+    places: tuple[CarriedPlace, ...]
+    doubts: CarryingDoubts = field(default_factory=CarryingDoubts, compare=False)
 
     @staticmethod
-    def at_first(scene: Scene, robot: Placed) -> Holding:
+    def at_first(scene: Scene, robot: PlacedRobot) -> CarriedBodies:
         places = tuple((body.parent, body.pose) for body in takeable(scene))
-        return Holding(scene, robot, places)
+        return CarriedBodies(scene, robot, places)
 
-    def switched(self, name: str, value: float | None, joints: tuple[float, ...] | None) -> Holding:
+    def switched(
+        self, name: str, value: float | None, joints: tuple[float, ...] | None
+    ) -> CarriedBodies:
         """After an output is set: what it takes and is at the tool goes along with the flange,
         what it lets go stays where it is then.
         """
@@ -75,9 +77,9 @@ class Holding:
             self.doubts.empty.add((name, float(value or 0.0)))
         return replace(self, places=tuple(places))
 
-    def met(self, other: object) -> Holding:
+    def met(self, other: object) -> CarriedBodies:
         """What is elsewhere on one way than on another is lost."""
-        assert isinstance(other, Holding)
+        assert isinstance(other, CarriedBodies)
         both = zip(takeable(self.scene), self.places, other.places, strict=True)
         places = tuple(a if a == b else self._lost(body) for body, a, b in both)
         return replace(self, places=places)
@@ -101,7 +103,7 @@ class Holding:
                 bodies.append(body)
         return replace(self.scene, bodies=tuple(bodies))
 
-    def _lost(self, body: Body) -> Place:
+    def _lost(self, body: Body) -> CarriedPlace:
         self.doubts.lost.add(body.name)
         return None
 
@@ -110,13 +112,15 @@ class Holding:
         own = [joints if one is self.robot else one.robot.home for one in self.scene.robots]
         return np.concatenate(own)[None]
 
-    def _moved(self, place: Place, joints: tuple[float, ...] | None, parent: str) -> Place:
+    def _moved(
+        self, place: CarriedPlace, joints: tuple[float, ...] | None, parent: str
+    ) -> CarriedPlace:
         """The same place in the world in another frame."""
         if place is None or joints is None:
             return None
         carriers = Carriers(self.scene.robots)
         one = Body("", (), place[1], place[0])
-        number, pose = carried(self.scene_now(), one, carriers)
+        number, pose = carrier_of(self.scene_now(), one, carriers)
         origins, turns = carriers.at(self._rows(np.array(joints)))
         frames = [
             Pose.of(origins[0, i], rotations.from_matrix(turns[:1, i])[0])
@@ -124,7 +128,7 @@ class Holding:
         ]
         there = frames[1].inverse() @ frames[0] @ pose
         turn = rotations.canonical(np.array(there.quaternion))
-        return parent, Pose.of(np.round(there.position, ROUND), np.round(turn, 12))
+        return parent, Pose.of(np.round(there.position, POSE_DIGITS), np.round(turn, 12))
 
     def _near(self, number: int, joints: Floats) -> bool:
         """Whether a body is within its margin of what the flange carries."""

@@ -14,7 +14,7 @@ NO_PARENT = error(
     "body `{name}` stands in `{parent}`, which the cell has not",
     "write one of {known}, or the name of another body",
 )
-CIRCLE = error(
+CIRCULAR_PARENTS = error(
     "CK402", "body `{name}` stands in itself, by way of `{parent}`", "let one of them name `world`"
 )
 NO_BODY = error(

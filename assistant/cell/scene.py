@@ -16,11 +16,11 @@ FLANGE: Final = "flange"
 """What a body hangs on that a robot's flange carries: `ROBOT.flange`, of the only one `flange`."""
 MARGIN: Final = 5.0
 """mm under which a distance is a warning, where neither body says another."""
-UNKNOWN: Final = ".unknown"
+UNKNOWN_SUFFIX: Final = ".unknown"
 """How the body of a robot is called that stands for space of which nothing is known."""
-OCCUPIED: Final = ".occupied"
+OCCUPIED_SUFFIX: Final = ".occupied"
 """How the body of a robot is called that stands for where contacts were."""
-CORE: Final = ".core"
+CORE_SUFFIX: Final = ".core"
 """How the thinner body of what moves is called that must keep out of such space."""
 
 Colour = tuple[int, int, int]
@@ -59,7 +59,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class RobotReference:
     """How a cell file names a robot: of the catalogue, or the whole path of its file.
 
     packages: whole paths of folders by name; capsules: its links by its lengths, see `links`.
@@ -75,7 +75,7 @@ class Named:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedRobot:
     """A robot of the cell: base, its pose in the world; bodies: of links, by what carries them.
 
     links: bodies whose parent is `base`, `J1` …, `flange`, in the frames of the arm's links.
@@ -86,7 +86,7 @@ class Placed:
     robot: Robot
     base: Pose = IDENTITY
     links: tuple[Body, ...] = ()
-    named: Named | None = None
+    named: RobotReference | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ class Scene:
     """
 
     bodies: tuple[Body, ...] = ()
-    robots: tuple[Placed, ...] = ()
+    robots: tuple[PlacedRobot, ...] = ()
     frames: Mapping[str, Pose] = field(default_factory=dict)
     allowed: frozenset[tuple[str, str]] = frozenset()
     margin: float = MARGIN

@@ -25,7 +25,7 @@ class Box:
     size: Vector
 
     def __post_init__(self) -> None:
-        _sized("box", self.size)
+        _check_sizes("box", self.size)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        _sized("sphere", (self.radius,))
+        _check_sizes("sphere", (self.radius,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Cylinder:
     length: float
 
     def __post_init__(self) -> None:
-        _sized("cylinder", (self.radius, self.length))
+        _check_sizes("cylinder", (self.radius, self.length))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Capsule:
     length: float
 
     def __post_init__(self) -> None:
-        _sized("capsule", (self.radius, self.length))
+        _check_sizes("capsule", (self.radius, self.length))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Convex:
     points: Floats
 
     def __post_init__(self) -> None:
-        _cornered("hull", self.points)
+        _check_corners("hull", self.points)
 
     @cached_property
     def hull(self) -> Mesh:
@@ -105,7 +105,7 @@ class Mesh:
     within: Callable[[Floats], Truths] | None = None
 
     def __post_init__(self) -> None:
-        _cornered("mesh", self.points)
+        _check_corners("mesh", self.points)
         rows = self.triangles
         if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
             raise Refused(NO_SIZE(what="mesh", reason="its triangles are no rows of three"))
@@ -115,14 +115,14 @@ class Mesh:
             raise Refused(NO_SIZE(what="mesh", reason=f"it is {self.off} mm off"))
 
 
-def _sized(what: str, sizes: tuple[float, ...]) -> None:
+def _check_sizes(what: str, sizes: tuple[float, ...]) -> None:
     """Raises Refused for sizes that are not finite and above 0."""
     if not all(0.0 < size < np.inf for size in sizes):
         said = ", ".join(f"{size:g}" for size in sizes)
         raise Refused(NO_SIZE(what=what, reason=f"it is {said} mm large"))
 
 
-def _cornered(what: str, points: Floats) -> None:
+def _check_corners(what: str, points: Floats) -> None:
     """Raises Refused for points that are none."""
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise Refused(NO_SIZE(what=what, reason="its points are no rows of three"))

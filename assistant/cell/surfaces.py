@@ -13,7 +13,7 @@ from assistant.cell.scene import Part
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
 from assistant.program.geometry import Pose
 
-AROUND: Final = 32
+ROUND_SIDES: Final = 32
 """Flat sides of what is round."""
 
 Profile = Sequence[tuple[float, float]]
@@ -36,7 +36,7 @@ class Surface:
         return Surface(pose.moved(self.points), self.triangles, self.flat)
 
 
-def surface_of(part: Part) -> Surface:
+def part_surface(part: Part) -> Surface:
     """The surface of a part of a body, in the body's frame; round shapes with `AROUND` sides."""
     return surface(part.shape).at(part.pose)
 
@@ -48,13 +48,13 @@ def surface(shape: Shape) -> Surface:
             corners = (np.indices((2, 2, 2)).reshape(3, -1).T - 0.5) * np.array(shape.size)
             return Surface(corners, _BOX, flat=True)
         case Sphere():
-            return _turned([_half_circles(shape.radius, 0.0)])
+            return _revolved([_half_circles(shape.radius, 0.0)])
         case Capsule():
-            return _turned([_half_circles(shape.radius, shape.length)])
+            return _revolved([_half_circles(shape.radius, shape.length)])
         case Cylinder(radius=r, length=length):
             low, high = -length / 2.0, length / 2.0
             sides = [(0.0, low), (r, low)], [(r, low), (r, high)], [(r, high), (0.0, high)]
-            return _turned(sides)
+            return _revolved(sides)
         case Convex():
             return Surface(shape.hull.points, shape.hull.triangles, flat=True)
     return Surface(shape.points, shape.triangles, flat=True)
@@ -70,29 +70,29 @@ _BOX: Final[Ints] = np.array(
 
 def _half_circles(radius: float, length: float) -> Profile:
     """The profile of a sphere that is pulled to a length along z."""
-    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, AROUND // 2 + 1)
+    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, ROUND_SIDES // 2 + 1)
     half = len(angles) // 2
     lower = [(radius * np.cos(a), radius * np.sin(a) - length / 2.0) for a in angles[: half + 1]]
     upper = [(radius * np.cos(a), radius * np.sin(a) + length / 2.0) for a in angles[half:]]
     return [*lower, *(upper if length else upper[1:])]
 
 
-def _turned(profiles: Sequence[Profile]) -> Surface:
+def _revolved(profiles: Sequence[Profile]) -> Surface:
     """Profiles turned about z, with a sharp edge from each to the next."""
-    angles = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * np.pi, ROUND_SIDES, endpoint=False)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     points, triangles, first = list[Floats](), list[Ints](), 0
-    here = np.arange(AROUND)
-    there = (here + 1) % AROUND
+    here = np.arange(ROUND_SIDES)
+    there = (here + 1) % ROUND_SIDES
     for profile in profiles:
         for i, (radius, z) in enumerate(profile):
-            points.append(np.column_stack([radius * ring, np.full(AROUND, z)]))
+            points.append(np.column_stack([radius * ring, np.full(ROUND_SIDES, z)]))
             if i:
-                low, high = first + (i - 1) * AROUND, first + i * AROUND
+                low, high = first + (i - 1) * ROUND_SIDES, first + i * ROUND_SIDES
                 below, above = (profile[j][0] > 1e-9 for j in (i - 1, i))
                 if below:
                     triangles.append(np.stack([low + here, low + there, high + there], axis=1))
                 if above:
                     triangles.append(np.stack([low + here, high + there, high + here], axis=1))
-        first += len(profile) * AROUND
+        first += len(profile) * ROUND_SIDES
     return Surface(np.concatenate(points), np.concatenate(triangles), flat=False)

@@ -18,25 +18,25 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import error, info
-from assistant.cell.collision.continuous import RESOLUTION, Way, hits
-from assistant.cell.planning.goals import held
+from assistant.cell.collision.continuous import RESOLUTION, JointPath, hits
+from assistant.cell.planning.goals import goal_joints
 from assistant.cell.planning.space import Space
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.surroundings import ALONG, WayIn
 
-ASIDE: Final = info(
+APPROACH_TILTED: Final = info(
     "CK478",
     "the tool comes and goes {angle:.0f} degrees off its axis: along it `{one}` would come too near"
     " to `{other}`",
     "",
 )
-OUT_OF_REACH: Final = info(
+STRAIGHT_OUT_OF_REACH: Final = info(
     "CK477",
     "the tool comes and goes {angle:.0f} degrees off its axis: along it the arm cannot go so far",
     "",
 )
-NO_WAY_IN: Final = error(
+NO_APPROACH: Final = error(
     "CK479",
     "no line of {distance:g} mm that leads here is free, neither along the tool nor tilted from it:"
     " along it `{one}` touches `{other}`",
@@ -45,27 +45,31 @@ NO_WAY_IN: Final = error(
 
 TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
 """Degrees from the tool's axis, after 0."""
-SIDES: Final = 8
+TILT_SIDES: Final = 8
 """Sides to which it is tilted, of each angle."""
-ROUNDED: Final = 3
+DIRECTION_DECIMALS: Final = 3
 """Decimals of a direction: it stands in the program."""
 
 
-def directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
+def approach_directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
     """Those that are tried, in the tool's own axes, by their angles from its axis."""
     yield 0.0, (ALONG,)
-    around = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    around = 2.0 * np.pi * np.arange(TILT_SIDES) / TILT_SIDES
     for tilt in TILTS:
         t = np.radians(tilt)
-        ring = [np.sin(t) * np.cos(around), np.sin(t) * np.sin(around), np.full(SIDES, -np.cos(t))]
-        rows = np.round(np.stack(ring, axis=1), ROUNDED) + 0.0
+        ring = [
+            np.sin(t) * np.cos(around),
+            np.sin(t) * np.sin(around),
+            np.full(TILT_SIDES, -np.cos(t)),
+        ]
+        rows = np.round(np.stack(ring, axis=1), DIRECTION_DECIMALS) + 0.0
         yield tilt, tuple((x, y, z) for x, y, z in rows.tolist())
 
 
-class Around:
+class CellSurroundings:
     """`sources.surroundings.Surroundings` of a robot in a scene. Other robots stand at home."""
 
-    def __init__(self, scene: Scene, placed: Placed) -> None:
+    def __init__(self, scene: Scene, placed: PlacedRobot) -> None:
         self.scene, self.placed, self.robot = scene, placed, placed.robot
 
     @cached_property
@@ -106,7 +110,7 @@ class Around:
         if names is None:
             return WayIn()
         one, other = names
-        said = NO_WAY_IN(place=place, distance=distance, one=one, other=other)
+        said = NO_APPROACH(place=place, distance=distance, one=one, other=other)
         return WayIn(findings=(said,))
 
     def _said(self, row: Floats, along: _Line, found: tuple[float, Vector], place: str) -> WayIn:
@@ -115,14 +119,14 @@ class Around:
             return WayIn()
         names = self._in_the_way(row, along)
         if names is None:
-            return WayIn(direction, (OUT_OF_REACH(place=place, angle=angle),))
+            return WayIn(direction, (STRAIGHT_OUT_OF_REACH(place=place, angle=angle),))
         one, other = names
-        return WayIn(direction, (ASIDE(place=place, angle=angle, one=one, other=other),))
+        return WayIn(direction, (APPROACH_TILTED(place=place, angle=angle, one=one, other=other),))
 
     def _free(self, row: Floats, along: _Line, most: float) -> tuple[float, Vector] | None:
         """The first free direction from joints (a,), with its angle. most: mm of the margins."""
         margins = self._margins(row, most)
-        for angle, ring in directions():
+        for angle, ring in approach_directions():
             lines = [replace(along, direction=np.array(one)) for one in ring]
             free = self._clear(self._tracked(row, lines), margins)
             if free.any():
@@ -132,7 +136,7 @@ class Around:
     def _held(self, pose: Pose, tool: Pose) -> Iterator[Floats]:
         """Joints (a,) that hold a pose and touch nothing there, of whole turns the first."""
         seen = set[tuple[float, ...]]()
-        for row in held(self.robot, pose, self.robot.home, tool):
+        for row in goal_joints(self.robot, pose, self.robot.home, tool):
             turned = np.where(self.robot.sliding, row, row % 360.0)
             key = tuple((np.round(turned, 3) % 360.0).tolist())
             if key not in seen and self.space.distances(row).min(initial=np.inf) > 0.0:
@@ -169,7 +173,7 @@ class Around:
     def _margins(self, row: Floats, most: float) -> Floats:
         """(p,) mm that are kept on ways to joints (a,): less of what is nearer there."""
         wanted = np.minimum(self.space.margins, most)
-        return np.asarray(np.minimum(wanted, self.space.distances(row) - LESS))
+        return np.asarray(np.minimum(wanted, self.space.distances(row) - MARGIN_LESS))
 
     def _clear(self, tracks: Sequence[Floats | None], margins: Floats) -> Truths:
         """(n,) whether margins (p,) are kept on ways through joints (s, a)."""
@@ -183,7 +187,7 @@ class Around:
                 np.concatenate([track[some] for track in going])
                 for some in (slice(None, -1), slice(1, None))
             )
-            clear = self.space.clear(starts, ends, ROOM)
+            clear = self.space.clear(starts, ends, PATH_ROOM)
         finally:
             self.space.margins = usual
         out[out] = [
@@ -196,8 +200,8 @@ class Around:
         (way,) = self._tracked(row, [along])
         if way is None:
             return None
-        margins = self._margins(row, np.inf) + ROOM + RESOLUTION
-        found = hits(self.space.model, Way(self.space.all_joints(way)), margins)
+        margins = self._margins(row, np.inf) + PATH_ROOM + RESOLUTION
+        found = hits(self.space.model, JointPath(self.space.all_joints(way)), margins)
         if not found:
             return None
         worst = min(found, key=lambda hit: hit.distance)
@@ -216,17 +220,17 @@ class _Line:
 
     def flanges(self) -> list[Pose]:
         """Every `STEP` mm, without the first."""
-        count = max(1, int(np.ceil(self.distance / STEP)))
+        count = max(1, int(np.ceil(self.distance / APPROACH_STEP)))
         places = np.arange(1, count + 1)[:, None] / count * self.distance * self.direction
         back = self.tool.inverse()
         return [self.pose @ Pose((x, y, z)) @ back for x, y, z in places.tolist()]
 
 
-LESS: Final = 0.5
+MARGIN_LESS: Final = 0.5
 """mm by which a margin is less than the distance at the place that a way leads to."""
-ROOM: Final = 0.1
+PATH_ROOM: Final = 0.1
 """mm that the way between two looked at places may be from what the joints go in between."""
-STEP: Final = 4.0
+APPROACH_STEP: Final = 4.0
 """mm between places that are looked at; what lies in between is proven. A line of that length is
 0.02 mm from the arc of a joint 100 mm away."""
 MOST_TURNED: Final = 45.0

@@ -116,9 +116,9 @@ def placed_clearances(
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
     from assistant.base.diagnostics import has_errors
-    from assistant.cell.arms import alone
+    from assistant.cell.arms import arm_alone
     from assistant.cell.clearances import beyond_bodies, closeness, own_contacts, robot_of
-    from assistant.cell.holding import Holding
+    from assistant.cell.holding import CarriedBodies
     from assistant.robots.timing import simulate
 
     if has_errors(solution.findings):  # what cannot be reached is not gone through
@@ -126,14 +126,14 @@ def placed_clearances(
     if scene is None:
         done = simulation or simulate(solution)
         found = own_contacts(done, solution.tools)
-        yield from _told_of(solution, alone(solution.robot), found, alone=True)
+        yield from _told_of(solution, arm_alone(solution.robot), found, alone=True)
         return
     try:
         placed = robot_of(scene, solution.robot)
     except LookupError:
         yield no_robot(solution.robot, scene), None
         return
-    holding = Holding.at_first(scene, placed)
+    holding = CarriedBodies.at_first(scene, placed)
     if simulation is None or holding.places:
         simulation = simulate(solution, carried=holding if holding.places else None)
     yield from _told_of(solution, scene, closeness(simulation, scene, placed.name))
@@ -276,12 +276,12 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
 
 def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
     """The body that is in space of which a map says nothing, None if both are bodies."""
-    from assistant.cell.scene import CORE, UNKNOWN
+    from assistant.cell.scene import CORE_SUFFIX, UNKNOWN_SUFFIX
 
     for thin, space in ((one, other), (other, one)):
-        if thin.endswith(CORE) and space.endswith(UNKNOWN):
+        if thin.endswith(CORE_SUFFIX) and space.endswith(UNKNOWN_SUFFIX):
             core = scene.body(thin)
-            name = thin.removesuffix(CORE)
+            name = thin.removesuffix(CORE_SUFFIX)
             known = any(body.name == name for body in scene.all_bodies())
             return name if known or core is None else core.parent  # of what a program takes
     return None

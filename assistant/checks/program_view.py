@@ -24,9 +24,9 @@ from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Moving, SetOverride
 from assistant.robots import Robot, SolvedProgram
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.motion.along import ToolWays, flange_along, joints_along
+from assistant.robots.motion.along import ToolPaths, flange_along, joints_along
 from assistant.robots.motion.arcs import Arcs, Circles, circles
-from assistant.robots.motion.densities import Peaks
+from assistant.robots.motion.densities import PeakSampling
 from assistant.robots.motion.run import Run
 from assistant.robots.motion.wrist import THROUGH
 from assistant.robots.robot import CHUNK, IN_LINE
@@ -153,7 +153,7 @@ class Moves:
         first, last = self.starts[at] + 1, self.rows[at] + 1
         starts = self.positions[first], self.quaternions[first]
         ends = self.positions[last], self.quaternions[last]
-        tool = ToolWays(starts, ends, at, self._round).at(part)
+        tool = ToolPaths(starts, ends, at, self._round).at(part)
         return flange_along(self.run.mounting, self.rows[at], tool)
 
     def _of_speed(self, values: Sequence[float]) -> Floats:
@@ -257,8 +257,8 @@ def extremes_of(moves: Moves) -> Extremes:
     for at, joints in _pieces(moves, extremes):
         uneven.append(at[_update_extremes(moves.robot, extremes, at, joints)])
     again = np.concatenate(uneven)
-    parts = min(Peaks.MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
-    if parts > Peaks.PARTS[-1][1]:
+    parts = min(PeakSampling.MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
+    if parts > PeakSampling.PARTS[-1][1]:
         _clear_ends(extremes, again)
         extremes.crossed[again] = extremes.by_ends[again]
         for at, joints in _sampled(moves, again, parts):
@@ -276,24 +276,26 @@ def _peak(moves: Moves, extremes: Extremes, at: Rows, joints: Floats) -> None:
     robot = moves.robot
     branches = robot.branch_of(robot.configuration(joints[:, -1]))
     begin, width = np.zeros(len(at)), np.ones(len(at))
-    for _ in range(Peaks.CLOSER):
+    for _ in range(PeakSampling.CLOSER):
         if not len(at):
             return
         steps = joints.shape[1] - 1
         place = _steps(robot, joints).max(axis=2).argmax(axis=1)
         first, last = np.maximum(place - 1, 0), np.minimum(place + 2, steps)
         begin, width = begin + width * first / steps, width * (last - first) / steps
-        part = begin[:, None] + width[:, None] * np.linspace(0.0, 1.0, Peaks.CLOSER_PARTS + 1)
+        part = begin[:, None] + width[:, None] * np.linspace(
+            0.0, 1.0, PeakSampling.CLOSER_PARTS + 1
+        )
         p, q = moves.poses_at(at, part)
         joints, excess = joints_along(robot, joints[:, 0], branches, (p, q))
         reached = (excess < CLOSING / 2.0).all(axis=1)
-        needed = _steps(robot, joints).max(axis=1) * Peaks.CLOSER_PARTS / width[:, None]
+        needed = _steps(robot, joints).max(axis=1) * PeakSampling.CLOSER_PARTS / width[:, None]
         axis = needed.argmax(axis=1)
         seconds = np.where(reached, needed[np.arange(len(at)), axis], 0.0)
         before = extremes.seconds[at]
         more = seconds > before
         extremes.axis[at[more]], extremes.seconds[at[more]] = axis[more], seconds[more]
-        on = seconds > Peaks.FASTER * before
+        on = seconds > PeakSampling.FASTER * before
         at, branches, joints = at[on], branches[on], joints[on]
         begin, width = begin[on], width[on]
 
@@ -327,22 +329,22 @@ def _pieces(moves: Moves, extremes: Extremes) -> Iterator[tuple[Rows, Floats]]:
         yield at, ends
     _crossed_at_targets(moves, extremes)
     extremes.by_ends[:] = extremes.crossed
-    wanted = np.flatnonzero((wide > Peaks.STRAIGHT) & ~extremes.crossed)
+    wanted = np.flatnonzero((wide > PeakSampling.STRAIGHT) & ~extremes.crossed)
     _clear_ends(extremes, wanted)  # ends so far apart tell nothing of the way
     if moves.robot.arm.named:
         wanted = wanted[_same_branch(moves, wanted)]
-    counts = np.array([parts for _, parts in Peaks.PARTS])
-    parts = counts[np.searchsorted([most for most, _ in Peaks.PARTS], wide[wanted])]
+    counts = np.array([parts for _, parts in PeakSampling.PARTS])
+    parts = counts[np.searchsorted([most for most, _ in PeakSampling.PARTS], wide[wanted])]
     many = parts.sum()
     most = _most_places(moves.robot)
     if many > most:
-        parts = np.maximum(parts * most // many, Peaks.LEAST_PARTS)
+        parts = np.maximum(parts * most // many, PeakSampling.LEAST_PARTS)
     for one in np.unique(parts):
         yield from _sampled(moves, wanted[parts == one], int(one))
 
 
 def _most_places(robot: Robot) -> int:
-    return Peaks.MOST_PLACES if robot.arm.named else Peaks.MOST_FOLLOWED
+    return PeakSampling.MOST_PLACES if robot.arm.named else PeakSampling.MOST_FOLLOWED
 
 
 def _crossed_at_targets(moves: Moves, extremes: Extremes) -> None:
@@ -442,7 +444,7 @@ def _update_extremes(robot: Robot, extremes: Extremes, at: Rows, joints: Floats)
     extremes.axis[at[more]] = axis[more]
     extremes.seconds[at[more]] = seconds[more]
     mean = (step.sum(axis=1) / robot.speeds)[np.arange(k), axis]
-    return np.asarray((seconds > Peaks.UNEVEN * mean) & (places > 2))
+    return np.asarray((seconds > PeakSampling.UNEVEN * mean) & (places > 2))
 
 
 def _past_nothing(points: Floats) -> Floats:

@@ -20,7 +20,7 @@ from assistant.base.diagnostics import Declared, Diagnostic, fold, info, warning
 from assistant.checks.program_view import Moves, ProgramView, RunView, figure
 from assistant.program.motion import Kind
 from assistant.robots import Robot, SolvedProgram
-from assistant.robots.programming import has
+from assistant.robots.programming import has_trait
 
 SPEED_TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
@@ -168,7 +168,7 @@ TURN_BINDS: Final = info(
 
 def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
     """Only of controllers that take such a speed from the program."""
-    if not has(view.robot, "turning-speed"):
+    if not has_trait(view.robot, "turning-speed"):
         return
     for run_view in view.run_views:
         moves = run_view.moves
@@ -349,7 +349,7 @@ def loads(view: ProgramView) -> Iterator[Diagnostic]:
             continue
         mass = tool.load.mass
         about = Declared(name, "tools", in_full=True)
-        if not mass > 0.0 and has(robot, "stops-without-mass"):
+        if not mass > 0.0 and has_trait(robot, "stops-without-mass"):
             yield NO_MASS(name=name, about=about)
         elif robot.payload is not None and mass > robot.payload:
             yield TOO_HEAVY(

@@ -67,11 +67,11 @@ def _sample(name: str) -> Path:
 def trajectory() -> Source:
     """Return a Cartesian trajectory of the Robotics Toolbox; without it, its poses in a table."""
     import assistant
-    from assistant.robots.arms.toolbox import library
+    from assistant.robots.arms.toolbox import toolbox_library
 
     try:
         with working("loading roboticstoolbox"):
-            toolbox = library("computing the trajectory with `ctraj`")
+            toolbox = toolbox_library("computing the trajectory with `ctraj`")
     except Refused as refused:
         (missing,) = refused.findings
         say(f"{missing.message}: the demo takes it from {TRAJECTORY}; {missing.cure}")

@@ -120,9 +120,9 @@ def _check_name(path: Path) -> None:
 
 
 def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
-    from assistant.cell.exploration.map_file import save
+    from assistant.cell.exploration.map_file import save_map
 
-    save(found.occupancy, begun.asked.chart)
+    save_map(found.occupancy, begun.asked.chart)
     return report(Done(found, what, [begun.asked.chart]), format)
 
 
@@ -162,15 +162,15 @@ def report(done: Done, format: Format) -> int:
 
 
 def _record(occupancy: Occupancy) -> dict[str, Any]:
-    from assistant.cell.exploration.occupancy import State
+    from assistant.cell.exploration.occupancy import CellState
 
     counts = occupancy.counts()
     return {
         "robot": occupancy.robot,
         "cell_mm": occupancy.size,
         "runs": occupancy.runs,
-        "free": counts[State.FREE],
-        "occupied": counts[State.OCCUPIED],
+        "free": counts[CellState.FREE],
+        "occupied": counts[CellState.OCCUPIED],
         "litres": occupancy.litres,
         "box_mm": [low_high.tolist() for low_high in _box(occupancy)],
     }
@@ -178,9 +178,9 @@ def _record(occupancy: Occupancy) -> dict[str, Any]:
 
 def _box(occupancy: Occupancy) -> Sequence[Any]:
     """Lowest and highest corner (3,) of the free cells in mm of the base; none without any."""
-    from assistant.cell.exploration.occupancy import State
+    from assistant.cell.exploration.occupancy import CellState
 
-    cells = occupancy.cells(State.FREE)
+    cells = occupancy.cells(CellState.FREE)
     if not len(cells):
         return ()
     return cells.min(axis=0) * occupancy.size, (cells.max(axis=0) + 1) * occupancy.size
@@ -204,12 +204,12 @@ def _lines(occupancy: Occupancy) -> list[str]:
 def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
     """output: a picture of it that is written."""
     from assistant.base.file_sets import write_all
-    from assistant.cell.exploration.map_file import load
+    from assistant.cell.exploration.map_file import load_map
     from assistant.report.explored_space import explored_picture
     from assistant.report.figures import format_of
 
     kind = "" if output is None else format_of(output.name)
-    occupancy = load(path)
+    occupancy = load_map(path)
     written: list[str] = []
     if output is not None:
         keep_sources([str(path)], [output])
@@ -223,16 +223,16 @@ def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
 
 
 def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> int:
-    from assistant.cell.exploration.map_file import load, save
+    from assistant.cell.exploration.map_file import load_map, save_map
 
     _check_name(output)
     keep_sources([str(path) for path in paths], [output])
-    merged = load(paths[0])
+    merged = load_map(paths[0])
     for path in paths[1:]:
-        other = load(path)
+        other = load_map(path)
         with _placed(path):
             merged = merged.merged(other)
-    save(merged, output)
+    save_map(merged, output)
     if format is Format.JSON:
         print_json({"chart": _record(merged), "written": [str(output)]})
         return 0
@@ -244,9 +244,9 @@ def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> in
 
 def run_charts_compared(old: Path, new: Path, format: Format) -> int:
     """1 if what was free is not any more."""
-    from assistant.cell.exploration.map_file import load
+    from assistant.cell.exploration.map_file import load_map
 
-    before, after = load(old), load(new)
+    before, after = load_map(old), load_map(new)
     with _placed(new):
         found = before.compared(after)
     if format is Format.JSON:

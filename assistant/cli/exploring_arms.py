@@ -441,11 +441,11 @@ def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
 
 def _saved(begun: Ready, log: Log, live: Live) -> Done:
     """Learn from the log, and write chart and log."""
-    from assistant.cell.exploration.map_file import save
+    from assistant.cell.exploration.map_file import save_map
     from assistant.compiler.exploring import learnt, ready
 
     found = learnt(ready(begun.asked), log.clear(), log.contacts)
-    save(found.occupancy, begun.asked.chart)
+    save_map(found.occupancy, begun.asked.chart)
     written = [begun.asked.chart]
     if live.log is not None:
         log.recording.save(live.log)

@@ -11,7 +11,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.cell.scene import Placed
+    from assistant.cell.scene import PlacedRobot
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.drawing import Picture
@@ -240,7 +240,7 @@ def _plane(height: float, sigma: float = 0.05) -> Plane:
     return Plane(Pose((0.0, 0.0, height)), sigma)
 
 
-def _placed(asked: Looking) -> Placed | None:
+def _placed(asked: Looking) -> PlacedRobot | None:
     """The robot of the cell whose base poses are told in."""
     if asked.cell is None:
         return None
@@ -255,7 +255,7 @@ def _placed(asked: Looking) -> Placed | None:
     return robots[0]
 
 
-def _standing(camera: Camera, placed: Placed | None, asked: Looking) -> Camera:
+def _standing(camera: Camera, placed: PlacedRobot | None, asked: Looking) -> Camera:
     """The camera in the world; raises Refused for one that hangs on nobody knows where."""
     import numpy as np
 
@@ -320,7 +320,7 @@ def _wanted(asked: Looking, sight: Sight) -> list[Diagnostic]:
     return findings
 
 
-def _base(placed: Placed | None) -> Base:
+def _base(placed: PlacedRobot | None) -> Base:
     """The robot's base, which is the world of the cameras where no cell says another."""
     from assistant.program.geometry import IDENTITY
     from assistant.vision.recognition.attached import Base
@@ -331,7 +331,7 @@ def _base(placed: Placed | None) -> Base:
 def _write(
     asked: Looking,
     sight: Sight,
-    placed: Placed | None,
+    placed: PlacedRobot | None,
     when: datetime.datetime,
     findings: list[Diagnostic],
 ) -> list[Path]:

@@ -51,12 +51,12 @@ def run_places(
 ) -> int:
     """1 if everything is reached at no place, else 0. body: None for the base of the robot."""
     from assistant.cell.reach import placing
-    from assistant.cell.reach.region import grid, range_of
+    from assistant.cell.reach.region import grid, parse_range
     from assistant.cell.reach.rules import NO_PLACE
     from assistant.report import places as report
 
     files = wanted(outputs, PLACES)
-    offsets = grid([range_of(text, axis) for axis, text in _ranges(ranges).items()])
+    offsets = grid([parse_range(text, axis) for axis, text in _ranges(ranges).items()])
     if body is not None and tool.cell is None:
         raise Refused(NO_CELL(name=body), exit_status=2)
     with working("looking at places"):
@@ -115,9 +115,9 @@ def _targets(
     body: str | None, tool: Tool, goals: Goals
 ) -> tuple[Standing, Sequence[placing.Goals], list[Diagnostic]]:
     from assistant.cell.reach.placing import locations, standing_body
-    from assistant.cell.reach.region import turns_of
+    from assistant.cell.reach.region import check_turns
 
-    turns_of(tool.turns)
+    check_turns(tool.turns)
     if goals.program is not None:
         return _of_program(body, tool, goals, goals.program)
     there = standing(tool)

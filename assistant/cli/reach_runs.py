@@ -13,8 +13,8 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.cell.reach.mapping import ReachMap
-    from assistant.cell.reach.region import Range
-    from assistant.cell.scene import Placed, Scene
+    from assistant.cell.reach.region import NumberRange
+    from assistant.cell.scene import PlacedRobot, Scene
     from assistant.program.geometry import Pose
     from assistant.robots import Robot
 
@@ -47,7 +47,7 @@ class Standing:
     """The arm in its scene. bodies: whether anything may be touched there."""
 
     scene: Scene
-    placed: Placed
+    placed: PlacedRobot
     tip: Pose
     bodies: bool
     findings: tuple[Diagnostic, ...]
@@ -62,12 +62,12 @@ def run_map(
 ) -> int:
     """0; what is not reached is an answer."""
     from assistant.cell.reach.mapping import reach_map
-    from assistant.cell.reach.region import directions_of, grid
+    from assistant.cell.reach.region import grid, parse_directions
     from assistant.cell.reach.rules import NOTHING_REACHED
     from assistant.report import reach_map as report
 
     files = wanted(outputs, MAPS)
-    turned = directions_of(directions, tool.turns)
+    turned = parse_directions(directions, tool.turns)
     with working("looking at what is reached"):
         there = standing(tool)
         points = grid([_range(there, axis, text) for axis, text in ranges.items()])
@@ -126,7 +126,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     if scene is None:
         if robot is None:
             raise Refused(NO_ARM(), exit_status=2)
-        alone = arms.placed("robot", robot)
+        alone = arms.place_robot("robot", robot)
         return Standing(Scene(robots=(alone,)), alone, tip, False, found.findings)
     if robot is None and len(scene.robots) == 1:
         return Standing(scene, scene.robots[0], tip, True, found.findings)
@@ -158,20 +158,20 @@ def _tip(given: str | None) -> Pose:
     return Pose.of(numbers[:3], rotations.canonical(turn))
 
 
-def _range(there: Standing, axis: str, text: str | None) -> Range:
+def _range(there: Standing, axis: str, text: str | None) -> NumberRange:
     """What is stated, or all that the arm could reach."""
     import numpy as np
 
-    from assistant.cell.reach.region import Range, range_of
+    from assistant.cell.reach.region import NumberRange, parse_range
 
     if text is not None:
-        return range_of(text, axis)
+        return parse_range(text, axis)
     middle = there.placed.base.position["xyz".index(axis)]
     lengths = np.linalg.norm(there.placed.robot.arm.whole_chain.along(
         there.placed.robot.chained(there.placed.robot.home)).origins[0, 0])  # fmt: skip
     most = there.placed.robot.reach + float(lengths) + float(np.linalg.norm(there.tip.position))
     steps = np.ceil(most / STEP)
-    return Range(middle - steps * STEP, middle + steps * STEP, STEP)
+    return NumberRange(middle - steps * STEP, middle + steps * STEP, STEP)
 
 
 def _why(there: Standing, found: ReachMap) -> str:

@@ -96,10 +96,10 @@ def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
 
 
 def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
-    from assistant.cell.writing.rules import LEFT_OUT
+    from assistant.cell.writing.rules import TABLE_LEFT_OUT
     from assistant.program.settings_tables import shown
 
-    return tuple(LEFT_OUT(table=shown(name)) for name in others)
+    return tuple(TABLE_LEFT_OUT(table=shown(name)) for name in others)
 
 
 def _put(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:

@@ -13,16 +13,16 @@ from assistant.cli.reach_runs import Tool, print_answer, put, standing, wanted
 from assistant.cli.simulating import Options, refused, solved
 
 if TYPE_CHECKING:
-    from assistant.cell.reach.swept import Swept
+    from assistant.cell.reach.swept import SweptSpace
 
 
 def run_swept(
     source: str, options: Options, size: float, outputs: Sequence[str], format: Format
 ) -> int:
     """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
-    from assistant.cell.holding import Holding
+    from assistant.cell.holding import CarriedBodies
     from assistant.cell.reach.rules import NOT_SWEPT
-    from assistant.cell.reach.swept import swept
+    from assistant.cell.reach.swept import swept_space
     from assistant.report import swept_space as report
     from assistant.robots.timing import simulate
 
@@ -34,9 +34,9 @@ def run_swept(
             return refused(source, solution.robot, ready.findings, format, "swept")
         tool = Tool(options.robot, options.cell)
         there = standing(tool, solution.robot)
-        holding = Holding.at_first(there.scene, there.placed)
+        holding = CarriedBodies.at_first(there.scene, there.placed)
         done = simulate(solution, carried=holding if holding.places else None)
-        found = swept(done, there.scene, there.placed, size)
+        found = swept_space(done, there.scene, there.placed, size)
         title = f"{Path(source).name} on {solution.robot.title}, cells of {size:g} mm"
         drawn = {path: WRITERS[path.suffix.lower()](found, title) for path in files}
         written = put(tool, drawn, source)
@@ -63,26 +63,26 @@ def run_swept(
     return 0
 
 
-def _csv(found: Swept, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
+def _csv(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
     from assistant.report.swept_space import swept_csv
 
     return swept_csv(found)
 
 
-def _npz(found: Swept, title: str) -> bytes:  # noqa: ARG001
+def _npz(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001
     from assistant.report.swept_space import swept_npz
 
     return swept_npz(found)
 
 
-def _glb(found: Swept, title: str) -> bytes:  # noqa: ARG001
+def _glb(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001
     from assistant.report.swept_space import swept_glb
 
     return swept_glb(found)
 
 
-def _picture(format: str) -> Callable[[Swept, str], bytes]:
-    def draw(found: Swept, title: str) -> bytes:
+def _picture(format: str) -> Callable[[SweptSpace, str], bytes]:
+    def draw(found: SweptSpace, title: str) -> bytes:
         from assistant.report.swept_space import swept_picture
 
         return swept_picture(found, title, format)
@@ -90,7 +90,7 @@ def _picture(format: str) -> Callable[[Swept, str], bytes]:
     return draw
 
 
-WRITERS: Final[dict[str, Callable[[Swept, str], bytes]]] = {
+WRITERS: Final[dict[str, Callable[[SweptSpace, str], bytes]]] = {
     ".csv": _csv,
     ".npz": _npz,
     ".glb": _glb,

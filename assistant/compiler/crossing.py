@@ -287,7 +287,7 @@ class _Crossing:
 
 def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointTarget, _Crossing]:
     """Where the targets of one arm put its flange, and the joints that another one takes there."""
-    from assistant.robots.crossing import crossed
+    from assistant.robots.crossing import joints_on_other_arm
 
     own = {target: source.own_joints(target.joints) for target in targets}
     whole = [t for t, j in own.items() if len(j) == len(source.axes) and np.isfinite(j).all()]
@@ -296,7 +296,7 @@ def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointT
         return out
     given = np.array([own[target] for target in whole])
     there, _ = source.fk(given)
-    joints = crossed(given, source, arm)
+    joints = joints_on_other_arm(given, source, arm)
     here, _ = arm.fk(np.nan_to_num(joints))
     for row, target in enumerate(whole):
         said = {"there": _listed(there[row])}

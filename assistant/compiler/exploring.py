@@ -81,20 +81,20 @@ def ready(asked: Asked) -> Ready:
     """Raises Unreadable or Refused for files that are none, a robot that the cell has not, a chart
     of another robot or of other cells.
     """
-    from assistant.cell.exploration.explorer import SIZE, Explorer
-    from assistant.cell.exploration.map_file import load
-    from assistant.cell.exploration.rules import NO_SIZE, OTHER_GRID
+    from assistant.cell.exploration.explorer import CELL_SIZE, Explorer
+    from assistant.cell.exploration.map_file import load_map
+    from assistant.cell.exploration.rules import OTHER_GRID, WRONG_CELL_SIZE
     from assistant.cell.reading.cell_file import read_scene
 
     scene, findings = read_scene(asked.cell, explored=False)
-    known = load(asked.chart) if asked.chart.exists() else None
-    usual = SIZE if known is None else known.size
+    known = load_map(asked.chart) if asked.chart.exists() else None
+    usual = CELL_SIZE if known is None else known.size
     size = usual if asked.size is None else asked.size
     if known is not None and size != known.size:
         one, other = f"cells of {known.size:g} mm", f"{size:g} mm asked for"
         raise Refused(OTHER_GRID(path=str(asked.chart), one=one, other=other), exit_status=2)
     if not (np.isfinite(asked.thinner) and asked.thinner >= 0.0):
-        raise Refused(NO_SIZE(size=f"{asked.thinner:g}"), exit_status=2)
+        raise Refused(WRONG_CELL_SIZE(size=f"{asked.thinner:g}"), exit_status=2)
     explorer = Explorer(scene, asked.robot, size, known, asked.thinner)
     return Ready(asked, explorer, (*findings, *explorer.findings))
 
@@ -105,7 +105,7 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
     Raises Refused where the robot is another one there, or stands elsewhere.
     """
     from assistant.cell.exploration.filling import robot_named
-    from assistant.cell.exploration.rules import OTHER_ROBOT, STANDS_ELSEWHERE
+    from assistant.cell.exploration.rules import OTHER_HIDDEN_ROBOT, STANDS_ELSEWHERE
     from assistant.cell.reading.cell_file import read_scene
 
     explorer = begun.explorer
@@ -117,7 +117,7 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
     files: dict[str, Any] = {"hidden": hidden, "cell": begun.asked.cell}
     if there.robot.name != own.robot.name:
         models: dict[str, Any] = {"other": there.robot.title, "robot": own.robot.title}
-        raise Refused(OTHER_ROBOT(name=own.name, **models, **files), exit_status=2)
+        raise Refused(OTHER_HIDDEN_ROBOT(name=own.name, **models, **files), exit_status=2)
     stand = [(placed.name, placed.robot.name) for placed in scene.robots]
     known = [(placed.name, placed.robot.name) for placed in explorer.scene.robots]
     if there.base != own.base or stand != known:
@@ -132,13 +132,15 @@ def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
     cell has no such robot.
     """
     from assistant.cell.collision.model import Model
-    from assistant.cell.exploration.rules import NO_ROBOT
+    from assistant.cell.exploration.rules import NO_EXPLORING_ROBOT
     from assistant.cell.reading.cell_file import read_scene
 
     scene, _ = read_scene(cell, explored=False)
     names = [placed.robot.name for placed in scene.robots]
     if robot not in names:
-        raise Refused(NO_ROBOT(name=robot, names=", ".join(names) or "none"), exit_status=2)
+        raise Refused(
+            NO_EXPLORING_ROBOT(name=robot, names=", ".join(names) or "none"), exit_status=2
+        )
     model, number = Model(scene), names.index(robot)
     columns = model.carriers.columns[number]
     home = np.concatenate([placed.robot.home for placed in scene.robots])
@@ -216,13 +218,13 @@ def one_way(program: Program, simulation: Simulation) -> None:
 
     program: as it was read. Only a program that always goes one way tells where it has been.
     """
-    from assistant.cell.exploration.rules import MANY_WAYS
+    from assistant.cell.exploration.rules import MANY_PATHS
 
     doubt = next(_doubts(program), None)
     beside = {id(one.plan) for one in simulation.passed} - set(_plans(simulation.history))
     duration = simulation.duration
     if doubt is not None or beside or not math.isclose(duration.least, duration.most):
-        raise Refused(MANY_WAYS(span=getattr(doubt, "span", None)))
+        raise Refused(MANY_PATHS(span=getattr(doubt, "span", None)))
 
 
 def _doubts(program: Program) -> Iterator[object]:
@@ -262,7 +264,7 @@ def ran(
 
     program: as it was read. Raises Refused if it is for another robot, or may have gone otherwise.
     """
-    from assistant.cell.exploration.rules import NO_ROBOT
+    from assistant.cell.exploration.rules import NO_EXPLORING_ROBOT
 
     one_way(program, simulation)
 
@@ -273,7 +275,9 @@ def ran(
         new = explorer.ran(simulation, until, scene)
     except LookupError:
         names = ", ".join(placed.name for placed in explorer.scene.robots)
-        raise Refused(NO_ROBOT(name=simulation.robot.name, names=names), exit_status=2) from None
+        raise Refused(
+            NO_EXPLORING_ROBOT(name=simulation.robot.name, names=names), exit_status=2
+        ) from None
     contacts = int(explorer.occupancy.touched.sum()) - before
     rows = ((1, new, explorer.occupancy.litres),)
     return Explored(explorer.occupancy, rows, contacts, 0, begun.findings)

@@ -15,7 +15,7 @@ from assistant.program.statements import Follow
 
 if TYPE_CHECKING:
     from assistant.robots import Robot, SolvedProgram
-    from assistant.robots.pace import Change
+    from assistant.robots.pace import SpeedChange
 
 IN_MM = warning(
     "CO507",
@@ -50,16 +50,16 @@ def at_the_pace(
     percent: whether they are to be percents.
     """
     from assistant import robots
-    from assistant.robots.pace import paced
+    from assistant.robots.pace import convert_joint_speeds
 
     before = solution if taught is not None and taught.name == solution.robot.name else None
     if before is None and taught is not None:
         before = robots.solve_program(replace(source, robot=taught.name), taught)
-    program, changes = paced(solution.program, solution, before, percent=percent)
+    program, changes = convert_joint_speeds(solution.program, solution, before, percent=percent)
     return program, tuple(_told(changes, IN_PERCENT if percent else IN_MM))
 
 
-def _told(changes: tuple[Change, ...], rule: Rule) -> Iterator[Diagnostic]:
+def _told(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Diagnostic]:
     """A finding for the first change of each statement."""
     seen: set[int] = set()
     for change in changes:

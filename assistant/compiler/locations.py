@@ -17,7 +17,7 @@ from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import records
 
 if TYPE_CHECKING:
-    from assistant.cell.scene import Body, Placed, Scene
+    from assistant.cell.scene import Body, PlacedRobot, Scene
 
 NO_TARGET: Final = error(
     "CO077", "the location `{name}` of the cell is no target here: {reason}", "{cure}"
@@ -116,7 +116,7 @@ def _moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
                         yield part.name, motion.frame
 
 
-def placed_in(program: Program, arms: Arms) -> Placed | None:
+def placed_in(program: Program, arms: Arms) -> PlacedRobot | None:
     """The robot of the cell that runs the program; None if that is not known."""
     from assistant.cell.clearances import robot_of
     from assistant.compiler.arms import known_robot
@@ -165,10 +165,10 @@ def _frame(program: Program, name: str) -> Frame:
 def _fixed(scene: Scene, body: Body) -> Pose | None:
     """The pose of a body in the world; None for one that an arm moves."""
     from assistant.base import rotations
-    from assistant.cell.collision.carriers import Carriers, carried
+    from assistant.cell.collision.carriers import Carriers, carrier_of
 
     carriers = Carriers(scene.robots)
-    carrier, pose = carried(scene, body, carriers)
+    carrier, pose = carrier_of(scene, body, carriers)
     if carriers.moved_by(carrier):
         return None
     homes = [np.asarray(one.robot.home, dtype=np.float64) for one in scene.robots]

@@ -52,13 +52,15 @@ class InCell:
         if self.scene is None:
             return None
         from assistant.cell.clearances import robot_of as robot_in
-        from assistant.cell.ways_in import Around
+        from assistant.cell.ways_in import CellSurroundings
 
         robot = self.robot or known_robot(named)
         if robot is None and len(self.scene.robots) == 1:
             robot = self.scene.robots[0].robot
         try:
-            return None if robot is None else Around(self.scene, robot_in(self.scene, robot))
+            return (
+                None if robot is None else CellSurroundings(self.scene, robot_in(self.scene, robot))
+            )
         except LookupError:  # told by whoever checks the program
             return None
 

@@ -34,7 +34,7 @@ from assistant.robots.target_lookup import Names
 
 if TYPE_CHECKING:
     from assistant.cell.planning.planner import Planned
-    from assistant.cell.scene import Placed, Scene
+    from assistant.cell.scene import PlacedRobot, Scene
     from assistant.robots import Robot
     from assistant.robots.timing.arrivals import Arrival
 
@@ -159,7 +159,7 @@ class _Planning:
     def arrivals(self, ways: Mapping[int, _Way]) -> tuple[Arrival, ...]:
         """With each travel, the moves that stand for it. Raises Refused for what is not reached."""
         from assistant import robots
-        from assistant.cell.holding import Holding
+        from assistant.cell.holding import CarriedBodies
         from assistant.robots.timing.arrivals import arrivals
 
         def standing(number: int, one: Travel) -> Body:
@@ -170,10 +170,10 @@ class _Planning:
         solution = robots.solve_program(_exchanged(self.program, standing), self.robot)
         if has_errors(solution.findings):
             raise Refused(*at_moves(solution.findings, solution.program, self.places))
-        holding = Holding.at_first(self.scene, self.placed())
+        holding = CarriedBodies.at_first(self.scene, self.placed())
         return arrivals(solution, holding if holding.places else None)
 
-    def placed(self) -> Placed:
+    def placed(self) -> PlacedRobot:
         from assistant.cell.clearances import robot_of
         from assistant.checks.clearances import no_robot
 
@@ -286,12 +286,12 @@ class _Planning:
         """To the joints that suit what comes behind; free: else in any way to hold the arm there,
         with the half of the time.
         """
-        from assistant.cell.holding import Holding
+        from assistant.cell.holding import CarriedBodies
         from assistant.cell.planning.planner import plan
         from assistant.cell.planning.space import Cone
 
         carried = asked.arrival.carried
-        scene = carried.scene_now() if isinstance(carried, Holding) else self.scene
+        scene = carried.scene_now() if isinstance(carried, CarriedBodies) else self.scene
         (start,), goal = asked.arrival.places, np.array(asked.arrival.joints)
         p, q = self.robot.fk(goal)
         pose = Pose.of(p[0], q[0]) @ asked.tip

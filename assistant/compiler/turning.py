@@ -10,7 +10,7 @@ from assistant.program.program import Program
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.robots import Robot
-    from assistant.robots.turning.choosing import Clear
+    from assistant.robots.turning.choosing import ClearTest
 
 
 def has_free_turns(program: Program) -> bool:
@@ -26,16 +26,16 @@ def with_turns(
     scene: of the cell, None without one: then nothing is there to be touched.
     """
     from assistant.robots.findings import NO_ARM
-    from assistant.robots.turning.programs import turned, without_free_turns
+    from assistant.robots.turning.programs import with_chosen_turns, without_free_turns
 
     if not has_free_turns(program):
         return program, ()
     if arm is None:
         return without_free_turns(program), (NO_ARM(),)
-    return turned(program, arm, () if scene is None else _clear(scene, arm))
+    return with_chosen_turns(program, arm, () if scene is None else _clear(scene, arm))
 
 
-def _clear(scene: Scene, arm: Robot) -> tuple[Clear, ...]:
+def _clear(scene: Scene, arm: Robot) -> tuple[ClearTest, ...]:
     """What keeps the margins of a scene, and what touches nothing in it, while all else stands."""
     from assistant.cell.clearances import robot_of
     from assistant.cell.planning.space import Space

@@ -135,7 +135,7 @@ def path_in_reach(path: Path, can: FiveAxes, findings: Findings) -> Path:
 def _orientation_error(positions: Floats, quaternions: Floats) -> Floats:
     from assistant.robots.arms import five_axis
 
-    return five_axis.miss(positions, quaternions)
+    return five_axis.plane_miss(positions, quaternions)
 
 
 def _reached_orientations(positions: Floats, quaternions: Floats, miss: Floats) -> Floats:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.base.arrays import Floats
-from assistant.cell.exploration.occupancy import Occupancy, State
+from assistant.cell.exploration.occupancy import CellState, Occupancy
 from assistant.report.figures import figure, picture
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def explored_picture(occupancy: Occupancy, format: str = "png") -> bytes:
 
 def _draw(axes: Axes, occupancy: Occupancy, right: int, up: int) -> None:
     size = occupancy.size
-    free, touched = (occupancy.cells(state) for state in (State.FREE, State.OCCUPIED))
+    free, touched = (occupancy.cells(state) for state in (CellState.FREE, CellState.OCCUPIED))
     if len(free):
         first = free.min(axis=0)
         shape = free.max(axis=0) - first + 1

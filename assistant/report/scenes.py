@@ -9,7 +9,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.scene import Body, Scene
 from assistant.cell.shapes import Mesh, Shape, extent
 from assistant.cell.surfaces import surface
@@ -88,7 +88,7 @@ def _boxes(scene: Scene) -> Iterator[tuple[Body, Floats, Floats]]:
     homes = [np.asarray(placed.robot.home, dtype=np.float64) for placed in scene.robots]
     origins, turns = carriers.at(np.concatenate([np.zeros(0), *homes])[None])
     for body in scene.all_bodies():
-        carrier, pose = carried(scene, body, carriers)
+        carrier, pose = carrier_of(scene, body, carriers)
         boxes = []
         for part in body.parts:
             placed = pose @ part.pose

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base.arrays import Ints
-from assistant.cell.reach.swept import Swept
+from assistant.cell.reach.swept import SweptSpace
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Mesh
 from assistant.cell.writing.gltf import gltf
@@ -28,7 +28,7 @@ FACES: Final = (
 """Axis and side of the faces of a cell, with their corners, counter-clockwise from outside."""
 
 
-def lines(found: Swept) -> Iterator[str]:
+def lines(found: SweptSpace) -> Iterator[str]:
     """The volume that each body sweeps, and that of all, with the box about it."""
     wide = max(6, *(len(name) for name in found.bodies), 0) if found.bodies else 6
     yield f"{'body':{wide}}  {'cells':>10}  {'litres':>8}"
@@ -43,7 +43,7 @@ def lines(found: Swept) -> Iterator[str]:
             yield f"{axis}: {least:g} to {most:g} mm"
 
 
-def record(found: Swept) -> dict[str, Any]:
+def record(found: SweptSpace) -> dict[str, Any]:
     """The same as `lines`, for programs."""
     some = len(found.cells) > 0
     return {
@@ -56,7 +56,7 @@ def record(found: Swept) -> dict[str, Any]:
     }
 
 
-def swept_csv(found: Swept) -> bytes:
+def swept_csv(found: SweptSpace) -> bytes:
     """A line for each cell, by its middle, with a column of 0 and 1 for each body."""
     text = io.StringIO(newline="")
     names = [f'"{name}"' if "," in name else name for name in found.bodies]
@@ -67,7 +67,7 @@ def swept_csv(found: Swept) -> bytes:
     return text.getvalue().encode()
 
 
-def swept_npz(found: Swept) -> bytes:
+def swept_npz(found: SweptSpace) -> bytes:
     """The columns of `Swept` as a NumPy archive; a row of `swept` for each of `bodies`."""
     data = io.BytesIO()
     np.savez_compressed(
@@ -80,14 +80,14 @@ def swept_npz(found: Swept) -> bytes:
     return data.getvalue()
 
 
-def swept_glb(found: Swept) -> bytes:
+def swept_glb(found: SweptSpace) -> bytes:
     """The surface of the cells as binary glTF, a body `swept`."""
     if not len(found.cells):
         return gltf(Scene())
     return gltf(Scene((Body(NAME, (Part(surface(found)),), colour=COLOUR),)))
 
 
-def surface(found: Swept) -> Mesh:
+def surface(found: SweptSpace) -> Mesh:
     """The faces of cells beside which none is swept, as two triangles each."""
     low = found.cells.min(axis=0) - 1
     cells = found.cells - low
@@ -106,7 +106,7 @@ def surface(found: Swept) -> Mesh:
     return Mesh(np.asarray(points * found.size), triangles)
 
 
-def swept_picture(found: Swept, title: str, format: str = "png") -> bytes:
+def swept_picture(found: SweptSpace, title: str, format: str = "png") -> bytes:
     """How many mm are swept above each other, from above and from both sides.
 
     Raises Refused, naming the extra, without matplotlib.

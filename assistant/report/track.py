@@ -27,7 +27,7 @@ from assistant.program.statements import (
     Statement,
 )
 from assistant.robots.motion.arcs import circles
-from assistant.robots.motion.densities import Drawn
+from assistant.robots.motion.densities import DrawingSampling
 from assistant.robots.target_lookup import Names
 
 STARTS: Final = "_start"
@@ -242,9 +242,9 @@ def _with_arcs(piece: _Piece, before: Floats | None) -> _Piece:
 def _chords(radius: float, angle: float) -> int:
     """Number of chords of a drawn arc, so that none is visibly off."""
     if not 0.0 < radius < math.inf:
-        return Drawn.ARC
-    step = 2.0 * math.acos(max(1.0 - Drawn.OFF / radius, 0.5))
-    return min(max(math.ceil(abs(angle) / step), Drawn.ARC), Drawn.MOST)
+        return DrawingSampling.ARC
+    step = 2.0 * math.acos(max(1.0 - DrawingSampling.OFF / radius, 0.5))
+    return min(max(math.ceil(abs(angle) / step), DrawingSampling.ARC), DrawingSampling.MOST)
 
 
 def arc_points(start: Floats, via: Floats, end: Floats) -> Floats:

@@ -35,17 +35,17 @@ from assistant.program.statements import (
     trait,
 )
 from assistant.robots import findings as rules
-from assistant.robots.branches.row_reach import Cures
-from assistant.robots.branches.solving import solve
+from assistant.robots.branches.row_reach import NearestPoseCures
+from assistant.robots.branches.solving import solve_run
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run_of_moves import (
     Configurations,
-    Part,
+    RunPart,
     SingleMove,
-    first_ones,
+    first_configurations,
     moves_part,
     path_part,
-    run_of,
+    run_of_parts,
 )
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
@@ -66,7 +66,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     targets keep what they say. A target that no move names is configured for the
     program's only tool and frame, or the flange in the base, where that is within reach.
     """
-    survey = _Survey(program, robot)
+    survey = _ProgramSolver(program, robot)
     for procedure in program.procedures:
         survey.procedure(procedure)
     survey.joint_targets()
@@ -85,7 +85,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
 
 
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
-LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
+TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """Traits of statements behind which nothing tells where the arm is."""
 """How a target would be reached that no move names."""
 
@@ -97,11 +97,11 @@ def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
     return Leg(statement, solved_run, rows, joints[rows], start if known else None)
 
 
-UNUSED: Final = 9e9
+UNUSED_AXIS: Final = 9e9
 """Stands for an axis of the arm that a target says nothing of."""
 
 
-class _Survey:
+class _ProgramSolver:
     """Goes through a program in order of text and solves its moves run by run.
 
     done: id of a target → its configuration row. paths: id of a path → the configured one.
@@ -113,7 +113,7 @@ class _Survey:
         self.program, self.robot = program, robot
         self.names = Names(program)
         self.findings: list[Diagnostic] = []
-        self.cures = Cures(robot)
+        self.cures = NearestPoseCures(robot)
         self.done: dict[int, NDArray[np.int8]] = {}
         self.paths: dict[int, Path] = {}
         self.followed: dict[int, Path] = {}
@@ -121,7 +121,7 @@ class _Survey:
         self.aimed: dict[str, tuple[str, str]] = {}
         self.origins: dict[str, set[str]] = {}
         self.moves: list[SingleMove] = []
-        self.parts: list[Part] = []
+        self.parts: list[RunPart] = []
         self.before, self.joined = robot.home, False
         self.where, self.count = "", 0
         self.legs: dict[str, tuple[Leg, ...]] = {}
@@ -162,7 +162,7 @@ class _Survey:
                     self.origins[name.lower()] = self.coming_from(value)
                 case _ if trait(statement) == "holds":
                     self.nested(statement, bodies(statement))
-                case _ if trait(statement) in LEADING_AWAY:
+                case _ if trait(statement) in TRAITS_LEADING_AWAY:
                     self.flush()
                     self.joined = False
         self.flush()
@@ -257,15 +257,15 @@ class _Survey:
                 else _leg(moving, solved_run, slice(first, end))
             )
 
-    def solved(self, parts: Sequence[Part]) -> SolvedRun:
-        run = run_of(parts, self.before, self.joined)
-        solved = solve(run, self.robot, self.cures)
-        first = first_ones(parts, solved.configurations)
+    def solved(self, parts: Sequence[RunPart]) -> SolvedRun:
+        run = run_of_parts(parts, self.before, self.joined)
+        solved = solve_run(run, self.robot, self.cures)
+        first = first_configurations(parts, solved.configurations)
         if first is not solved.configurations:
             # What is met twice has one configuration: the first one it got.
             theirs = run.configurations[:, BACK] != UNSTATED
             fixed = replace(run, configurations=first)
-            solved = solve(fixed, self.robot, self.cures, theirs)
+            solved = solve_run(fixed, self.robot, self.cures, theirs)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
         solved_run = SolvedRun(run, solved.joints, solved.configurations)
@@ -275,7 +275,7 @@ class _Survey:
             self.before = last
         return solved_run
 
-    def keep(self, parts: Sequence[Part], configurations: Configurations) -> None:
+    def keep(self, parts: Sequence[RunPart], configurations: Configurations) -> None:
         """Remembers the configurations of targets and paths."""
         at = 0
         for part in parts:
@@ -371,8 +371,8 @@ class _Survey:
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]
-        run = run_of(parts, self.robot.home, joined=False)
-        solved = solve(run, self.robot, Cures(self.robot, 0))
+        run = run_of_parts(parts, self.robot.home, joined=False)
+        solved = solve_run(run, self.robot, NearestPoseCures(self.robot, 0))
         self.keep(parts, solved.configurations)
 
     def tool(self, name: str, about: Goal) -> Tool | None:
@@ -402,4 +402,4 @@ class _Survey:
 
 def _is_of_other_axes(target: JointTarget) -> bool:
     """True if a target states external axes and none of the arm."""
-    return bool(target.joints) and all(value >= UNUSED for value in target.joints)
+    return bool(target.joints) and all(value >= UNUSED_AXIS for value in target.joints)

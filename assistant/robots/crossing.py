@@ -11,11 +11,11 @@ from assistant.base.arrays import Floats, rows_of
 from assistant.robots.arms.placed import Placed
 from assistant.robots.robot import IN_LINE, Robot
 
-SIDE: Final = 1e6
+OTHER_SIDE: Final = 1e6
 """What another side of shoulder, elbow or wrist counts as: more than any angle."""
 
 
-def crossed(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
+def joints_on_other_arm(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
     """Joints (n, a) of an arm → those (n, b) with which another one's flange is where its was.
 
     In the nearest branch: where the axis that is the farthest from where the source has it is the
@@ -29,14 +29,14 @@ def crossed(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
     home = np.tile(arm.home, (len(given), 1))
     wanted = (_counted_by(arm, source.chained(given)) if alike else home)[:, None]
     found, _ = arm.ik(positions, quaternions)
-    found = _turned(_in_line(found, wanted, arm), wanted, arm)
+    found = _with_whole_turns(_in_line(found, wanted, arm), wanted, arm)
     away = np.abs(found - wanted).max(axis=2)
     if source.arm.named and arm.arm.named and not alike:
         n, branches, axes = found.shape
         each = np.nan_to_num(found).reshape(-1, axes)
         shape = arm.arm.shape(arm.chained(each)).reshape(n, branches, -1)
         own = source.arm.shape(source.chained(given))
-        away += SIDE * np.count_nonzero(shape != own[:, None], axis=2)
+        away += OTHER_SIDE * np.count_nonzero(shape != own[:, None], axis=2)
     away = np.where(arm.inside(found), away, np.inf)
     rows, branch = np.arange(len(given)), away.argmin(axis=1)
     out: Floats = found[rows, branch]
@@ -67,7 +67,7 @@ def _in_line(joints: Floats, wanted: Floats, arm: Robot) -> Floats:
     return out
 
 
-def _turned(joints: Floats, wanted: Floats, arm: Robot) -> Floats:
+def _with_whole_turns(joints: Floats, wanted: Floats, arm: Robot) -> Floats:
     """Joints (n, b, a), each axis so many whole turns on that it is nearest to wanted in limits."""
     low, high = arm.limits.T
     least, most = np.ceil((low - joints) / 360.0), np.floor((high - joints) / 360.0)

@@ -27,16 +27,16 @@ from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import drive_of
 
-STEPS: Final = 24
+MOVE_PARTS: Final = 24
 """Parts of a joint move between which its way is taken as straight."""
-DIRECT: Final = 0.5
+LEAST_DIRECT_SHARE: Final = 0.5
 """Share of its way that a move must lead on for its distance to say how long it takes."""
-LEAST: Final = 1.0
+LEAST_SPEED: Final = 1.0
 """mm/s and degrees/s below which a speed says too little of how long a move takes."""
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class SpeedChange:
     """A speed that was changed, of a statement; seconds that the move takes at least."""
 
     statement: Moving
@@ -45,16 +45,16 @@ class Change:
     seconds: float
 
 
-def paced(
+def convert_joint_speeds(
     program: Program, solution: SolvedProgram, source: SolvedProgram | None, *, percent: bool
-) -> tuple[Program, tuple[Change, ...]]:
+) -> tuple[Program, tuple[SpeedChange, ...]]:
     """A program whose joint moves state percents (`percent`) or mm/s, where their start is known.
 
     solution: of the program on the arm that will run it. source: of the same statements on the
     arm that it was written for, None if that is not known: then only mm/s become percents.
     A move whose time is not known keeps its speed.
     """
-    changes: list[Change] = []
+    changes: list[SpeedChange] = []
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     names = Names(program)
     procedures = []
@@ -63,22 +63,22 @@ def paced(
         others = (None,) * len(legs) if source is None else source.legs[procedure.name]
         names.enter(procedure)
         made = [
-            _Joints(leg, other, solution.robot, source.robot if source else None, names, speeds)
+            _JointMoves(leg, other, solution.robot, source.robot if source else None, names, speeds)
             .statement(percent, changes)
             for leg, other in zip(legs, others, strict=True)
         ]  # fmt: skip
         changed = [None if n is leg.statement else n for n, leg in zip(made, legs, strict=True)]
-        body = _with(procedure.body, iter(changed)) if any(changed) else procedure.body
+        body = _with_speeds(procedure.body, iter(changed)) if any(changed) else procedure.body
         procedures.append(replace(procedure, body=body))
     return replace(program, procedures=tuple(procedures)), tuple(changes)
 
 
-def _with(body: Body, moving: Iterator[Moving | None]) -> Body:
+def _with_speeds(body: Body, moving: Iterator[Moving | None]) -> Body:
     """A body whose motion statements, in order of text, take the speeds of others, if any."""
     return tuple(
         _at_speeds(one, next(moving))
         if isinstance(one, Moving)
-        else map_bodies(one, lambda inner: _with(inner, moving))
+        else map_bodies(one, lambda inner: _with_speeds(inner, moving))
         for one in body
     )
 
@@ -96,7 +96,7 @@ def _at_speeds(statement: Moving, other: Moving | None) -> Moving:
 
 
 @dataclass(frozen=True, slots=True)
-class _Joints:
+class _JointMoves:
     """The joint moves of a leg on the arm that will run them, and on the one they were made for."""
 
     leg: Leg
@@ -106,7 +106,7 @@ class _Joints:
     names: Names
     speeds: dict[str, Speed]
 
-    def statement(self, percent: bool, changes: list[Change]) -> Moving:
+    def statement(self, percent: bool, changes: list[SpeedChange]) -> Moving:
         """The statement of the leg, with its speeds changed; each is taken down."""
         statement = self.leg.statement
         if isinstance(statement, Follow):
@@ -134,18 +134,18 @@ class _Joints:
         stated: Speed | Name,
         mount: tuple[str, str],
         percent: bool,
-        changes: list[Change],
+        changes: list[SpeedChange],
     ) -> Speed | None:
         """The speed of a row, None for the one that it has."""
         speed = self.speeds.get(stated.name.lower()) if isinstance(stated, Name) else stated
         if speed is None or (speed.joint is None) != percent:
             return None
-        ends = _ends(self.leg, row)
+        ends = _joint_move_ends(self.leg, row)
         if ends is None or (not percent and math.isfinite(speed.tcp)):
             return None
         tool, frame = (self.names.tool(mount[0]), self.names.frame(mount[1]))
-        way = _Way.of(*ends, self.arm, tool or Tool(), frame or Frame())
-        theirs = None if self.other is None else _ends(self.other, row)
+        way = _ToolPath.of(*ends, self.arm, tool or Tool(), frame or Frame())
+        theirs = None if self.other is None else _joint_move_ends(self.other, row)
         made = (
             self._percent(speed, way, ends, theirs)
             if percent
@@ -153,25 +153,27 @@ class _Joints:
         )
         if made is None:
             return None
-        changes.append(Change(self.leg.statement, speed, *made))
+        changes.append(SpeedChange(self.leg.statement, speed, *made))
         return made[0]
 
-    def _physical(self, speed: Speed, way: _Way, theirs: Ends | None) -> tuple[Speed, float] | None:
+    def _physical(
+        self, speed: Speed, way: _ToolPath, theirs: JointMoveEnds | None
+    ) -> tuple[Speed, float] | None:
         """From percent: as slow as the source is, from one stop to the next."""
         if theirs is None or self.source is None or speed.joint is None:
             return None
-        seconds = _seconds(*theirs, self.source, min(speed.joint, 100.0) / 100.0)
+        seconds = _joint_move_seconds(*theirs, self.source, min(speed.joint, 100.0) / 100.0)
         if seconds <= 0.0:
             return None
         return way.within(speed, seconds)
 
     def _percent(
-        self, speed: Speed, way: _Way, ends: Ends, theirs: Ends | None
+        self, speed: Speed, way: _ToolPath, ends: JointMoveEnds, theirs: JointMoveEnds | None
     ) -> tuple[Speed, float] | None:
         """From mm/s: rounded down to whole percents, at least one."""
         seconds = max(way.steepest / speed.tcp, way.quickest / speed.rotation)
         if theirs is not None and self.source is not None:
-            seconds = _seconds(*theirs, self.source, 1.0, seconds)
+            seconds = _joint_move_seconds(*theirs, self.source, 1.0, seconds)
         if not seconds > 0.0:
             return None
         least = float((np.abs(ends[1] - ends[0]) / self.arm.speeds).max())
@@ -179,11 +181,11 @@ class _Joints:
         return replace(speed, joint=float(whole)), seconds
 
 
-Ends = tuple[Floats, Floats]
+JointMoveEnds = tuple[Floats, Floats]
 """Joints (a,) at the start and at the end of a move."""
 
 
-def _ends(leg: Leg, row: int) -> Ends | None:
+def _joint_move_ends(leg: Leg, row: int) -> JointMoveEnds | None:
     """Where a row of a leg starts and ends, None if that is not known."""
     if row >= len(leg.joints):
         return None
@@ -193,7 +195,9 @@ def _ends(leg: Leg, row: int) -> Ends | None:
     return start, leg.joints[row]
 
 
-def _seconds(start: Floats, end: Floats, robot: Robot, share: float, least: float = 0.0) -> float:
+def _joint_move_seconds(
+    start: Floats, end: Floats, robot: Robot, share: float, least: float = 0.0
+) -> float:
     """Seconds of a joint move from rest to rest with a share of the axes' speeds, all of them at
     one pace, which grows and shrinks at a steady rate. least: that it takes without that.
     """
@@ -211,7 +215,7 @@ def _seconds(start: Floats, end: Floats, robot: Robot, share: float, least: floa
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _ToolPath:
     """The way of the tool in a joint move.
 
     chord, length: mm between its ends, and along it. turn, turned: degrees of the same.
@@ -226,19 +230,19 @@ class _Way:
     quickest: float
 
     @staticmethod
-    def of(start: Floats, end: Floats, robot: Robot, tool: Tool, frame: Frame) -> _Way:
-        part = np.linspace(0.0, 1.0, STEPS + 1)[:, None]
+    def of(start: Floats, end: Floats, robot: Robot, tool: Tool, frame: Frame) -> _ToolPath:
+        part = np.linspace(0.0, 1.0, MOVE_PARTS + 1)[:, None]
         p, q = robot.fk(start + part * (end - start))
         p, q = from_flange(p, q, tool, Frame(held=frame.held))
         steps = np.linalg.norm(np.diff(p, axis=0), axis=1)
         turns = rotations.angle_between(q[:-1], q[1:])
-        return _Way(
+        return _ToolPath(
             float(np.linalg.norm(p[-1] - p[0])),
             float(steps.sum()),
             float(rotations.angle_between(q[0], q[-1])),
             float(np.sum(turns)),
-            float(STEPS * steps.max()),
-            float(STEPS * np.max(turns)),
+            float(MOVE_PARTS * steps.max()),
+            float(MOVE_PARTS * np.max(turns)),
         )
 
     def within(self, speed: Speed, seconds: float) -> tuple[Speed, float] | None:
@@ -248,15 +252,15 @@ class _Way:
         else, as in a turn on the spot, by how far the tool is turned there.
         """
         tcp, rotation = self.chord / seconds, self.turn / seconds
-        if self.chord >= DIRECT * self.length and tcp >= LEAST:
-            return replace(speed, tcp=_down(tcp), joint=None), seconds
-        if self.turn >= DIRECT * self.turned and rotation >= LEAST:
-            most = _down(max(self.length / seconds, LEAST))
-            return replace(speed, tcp=most, rotation=_down(rotation), joint=None), seconds
+        if self.chord >= LEAST_DIRECT_SHARE * self.length and tcp >= LEAST_SPEED:
+            return replace(speed, tcp=_rounded_down(tcp), joint=None), seconds
+        if self.turn >= LEAST_DIRECT_SHARE * self.turned and rotation >= LEAST_SPEED:
+            most = _rounded_down(max(self.length / seconds, LEAST_SPEED))
+            return replace(speed, tcp=most, rotation=_rounded_down(rotation), joint=None), seconds
         return None
 
 
-def _down(value: float) -> float:
+def _rounded_down(value: float) -> float:
     """Rounded down to three digits."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return round(math.floor(value / digit + 1e-9) * digit, 6)

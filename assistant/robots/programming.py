@@ -15,17 +15,19 @@ Trait = Literal["stops-without-mass", "turning-speed"]
 
 
 @cache
-def table() -> Mapping[str, Mapping[Trait, bool]]:
+def controller_traits() -> Mapping[str, Mapping[Trait, bool]]:
     """Language → its traits."""
     text = files("assistant.robots").joinpath("programming.toml").read_text("utf-8")
     return tomllib.loads(text)
 
 
-def languages() -> tuple[str, ...]:
+def programming_languages() -> tuple[str, ...]:
     """Every language that a robot may be programmed in."""
-    return tuple(table())
+    return tuple(controller_traits())
 
 
-def has(robot: Robot, trait: Trait) -> bool:
+def has_trait(robot: Robot, trait: Trait) -> bool:
     """Whether a controller of the robot has a trait, in any of the robot's languages."""
-    return any(table()[name][trait] for name in robot.languages if name in table())
+    return any(
+        controller_traits()[name][trait] for name in robot.languages if name in controller_traits()
+    )

@@ -32,7 +32,7 @@ from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.branches.rounding import roundings
-from assistant.robots.branches.within_rounding import Wanted, settled
+from assistant.robots.branches.within_rounding import RoundedPoses, joints_within_rounding
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
 from assistant.robots.outlines import Outlines
 
@@ -407,9 +407,9 @@ class Robot:
             low, high = self.ranges(c[left])
             low[~stated[left]], high[~stated[left]] = self.limits.T
             rounding = roundings(self, p[left], q[left])
-            wanted = Wanted(p[left], q[left], np.zeros((len(left), 3)), rounding)
+            wanted = RoundedPoses(p[left], q[left], np.zeros((len(left), 3)), rounding)
             given = wanted, branch[left], joints[left], (low, high)
-            joints[left], good[left] = settled(self, *given)
+            joints[left], good[left] = joints_within_rounding(self, *given)
         joints[~good] = np.nan
         return joints
 
@@ -419,14 +419,14 @@ def usual_radii(axes: int, reach: float) -> Floats:
 
     Linear in the reach and thicker than the arms of the catalogue look; no drawing was measured.
     """
-    share = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), SHARES)
-    more = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), MORE)
+    share = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), RADIUS_SHARES)
+    more = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), RADIUS_MARGINS)
     return np.asarray(np.ceil(share * reach + more))
 
 
-SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
+RADIUS_SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
 """Of the reach, base to last link of an arm of six axes."""
-MORE: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
+RADIUS_MARGINS: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
 """mm."""
 
 IN_LINE: Final = 0.05

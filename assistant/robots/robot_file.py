@@ -31,13 +31,13 @@ WRONG_FIELD = error(
     "RB002", "`{field}` of the robot file {reason}", "compare it with a file of the catalogue"
 )
 
-AXES: Final = {
+AXIS_NAMES: Final = {
     FiveAxis.kind: FiveAxis.axes,
     SixAxis.kind: SixAxis.axes,
     Scara.kind: Scara.axes,
 }
 """Kind of arm → the names of its axes; an arm of five has no axis 4."""
-LENGTHS: Final = {
+LENGTH_NAMES: Final = {
     FiveAxis.kind: ("d1", "a1", "a2", "a3", "d4", "d6"),
     SixAxis.kind: ("d1", "a1", "a2", "a3", "d4", "d6"),
     Scara.kind: ("l1", "l2"),
@@ -204,8 +204,10 @@ class _Reader:
         links, ranges = [], []
         for number, row in enumerate(rows, 1):
             where = f"links[{number}]"
-            self.unknown(row, f"{where}.", LINK)
-            values = {k: self.number(row, k, f"{where}.{k}") if k in row else 0.0 for k in LINK}
+            self.unknown(row, f"{where}.", LINK_FIELDS)
+            values = {
+                k: self.number(row, k, f"{where}.{k}") if k in row else 0.0 for k in LINK_FIELDS
+            }
             slides = isinstance(sliding, dict) and f"J{number}" in sliding
             alpha, theta = math.radians(values["alpha"]), math.radians(values["theta"])
             links.append(Link(values["a"], values["d"], alpha, theta, slides))
@@ -218,16 +220,16 @@ class _Reader:
         said = self.table.get("arm")
         usual = FiveAxis.kind if set(axes) == set(FiveAxis.axes) else SixAxis.kind
         kind = usual if said is None else said
-        if not isinstance(kind, str) or kind not in AXES:
-            self.wrong("arm", f"is none of {', '.join((*AXES, Serial.kind))}")
+        if not isinstance(kind, str) or kind not in AXIS_NAMES:
+            self.wrong("arm", f"is none of {', '.join((*AXIS_NAMES, Serial.kind))}")
             return usual
         sliding = self.table.get("axes_mm", {})
         sliding = tuple(sliding) if isinstance(sliding, dict) else ()
-        if set(axes) != set(AXES[kind]) or sliding != SLIDING.get(kind, ()):
-            turning = [name for name in AXES[kind] if name not in SLIDING.get(kind, ())]
+        if set(axes) != set(AXIS_NAMES[kind]) or sliding != SLIDING_AXES.get(kind, ()):
+            turning = [name for name in AXIS_NAMES[kind] if name not in SLIDING_AXES.get(kind, ())]
             self.wrong("axes_deg", f"does not hold the axes {' '.join(turning)} of arm `{kind}`")
-            if kind in SLIDING:
-                self.wrong("axes_mm", f"does not hold the axis {' '.join(SLIDING[kind])}")
+            if kind in SLIDING_AXES:
+                self.wrong("axes_mm", f"does not hold the axis {' '.join(SLIDING_AXES[kind])}")
         return kind
 
     def arm(self, kind: str) -> Arm | None:
@@ -235,8 +237,8 @@ class _Reader:
         if not isinstance(lengths, dict):
             self.wrong("lengths_mm", "is missing")
             lengths = {}
-        self.unknown(lengths, "lengths_mm.", LENGTHS[kind])
-        values = {k: self.number(lengths, k, f"lengths_mm.{k}") for k in LENGTHS[kind]}
+        self.unknown(lengths, "lengths_mm.", LENGTH_NAMES[kind])
+        values = {k: self.number(lengths, k, f"lengths_mm.{k}") for k in LENGTH_NAMES[kind]}
         for link in ("a2", "d4", "l1", "l2"):
             if not values.get(link, 1.0) > 0:
                 self.wrong(f"lengths_mm.{link}", "is not above 0")
@@ -280,7 +282,7 @@ class _Reader:
         if len(known) < len(rates):
             for name, rate in zip(arm.axes, rates, strict=True):
                 if rate is None:
-                    table = "axes_mm" if name in SLIDING.get(arm.kind, ()) else "axes_deg"
+                    table = "axes_mm" if name in SLIDING_AXES.get(arm.kind, ()) else "axes_deg"
                     self.wrong(f"{table}.{name}.acceleration", "is missing; other axes have one")
         values = np.array(known, dtype=np.float64)
         values.setflags(write=False)
@@ -347,7 +349,9 @@ class _Reader:
     ) -> float:
         value = table.get(key)
         if value is None or not _is_number(value):
-            self.wrong(where, "is missing" if value is None else f"is no number up to {MOST:g}")
+            self.wrong(
+                where, "is missing" if value is None else f"is no number up to {LARGEST_NUMBER:g}"
+            )
             return 0.0
         if least is not None and value < least:
             self.wrong(where, "is not above 0")
@@ -364,7 +368,7 @@ class _Reader:
             return ""
         if not value.isprintable():
             self.wrong(key, "is no text of one line")
-        if key == "name" and not NAME.fullmatch(value):
+        if key == "name" and not ROBOT_NAME.fullmatch(value):
             self.wrong(key, "is not of up to 64 letters A to Z, digits, `.`, `_` and `-`")
         return value
 
@@ -389,13 +393,13 @@ FIELDS: Final = (
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
     "lengths_mm", "axes_deg", "axes_mm", "links", "radii_mm", "time_to_speed_s", "time_to_speed_kg",
 )  # fmt: skip
-NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+ROBOT_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """The name of a robot, as a comment in a program of any language carries it."""
-MOST: Final = 1e9
+LARGEST_NUMBER: Final = 1e9
 """mm, degrees, or these a second or second squared: the largest number taken for one of a robot."""
-LINK: Final = ("a", "d", "alpha", "theta")
+LINK_FIELDS: Final = ("a", "d", "alpha", "theta")
 """mm and degrees."""
-SLIDING: Final = {Scara.kind: ("J3",)}
+SLIDING_AXES: Final = {Scara.kind: ("J3",)}
 """Kind of arm → the axes that slide, in `axes_mm`."""
 
 
@@ -404,4 +408,8 @@ def _is_table(value: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MOST
+    return (
+        isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and abs(value) <= LARGEST_NUMBER
+    )

@@ -11,7 +11,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.base.source_text import visible
 from assistant.cell.clearances import Closeness
 from assistant.cell.collision.carriers import Carriers
-from assistant.cell.scene import CORE
+from assistant.cell.scene import CORE_SUFFIX
 from assistant.program.program import Program
 from assistant.view.located import Located
 from assistant.view.motion import Motion, Record
@@ -108,8 +108,8 @@ def _contact(shown: Shown, motion: Motion, close: Closeness) -> Record:
     contact = close.contact
     at = _own(shown, close.joints)
     return {
-        "one": visible(contact.one.removesuffix(CORE)),
-        "other": visible(contact.other.removesuffix(CORE)),
+        "one": visible(contact.one.removesuffix(CORE_SUFFIX)),
+        "other": visible(contact.other.removesuffix(CORE_SUFFIX)),
         "points": [list(point) for point in contact.points],
         "normal": list(contact.normal),
         "deep": max(0.0, -min(close.least, contact.distance)),

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, norms
-from assistant.cell.scene import Placed
+from assistant.cell.scene import PlacedRobot
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.rows import Mount
 from assistant.robots.timing.samples import samples_of
-from assistant.robots.timing.simulation import PERIOD
+from assistant.robots.timing.simulation import SAMPLE_PERIOD
 
 MOST_SAMPLES: Final = 20_000
 """Places of the arm that a page holds."""
@@ -43,10 +43,10 @@ class Motion:
     whole: seconds of the program.
     """
 
-    def __init__(self, simulation: Simulation, placed: Placed) -> None:
+    def __init__(self, simulation: Simulation, placed: PlacedRobot) -> None:
         self.whole = simulation.seconds
         seconds = min(self.whole, COARSEST * (MOST_SAMPLES - 1))
-        period = max(PERIOD, seconds / (MOST_SAMPLES - 1))
+        period = max(SAMPLE_PERIOD, seconds / (MOST_SAMPLES - 1))
         robot, start = simulation.robot, simulation.start
         samples = samples_of(simulation.history, seconds, period, robot, start)
         self.robot = placed.robot

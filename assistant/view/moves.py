@@ -15,8 +15,8 @@ from assistant.compiler.source_map import Places
 from assistant.program.motion import Kind
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.passed import Passed, stretches_of
-from assistant.robots.timing.pieces import Piece
+from assistant.robots.timing.passed import MovesWithoutStop, stretches_of
+from assistant.robots.timing.pieces import Segment
 from assistant.view.motion import Record, column
 from assistant.view.stages import stages
 
@@ -116,12 +116,12 @@ class Moves:
         rows = self._lines.get(key, ())
         return rows[row] if row < len(rows) else rows[0] if rows else 0
 
-    def _passings(self, passed: Passed) -> Iterator[tuple[float, int, int]]:
+    def _passings(self, passed: MovesWithoutStop) -> Iterator[tuple[float, int, int]]:
         """Moves of a stretch that have a line of their own, and statements, with the seconds in it
         after which they begin.
         """
         stretches = stretches_of(passed.plan)
-        before: tuple[Piece, int] | None = None
+        before: tuple[Segment, int] | None = None
         rows, first = np.unique(stretches.row, return_index=True)
         for row, at in zip(rows.tolist(), first.tolist(), strict=True):
             piece, inner = passed.piece_of(row)

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from assistant.base.source_text import visible
-from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.scene import Body, Placed
-from assistant.cell.surfaces import surface_of
+from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.scene import Body, PlacedRobot
+from assistant.cell.surfaces import part_surface
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
 from assistant.report.timing import statements
@@ -127,7 +127,7 @@ def _still(shown: Shown) -> Record:
     }
 
 
-def _arm(placed: Placed, moves: bool) -> Record:
+def _arm(placed: PlacedRobot, moves: bool) -> Record:
     """Its chain: the page poses its links by itself."""
     chain = placed.robot.arm.whole_chain
     home = placed.robot.chained(np.array([placed.robot.home]))[0]
@@ -151,14 +151,14 @@ def _body(
     riding: Mapping[str, Sequence[tuple[float, Ride]]],
 ) -> Record:
     """A body in its own frame, and what it rides on; `rides` where that changes."""
-    carrier, pose = carried(shown.scene, body, carriers)
+    carrier, pose = carrier_of(shown.scene, body, carriers)
     own = shown.placed is not None and any(body is one for one in shown.placed.links)
     link = own or any(body is one for placed in shown.scene.robots for one in placed.links)
     usual = LINK if own else OTHER_LINK if link else TOOL if carrier else BODY
     colour = body.colour or usual
     parts = []
     for part in body.parts:
-        seen = surface_of(part)
+        seen = part_surface(part)
         parts.append(
             {
                 "points": column(seen.points),

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from assistant.cell.clearances import carrying
-from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.holding import Holding, takeable
+from assistant.cell.clearances import carried_stretches
+from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.holding import CarriedBodies, takeable
 from assistant.cell.scene import Body, Scene
 from assistant.program.geometry import Pose
 from assistant.robots.timing import Simulation
@@ -34,7 +34,7 @@ def rides(
     at: dict[str, list[tuple[float, Ride]]] = {
         name: [(0.0, ride)] for name, ride in _all(scene, scene, carriers).items()
     }
-    known: dict[Holding, Mapping[str, Ride]] = {}
+    known: dict[CarriedBodies, Mapping[str, Ride]] = {}
     for time, holding in _held(simulation, until):
         riding: Mapping[str, Ride]
         if holding is None:
@@ -49,9 +49,9 @@ def rides(
     return {name: rode for name, rode in at.items() if len(rode) > 1}
 
 
-def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, Holding | None]]:
+def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, CarriedBodies | None]]:
     """What is carried from when on; None from where nobody looks any more."""
-    known: dict[int, list[tuple[float, Holding]]] = {}
+    known: dict[int, list[tuple[float, CarriedBodies]]] = {}
     for number, (start, passed) in enumerate(stages(simulation, until)):
         if number >= MOST_STAGES:
             yield start, None
@@ -59,8 +59,8 @@ def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, Holding
         if id(passed) not in known:
             known[id(passed)] = [
                 (float(stretches.times[0]), held)
-                for held, stretches in carrying(passed)
-                if isinstance(held, Holding)
+                for held, stretches in carried_stretches(passed)
+                if isinstance(held, CarriedBodies)
             ]
         for time, held in known[id(passed)]:
             yield start + time, held
@@ -76,4 +76,4 @@ def _ride(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
     upper = body
     while upper is not None and upper.parent not in carriers.names | now.frames.keys():
         upper = now.body(upper.parent)
-    return None if body is None or upper is None else carried(now, body, carriers)
+    return None if body is None or upper is None else carrier_of(now, body, carriers)

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
-    from assistant.cell.scene import Placed, Scene
+    from assistant.cell.scene import PlacedRobot, Scene
     from assistant.compiler.comparing import Comparison
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
@@ -123,35 +123,35 @@ def _told_once(marked: Sequence[_Marked], contacts: Sequence[_Marked]) -> list[_
 
 
 def _moving(
-    sheet: Sheet, program: Program, scene: Scene, stands: Placed
+    sheet: Sheet, program: Program, scene: Scene, stands: PlacedRobot
 ) -> tuple[SolvedProgram, Simulation, list[_Marked]]:
     """A program as the arm goes through it, and what it touches. Raises Refused if it cannot."""
     from assistant import robots
-    from assistant.cell.holding import Holding, takeable
+    from assistant.cell.holding import CarriedBodies, takeable
     from assistant.checks.clearances import placed_clearances
     from assistant.robots.timing import simulate
 
     arm = stands.robot
     solution = sheet.solution or robots.solve_program(replace(program, robot=arm.name), arm)
-    holding = Holding.at_first(scene, stands) if takeable(scene) else None
+    holding = CarriedBodies.at_first(scene, stands) if takeable(scene) else None
     done = simulate(solution, acceleration=sheet.acceleration, carried=holding)
     near = placed_clearances(solution, sheet.scene, done)
     return solution, done, list(near)
 
 
-def _standing(sheet: Sheet) -> tuple[Scene, Placed | None]:
+def _standing(sheet: Sheet) -> tuple[Scene, PlacedRobot | None]:
     """The scene with the robot that runs the program, None if nobody knows it.
 
     It stands alone in the world if no cell is told.
     """
-    from assistant.cell.arms import placed
+    from assistant.cell.arms import place_robot
     from assistant.cell.clearances import robot_of
     from assistant.cell.scene import Scene
 
     if sheet.arm is None:
         return sheet.scene or Scene(), None
     if sheet.scene is None:
-        alone = placed("robot", sheet.arm)
+        alone = place_robot("robot", sheet.arm)
         return Scene(robots=(alone,)), alone
     try:
         return sheet.scene, robot_of(sheet.scene, sheet.arm)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.cell.clearances import Closeness
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.compiler.source_map import Places
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import Program
@@ -38,7 +38,7 @@ class Shown:
     solution: SolvedProgram | None
     simulation: Simulation | None
     scene: Scene
-    placed: Placed | None
+    placed: PlacedRobot | None
     places: Places
     findings: Sequence[Marked] = ()
     drawn: Sequence[Line] = ()

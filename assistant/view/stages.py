@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from itertools import takewhile
 
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.passed import Passed
+from assistant.robots.timing.passed import MovesWithoutStop
 from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.state import History
 
 
-def stages(simulation: Simulation, until: float) -> Iterator[tuple[float, Passed]]:
+def stages(simulation: Simulation, until: float) -> Iterator[tuple[float, MovesWithoutStop]]:
     """Stretches of moves with the seconds at which each begins, those of a loop in each round.
 
     until: seconds; those that begin later are left out.

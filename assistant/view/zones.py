@@ -7,12 +7,12 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats
-from assistant.cell.scene import Placed
+from assistant.cell.scene import PlacedRobot
 from assistant.program.motion import Kind
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.course import sums
-from assistant.robots.timing.passed import Passed
-from assistant.robots.timing.rows import joined
+from assistant.robots.timing.course import sums_by_move
+from assistant.robots.timing.passed import MovesWithoutStop
+from assistant.robots.timing.rows import join_moves
 from assistant.view.stages import stages
 
 MOST_STAGES: Final = 1_000
@@ -21,14 +21,14 @@ LEAST: Final = 0.05
 """mm below which a zone is none to be seen."""
 
 
-def zones(simulation: Simulation, placed: Placed, until: float) -> Floats:
+def zones(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
     """(z, 4) centres in the world and radii, mm, of the way that is played until so many
     seconds, each place once.
 
     A zone reaches to the middle of the moves before and after it at most, and where a program
     waits there is none. Of a tool that the arm does not carry none is told.
     """
-    found: dict[int, Passed] = {}
+    found: dict[int, MovesWithoutStop] = {}
     for number, (_, passed) in enumerate(stages(simulation, until)):
         if number >= MOST_STAGES:
             break
@@ -41,10 +41,10 @@ def zones(simulation: Simulation, placed: Placed, until: float) -> Floats:
     return every
 
 
-def _of(passed: Passed) -> Floats:
-    moves = joined([piece.moves for piece in passed.pieces]).rest(passed.skipped)
+def _of(passed: MovesWithoutStop) -> Floats:
+    moves = join_moves([piece.moves for piece in passed.pieces]).rest(passed.skipped)
     knots = passed.plan.course.knots
-    half = sums(knots.row, knots.length, len(moves)) / 2.0
+    half = sums_by_move(knots.row, knots.length, len(moves)) / 2.0
     entry = np.minimum(moves.entry[:-1], half[:-1])
     radius = np.minimum(entry, np.minimum(moves.leaving[:-1], half[1:]))
     mounts = moves.mounts

@@ -14,7 +14,7 @@ from assistant.learning.calibration.measured import measured
 from assistant.program.geometry import Pose
 from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata
-from assistant.robots.crossing import crossed
+from assistant.robots.crossing import joints_on_other_arm
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.triangulating import triangulate
 
@@ -46,7 +46,7 @@ QUATERNIONS = POSES[:, 3:]
         lambda: to_confdata(np.zeros((3, 2))),
         lambda: to_confdata(np.full((2, 6), 0.5)),
         lambda: from_flags(np.zeros((2, 3))),
-        lambda: crossed(np.zeros((6, 5)), ROBOT, ROBOT),
+        lambda: joints_on_other_arm(np.zeros((6, 5)), ROBOT, ROBOT),
         lambda: Path.of("p", np.zeros((3, 4)), np.zeros((4, 3)), speeds=[Speed(100.0)]),
         lambda: measured(np.zeros((4, 6)), np.zeros((3, 4))),
         lambda: assistant.from_poses(POSES.astype(complex), unit="mm"),

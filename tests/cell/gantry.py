@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats
-from assistant.cell.scene import Placed
+from assistant.cell.scene import PlacedRobot
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot_file import read
 
@@ -37,9 +37,9 @@ J3 = { limits = [-5000, 5000], speed = 3000, home = 0 }
 """
 
 
-def gantry(name: str = "gantry", base: Pose = IDENTITY) -> Placed:
+def gantry(name: str = "gantry", base: Pose = IDENTITY) -> PlacedRobot:
     """Without bodies of its own. Its flange stands as its base, turned by `TURN`."""
-    return Placed(name, read(GANTRY), base)
+    return PlacedRobot(name, read(GANTRY), base)
 
 
 TURN: Final = Pose((0.0, 0.0, 0.0), (0.0, 0.5**0.5, 0.0, 0.5**0.5))

@@ -9,9 +9,9 @@ import pytest
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
-from assistant.cell.collision.continuous import Way, clear, hits, leasts
+from assistant.cell.collision.continuous import JointPath, clear, closest_approaches, hits
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Sphere
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
@@ -69,7 +69,7 @@ def test_a_needle_through_a_thin_plate_is_found_in_time(
     for _ in range(cases):
         scene, places, contact = thrust(draw)
         model = Model(scene)
-        hit = hits(model, Way(joints(places)))
+        hit = hits(model, JointPath(joints(places)))
         found += len(hit) == 1 and abs(hit[0].at - contact) < 1e-3
         every_10_ms = np.linspace(places[0], places[1], 101)
         each, pair = np.arange(101), np.zeros(101, dtype=np.intp)
@@ -99,20 +99,20 @@ def test_what_keeps_its_margin_is_never_told_of(cases: int) -> None:
             Body("ball", (Part(Sphere(radius)),), parent="flange"),
         )
         model = Model(Scene(bodies, (gantry(),)))
-        assert clear(model, Way(joints(places)), margin)
-        assert not clear(model, Way(joints(places)), aside + 0.01)
+        assert clear(model, JointPath(joints(places)), margin)
+        assert not clear(model, JointPath(joints(places)), aside + 0.01)
 
 
 def test_two_robots_meet() -> None:
-    left = Placed("left", gantry().robot)
-    right = Placed("right", gantry().robot, Pose((500.0, 0.0, 0.0)))
+    left = PlacedRobot("left", gantry().robot)
+    right = PlacedRobot("right", gantry().robot, Pose((500.0, 0.0, 0.0)))
     bodies = (
         Body("hammer", (Part(Sphere(50.0)),), parent="left.flange"),
         Body("anvil", (Part(Sphere(50.0)),), parent="right.flange"),
     )
     model = Model(Scene(bodies, (left, right)))
     rows = np.array([[0, 0, 0, 0, 0, 0], [0, 0, 300, 0, 0, -300]], dtype=np.float64)
-    (hit,) = hits(model, Way(rows))
+    (hit,) = hits(model, JointPath(rows))
     assert abs(hit.at - 400.0 / 600.0) < 1e-3
     contact = model.contact(hit.joints, hit.pair)
     assert {contact.one, contact.other} == {"hammer", "anvil"}
@@ -129,8 +129,8 @@ def test_joints_that_jump_are_no_endless_search() -> None:
     def jumping(_: Rows, part: Floats) -> tuple[Floats, Truths]:
         return ends[(part > 0.3).astype(int)], np.ones(len(part), dtype=bool)
 
-    way = Way(ends, np.zeros((1, ends.shape[1])), jumping)
+    way = JointPath(ends, np.zeros((1, ends.shape[1])), jumping)
     (hit,) = hits(model, way)
     assert abs(hit.at - 0.3) < 1e-6
-    (least,) = leasts(model, way, np.array([50.0]), np.array([0]))
+    (least,) = closest_approaches(model, way, np.array([50.0]), np.array([0]))
     assert least.bound <= 0.0 < least.distance

@@ -9,7 +9,7 @@ import pytest
 
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.map_file import save
+from assistant.cell.exploration.map_file import save_map
 from assistant.cell.exploration.occupancy import Occupancy, keys_of
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.reading.meshes import read_mesh
@@ -194,7 +194,7 @@ def test_what_is_wrong_with_a_map_of_explored_space(tmp_path: Path, said: str, c
     cell_of = np.array([[60, 0, 0]])
     touched = keys_of(cell_of)
     for name, robot in (("arm.npz", "irb1200-7-0.7"), ("other.npz", "rv-2aj")):
-        save(Occupancy.unknown(10.0, robot).with_run(touched[:0], touched), tmp_path / name)
+        save_map(Occupancy.unknown(10.0, robot).with_run(touched[:0], touched), tmp_path / name)
     text = f'[robots.arm]\nrobot = "irb1200-7-0.7"\n{said}\n'
     with pytest.raises((Refused, Unreadable)) as refused:
         cell(tmp_path, text)
@@ -202,7 +202,7 @@ def test_what_is_wrong_with_a_map_of_explored_space(tmp_path: Path, said: str, c
 
 
 def test_a_thin_body_is_told_the_cells_that_suit_it(tmp_path: Path) -> None:
-    save(Occupancy.unknown(10.0, "irb1200-7-0.7"), tmp_path / "arm.npz")
+    save_map(Occupancy.unknown(10.0, "irb1200-7-0.7"), tmp_path / "arm.npz")
     text = CELL.replace('"irb1200-7-0.7"', '"irb1200-7-0.7"\nexplored = "arm.npz"')
     scene, findings = cell(tmp_path, text)
     assert [f.code for f in findings] == ["CK489", "CK497"]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.arms import placed, touching_links
+from assistant.cell.arms import place_robot, touching_links
 from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
@@ -62,7 +62,7 @@ bodies = st.builds(
     taken=outputs,
     released=outputs,
 )
-ARM = placed("arm", robots.get("rv-2aj"), Pose((100.0, 0.0, 50.0), (0.6, 0.0, 0.0, 0.8)))
+ARM = place_robot("arm", robots.get("rv-2aj"), Pose((100.0, 0.0, 50.0), (0.6, 0.0, 0.0, 0.8)))
 UNKNOWN = replace(block(10.0, 0.0), within=lambda points: points[:, 0] > 0.0)
 OWN = touching_links(ARM)
 
@@ -165,7 +165,7 @@ def test_a_sample_stays_as_it_is(tmp_path: Path) -> None:
     [
         (Scene((Body("my body", (Part(Sphere(1.0)),)),)), "CK416"),
         (Scene((Body("a", (Part(Sphere(1.0)),), locations={"x y": Pose()}),)), "CK416"),
-        (Scene(robots=(placed("arm", replace(ARM.robot)),)), "CK415"),
+        (Scene(robots=(place_robot("arm", replace(ARM.robot)),)), "CK415"),
         (Scene((Body("a", (Part(UNKNOWN),)),)), "CK418"),
     ],
     ids=["name", "location", "robot", "space"],

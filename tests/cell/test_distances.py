@@ -11,7 +11,7 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Mesh, Shape, Sphere
 from assistant.program.geometry import Pose
 from tests.cell.exact import point_box, point_segment, segment_box, segments
@@ -20,7 +20,7 @@ NEAR = 1e-6
 """mm."""
 SCENES, ROWS = 20, 100
 """Of each of the five pairs of shapes: 10,000 poses in all."""
-ARM = Placed("arm", robots.get("irb1200-7-0.7"))
+ARM = PlacedRobot("arm", robots.get("irb1200-7-0.7"))
 Ends = tuple[Floats, Floats]
 
 

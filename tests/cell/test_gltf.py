@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from assistant import robots
-from assistant.cell.arms import placed
+from assistant.cell.arms import place_robot
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
 from assistant.cell.writing.gltf import gltf
@@ -41,7 +41,7 @@ def test_shapes_are_whole_and_face_outwards(
 
 def test_an_arm_stands_as_its_joints_say_and_carries_its_tool() -> None:
     robot = robots.get("irb1200-7-0.7")
-    arm = placed("arm", robot, Pose((200.0, 0.0, 0.0)))
+    arm = place_robot("arm", robot, Pose((200.0, 0.0, 0.0)))
     tool = Body("nozzle", (Part(Sphere(10.0)),), Pose((0.0, 0.0, 100.0)), "arm.flange")
     joints = np.array([20.0, 30.0, -10.0, 40.0, 50.0, 60.0])
     loaded = trimesh.load_scene(

@@ -14,9 +14,9 @@ import pytest
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.continuous import JointPath, hits
 from assistant.cell.collision.model import Item, Model
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
@@ -53,7 +53,7 @@ def scene(robot: Robot, draw: np.random.Generator) -> Scene:
         at = Pose.of(draw.uniform(-80, 80, 3), rotations.canonical(draw.normal(size=4)))
         shape = some[draw.integers(len(some))]
         bodies.append(Body(name, (Part(shape, at),), parent=f"arm.{name}"))
-    return Scene(tuple(bodies), (Placed("arm", robot, Pose((0.0, 0.0, 50.0))),))
+    return Scene(tuple(bodies), (PlacedRobot("arm", robot, Pose((0.0, 0.0, 50.0))),))
 
 
 def points_of(item: Item, draw: np.random.Generator) -> Floats:
@@ -124,7 +124,7 @@ def test_a_forearm_on_a_parallel_rod_is_followed_as_axis_2_turns() -> None:
         Body("on the upper arm", (Part(Sphere(10.0), Pose((0.0, 0.0, 400.0))),), parent="J2"),
         Body("hand", (Part(Sphere(10.0)),), parent="flange"),
     )
-    model = Model(Scene(bodies, (Placed("arm", COUPLED),)))
+    model = Model(Scene(bodies, (PlacedRobot("arm", COUPLED),)))
     turn = np.linspace(0.0, 1.0, 2001)[:, None]
     start, end = np.zeros(6), np.zeros(6)
     start[1], end[1] = COUPLED.limits[1]
@@ -132,5 +132,5 @@ def test_a_forearm_on_a_parallel_rod_is_followed_as_axis_2_turns() -> None:
     sampled = model.exact(rows, np.arange(len(rows)), np.zeros(len(rows), dtype=np.intp))
     nearest = float(sampled.min())
     assert nearest + 1.0 < min(sampled[0], sampled[-1])
-    (hit,) = hits(model, Way(np.stack([start, end])), nearest + 0.5)
+    (hit,) = hits(model, JointPath(np.stack([start, end])), nearest + 0.5)
     assert abs(hit.at - np.argmax(sampled <= nearest + 0.5) / 2000.0) < 1e-3

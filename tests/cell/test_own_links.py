@@ -10,9 +10,9 @@ import pytest
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.cell.arms import alone, placed, touching_links
+from assistant.cell.arms import arm_alone, place_robot, touching_links
 from assistant.cell.clearances import closeness
-from assistant.cell.collision.continuous import Way, leasts
+from assistant.cell.collision.continuous import JointPath, closest_approaches
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Sphere
@@ -58,7 +58,7 @@ def axis_points(robot: Robot, row: np.ndarray, part: Part, parent: str) -> np.nd
 
 def deepest(robot: Robot, row: np.ndarray) -> float:
     """Mm that two links which could be apart are in each other, by samples of their axes."""
-    scene, worst = alone(robot), np.inf
+    scene, worst = arm_alone(robot), np.inf
     links = scene.robots[0].links
     for i, one in enumerate(links):
         for other in links[i + 1 :]:
@@ -192,7 +192,7 @@ def test_capsules_that_hardly_overlap_are_a_warning() -> None:
 
 def test_a_statement_that_starts_in_contact() -> None:
     robot = robots.get("irb1200-7-0.7")
-    arm = placed("arm", robot)
+    arm = place_robot("arm", robot)
     pin = Body("pin", (Part(Sphere(5.0)),), Pose((0.0, 0.0, 60.0)), parent="arm.flange")
     rows = [[0.0, 20.0, 10.0, 0.0, 60.0, 0.0], [20.0, 20.0, 10.0, 0.0, 60.0, 0.0]]
     p, q = robot.fk(np.array(rows[:1]))
@@ -209,14 +209,16 @@ def test_a_statement_that_starts_in_contact() -> None:
 def test_what_is_not_known_of_a_way_is_no_contact() -> None:
     """Joints that may be off their line, by more than is left of the room."""
     robot = robots.get("irb1200-7-0.7")
-    scene = alone(robot)
+    scene = arm_alone(robot)
     model = Model(scene)
     rows = np.array([[0.0, 20.0, 10.0, 0.0, 60.0, 0.0], [5.0, 20.0, 10.0, 0.0, 60.0, 0.0]])
     far = model.exact(rows, np.zeros(len(model), np.intp), np.arange(len(model)))
     pair, slack = int(far.argmin()), np.array([[0.0, 0.0, 200.0, 0.0, 0.0, 0.0]])
     (one,) = [
         found
-        for found in leasts(model, Way(rows, slack), np.zeros(len(model)), np.zeros(1, np.intp))
+        for found in closest_approaches(
+            model, JointPath(rows, slack), np.zeros(len(model)), np.zeros(1, np.intp)
+        )
         if found.pair == pair
     ]
     assert one.distance == pytest.approx(far[pair], abs=0.1)
@@ -225,9 +227,9 @@ def test_what_is_not_known_of_a_way_is_no_contact() -> None:
 
 
 def test_a_search_that_is_cut_short_gives_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("assistant.cell.collision.continuous.MOST", 50)
+    monkeypatch.setattr("assistant.cell.collision.continuous.MOST_DISTANCES", 50)
     robot = robots.get("irb1200-7-0.7")
-    arm = placed("arm", robot)
+    arm = place_robot("arm", robot)
     wall = Body("wall", (Part(Box((10.0, 900.0, 900.0))),), Pose((700.0, 0.0, 500.0)))
     pin = Body("pin", (Part(Sphere(5.0)),), Pose((0.0, 0.0, 60.0)), parent="arm.flange")
     scene = Scene((pin, wall), (arm,), allowed=touching_links(arm), margin=300.0)
@@ -249,13 +251,13 @@ def horizontal() -> list[str]:
 @pytest.mark.parametrize("name", horizontal())
 def test_a_scara_has_a_column_two_links_and_a_quill(name: str) -> None:
     robot = robots.get(name)
-    links = {body.name: body for body in placed("arm", robot).links}
+    links = {body.name: body for body in place_robot("arm", robot).links}
     assert set(links) == {"arm.base", "arm.J1", "arm.J2", "arm.J4"}
     home = to_joints(robot, [0.0, 0.0, float(robot.limits[2].max()), 0.0])
     low = to_joints(robot, [0.0, 0.0, float(robot.limits[2].min()), 0.0])
     reach, top = robot.reach, float(robot.limits[2].max())
     table = Body("table", (Part(Box((2000.0, 2000.0, 40.0))),), Pose((0.0, 0.0, -21.0)))
-    arm = placed("arm", robot)
+    arm = place_robot("arm", robot)
     own = touching_links(arm)
     for program in (home, low):
         scene = Scene((table,), (arm,), allowed=own, margin=0.5)
@@ -279,7 +281,7 @@ def test_a_scara_has_a_column_two_links_and_a_quill(name: str) -> None:
 
 def test_a_post_of_any_shape_is_met_by_a_scara() -> None:
     robot = robots.get(horizontal()[0])
-    arm, top = placed("arm", robot), float(robot.limits[2].max())
+    arm, top = place_robot("arm", robot), float(robot.limits[2].max())
     post = Body("post", (Part(Cylinder(30.0, 900.0)),), Pose((0.0, 0.4 * robot.reach, 550.0)))
     program = to_joints(robot, [0.0, 0.0, top, 0.0], [100.0, 0.0, top, 0.0])
     found = findings(

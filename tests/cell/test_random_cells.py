@@ -13,7 +13,7 @@ import pytest
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.cell.arms import placed, touching_links
+from assistant.cell.arms import place_robot, touching_links
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Shape, Sphere
 from assistant.checks.clearances import clearances
@@ -130,7 +130,7 @@ class Case:
         )
 
     def scene(self) -> Scene:
-        arm = placed("arm", self.robot)
+        arm = place_robot("arm", self.robot)
         pin = Body("pin", (Part(Sphere(BALL)),), Pose((0.0, 0.0, TIP)), parent="arm.flange")
         own = touching_links(arm)
         return Scene((self.body, pin), (arm,), allowed=own, margin=MARGIN)

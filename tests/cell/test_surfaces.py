@@ -10,7 +10,7 @@ import pytest
 
 from assistant.cell.scene import Part
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere, extent
-from assistant.cell.surfaces import AROUND, Surface, surface, surface_of
+from assistant.cell.surfaces import ROUND_SIDES, Surface, part_surface, surface
 from assistant.program.geometry import Pose
 
 CUBE = np.indices((2, 2, 2)).reshape(3, -1).T * 10.0
@@ -33,7 +33,7 @@ def volume(seen: Surface) -> float:
 def test_a_surface_holds_what_its_shape_holds(name: str) -> None:
     shape, exact = SHAPES[name]
     round_ones = name in ("sphere", "cylinder", "capsule")
-    least = 1.0 - 2.0 * (math.pi / AROUND) ** 2 if round_ones else 1.0 - 1e-9
+    least = 1.0 - 2.0 * (math.pi / ROUND_SIDES) ** 2 if round_ones else 1.0 - 1e-9
     seen = surface(shape)
     assert least * exact <= volume(seen) <= exact * (1.0 + 1e-9)
     low, high = extent(shape)
@@ -54,6 +54,6 @@ def test_a_surface_is_closed(name: str) -> None:
 
 def test_a_part_stands_at_its_pose() -> None:
     pose = Pose((1.0, 2.0, 3.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0))  # z to -y
-    seen = surface_of(Part(Box((2.0, 4.0, 6.0)), pose))
+    seen = part_surface(Part(Box((2.0, 4.0, 6.0)), pose))
     assert np.allclose(seen.points.min(axis=0), [0.0, -1.0, 1.0])
     assert np.allclose(seen.points.max(axis=0), [2.0, 5.0, 5.0])

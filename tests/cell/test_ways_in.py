@@ -11,9 +11,9 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Severity
-from assistant.cell.planning.goals import held
+from assistant.cell.planning.goals import goal_joints
 from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.ways_in import Around
+from assistant.cell.ways_in import CellSurroundings
 from assistant.program.geometry import Pose
 from assistant.sources.surroundings import ALONG, seconds
 
@@ -27,7 +27,7 @@ WING = ((30.0, 0.0, 60.0), (80.0, 20.0, 4.0))
 DISTANCE = 40.0
 
 
-def around(folder: Path, **boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> Around:
+def around(folder: Path, **boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> CellSurroundings:
     """An arm with the wing, among boxes of the world, each with its middle and edges."""
     text = '[robots.arm]\nrobot = "irb1200-7-0.7"\ntool = "wing"\n'
     for name, (middle, edges) in {"wing": WING, **boxes}.items():
@@ -36,7 +36,7 @@ def around(folder: Path, **boxes: tuple[tuple[float, ...], tuple[float, ...]]) -
     file.write_text(text)
     scene, findings = read_scene(file)
     assert not findings
-    return Around(scene, scene.robots[0])
+    return CellSurroundings(scene, scene.robots[0])
 
 
 def gaps(
@@ -119,14 +119,14 @@ def test_places_are_seconds_of_the_joints_that_hold_them(tmp_path: Path, name: s
     random = np.random.default_rng(4)
     points = np.array([300.0, 0.0, 230.0]) + random.uniform(-40, 40, (20, 3))
     turns = np.tile(PLACE.quaternion, (20, 1))
-    places = Around(scene, scene.robots[0]).places(points, turns, TIP)
+    places = CellSurroundings(scene, scene.robots[0]).places(points, turns, TIP)
     assert places is not None
     p, q = robot.fk(places * robot.speeds)
     tips = p + rotations.rotate(q, np.array(TIP.position))
     assert np.abs(tips - points).max() < 1e-6
     slowest = max(abs(places[0] - places[1]))
     assert seconds(tuple(places[0]), tuple(places[1])) == pytest.approx(slowest)
-    assert Around(scene, scene.robots[0]).places(points + 5000.0, turns, TIP) is None
+    assert CellSurroundings(scene, scene.robots[0]).places(points + 5000.0, turns, TIP) is None
 
 
 def test_aside_where_the_arm_cannot_go_along_the_tool(tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_aside_where_the_arm_cannot_go_along_the_tool(tmp_path: Path) -> None:
     file.write_text('[robots.arm]\nrobot = "rv-2aj"\n')
     scene, _ = read_scene(file)
     place, tip = Pose((300.0, 0.0, 340.0), PLACE.quaternion), Pose((0.0, 0.0, 70.0))
-    found = Around(scene, scene.robots[0]).way_in(place, tip, DISTANCE, "high")
+    found = CellSurroundings(scene, scene.robots[0]).way_in(place, tip, DISTANCE, "high")
     (finding,) = found.findings
     assert (finding.code, finding.place) == ("CK477", "high")
     for direction, can in ((ALONG, False), (found.direction, True)):
@@ -164,6 +164,6 @@ def test_no_way_that_is_taken_touches_anything(tmp_path: Path) -> None:
         assert (found.direction != ALONG) == bool(codes)
         if min(gaps(found.direction, *box).min() for box in boxes.values()) == 0.0:
             assert found.direction == ALONG  # the arm touches something at the place itself
-            rows = held(asked.robot, PLACE, asked.robot.home, TIP)
+            rows = goal_joints(asked.robot, PLACE, asked.robot.home, TIP)
             assert all(asked.space.distances(row).min() <= 0.0 for row in rows)
     assert aside > 5

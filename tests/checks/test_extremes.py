@@ -16,7 +16,7 @@ from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.arms.recognition import recognised
+from assistant.robots.arms.recognition import recognise_six_axis
 
 NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
 FINE: Final = 3001
@@ -111,7 +111,7 @@ def test_an_arm_of_links_goes_the_same_way(how, kinds):
     joints = joints[: len(kinds)]
     known = replace(known, home=joints[0])
     chain = Serial.of_links(known.arm.links(), np.radians(known.limits + known.zero[:, None]))
-    own = replace(known, arm=recognised(chain) if how == "recognised" else chain)
+    own = replace(known, arm=recognise_six_axis(chain) if how == "recognised" else chain)
     journeys = [journey_between(arm, *joints, kinds=kinds) for arm in (known, own)]
     assert {f.code for solution in journeys for f in solution.findings} <= {"RB118"}
     wanted, found = (extremes_of(moves_of(j.solved_runs[0], j.robot, {}, {})) for j in journeys)

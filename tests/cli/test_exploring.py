@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assistant.cell.exploration.map_file import load, save
-from assistant.cell.exploration.occupancy import Occupancy, State, keys_of
+from assistant.cell.exploration.map_file import load_map, save_map
+from assistant.cell.exploration.occupancy import CellState, Occupancy, keys_of
 from tests.cli.test_commands import run
 
 Capture = pytest.CaptureFixture[str]
@@ -58,7 +58,7 @@ def test_where_a_program_was_it_may_go_again_and_nowhere_else(here: Path, capsys
         capsys, "explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz"
     )
     assert told["chart"]["runs"] == 1 and told["contacts"] == 0
-    assert told["chart"]["free"] == load("arm.npz").counts()[State.FREE] > 5000
+    assert told["chart"]["free"] == load_map("arm.npz").counts()[CellState.FREE] > 5000
     assert run(capsys, "check", "demo.pseudo", "--cell", "known.toml")[0] == 0
     found = set(codes(capsys, "check", "farther.pseudo", "--cell", "known.toml", exits=1))
     assert found == {"CK459", "CK497"}
@@ -76,9 +76,9 @@ def test_contacts_that_were_found_are_in_the_way_of_a_program(here: Path, capsys
     """At a place of the way, where a contact made a free cell an occupied one."""
     words = ("explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz")
     answer(capsys, *words)
-    known = load("arm.npz")
+    known = load_map("arm.npz")
     none = np.zeros(0, dtype=np.int64)
-    save(known.with_run(none, keys_of(np.array([[25, 0, 33]]))), "arm.npz")
+    save_map(known.with_run(none, keys_of(np.array([[25, 0, 33]]))), "arm.npz")
     for unknown in ("free", "blocked"):
         text = f"{CELL}explored = 'arm.npz'\nunknown = '{unknown}'\n"
         (here / "beside.toml").write_text(text, encoding="utf-8")
@@ -112,7 +112,7 @@ def test_a_recording_of_a_motion_knows_what_the_program_does(here: Path, capsys:
     given = ("--cell", "cell.toml", "--size", "20", "--chart")
     told = answer(capsys, "explore", "recorded", "motion.csv", *given, "one.npz")
     answer(capsys, "explore", "program", "demo.pseudo", *given, "two.npz")
-    free = [set(load(name).keys.tolist()) for name in ("one.npz", "two.npz")]
+    free = [set(load_map(name).keys.tolist()) for name in ("one.npz", "two.npz")]
     assert len(free[0] ^ free[1]) < 0.02 * len(free[0])
     assert told["explored"][0]["runs"] == 1
     half = answer(
@@ -150,15 +150,15 @@ def test_what_was_free_and_is_occupied_is_told_by_the_exit_status(
     here: Path, capsys: Capture
 ) -> None:
     none, cell = np.zeros(0, dtype=np.int64), keys_of(np.array([[1, 2, 3]]))
-    save(Occupancy.unknown(10.0, "rv-2aj").with_run(cell, none), "old.npz")
-    save(Occupancy.unknown(10.0, "rv-2aj").with_run(none, cell), "new.npz")
+    save_map(Occupancy.unknown(10.0, "rv-2aj").with_run(cell, none), "old.npz")
+    save_map(Occupancy.unknown(10.0, "rv-2aj").with_run(none, cell), "new.npz")
     assert answer(capsys, "explore", "compare", "old.npz", "new.npz", exits=1)["blocked"] == 1
     assert answer(capsys, "explore", "compare", "new.npz", "old.npz")["freed"] == 1
 
 
 def test_wrong_usage_changes_no_map(here: Path, capsys: Capture) -> None:
-    save(Occupancy.unknown(15.0, "rv-2aj"), "arm.npz")
-    save(Occupancy.unknown(15.0, "rv-1a"), "other.npz")
+    save_map(Occupancy.unknown(15.0, "rv-2aj"), "arm.npz")
+    save_map(Occupancy.unknown(15.0, "rv-1a"), "other.npz")
     shutil.copy("arm.npz", "before.npz")
     moved = HIDDEN.replace("[bodies", "position = [10, 0, 0]\n[bodies", 1)
     (here / "moved.toml").write_text(moved, encoding="utf-8")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.cell.exploration.map_file import load
-from assistant.cell.exploration.occupancy import State
+from assistant.cell.exploration.map_file import load_map
+from assistant.cell.exploration.occupancy import CellState
 from assistant.cli import exploring_arms
 from assistant.cli.exploring_arms import NO_CONTACT
 from assistant.compiler.exploring import touching
@@ -73,7 +73,7 @@ def rows_of(name: str) -> list[dict[str, str]]:
 
 def inside(chart: str, size: float) -> int:
     """Number of free cells that are completely in the post."""
-    cells = load(chart).cells(State.FREE)
+    cells = load_map(chart).cells(CellState.FREE)
     corners = size * (cells[:, None, :2] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]]))
     away = np.linalg.norm(corners - np.array([260.0, 160.0]), axis=2).max(axis=1)
     return int((away < 40.0).sum())
@@ -99,8 +99,8 @@ def test_an_arm_that_moves_finds_free_space_and_its_log_tells_the_same(capsys, c
     assert {"seconds", "j1_deg", "j6_deg", "x_mm", "q_w", "contact"} <= rows[0].keys()
     words = ("explore", "recorded", "log.csv", "--contact", "contact", "--cell", "cell.toml")
     assert run(capsys, *words, "--chart", "again.npz", "--size", "50")[0] == 0
-    one, other = load("arm.npz"), load("again.npz")
-    assert np.array_equal(one.cells(State.FREE), other.cells(State.FREE))
+    one, other = load_map("arm.npz"), load_map("again.npz")
+    assert np.array_equal(one.cells(CellState.FREE), other.cells(CellState.FREE))
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ import pytest
 
 from assistant import robots
 from assistant.report.arm_drawing import arm_drawing, joint_axes
-from assistant.robots.robot_file import FIELDS, LENGTHS
+from assistant.robots.robot_file import FIELDS, LENGTH_NAMES
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED
 
@@ -52,7 +52,7 @@ def test_the_page_about_robots_shows_the_list_as_it_is(capsys: Capture) -> None:
 
 def test_the_page_about_robots_names_every_field_of_a_file() -> None:
     page = (PROJECT / "docs" / "robots.md").read_text("utf-8")
-    for field in (*FIELDS, *(name for names in LENGTHS.values() for name in names)):
+    for field in (*FIELDS, *(name for names in LENGTH_NAMES.values() for name in names)):
         assert f"`{field}`" in page
 
 

@@ -12,7 +12,7 @@ from assistant import robots
 from assistant.compiler import Translation, load, translate
 from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
-from assistant.robots.crossing import crossed
+from assistant.robots.crossing import joints_on_other_arm
 from assistant.robots.timing import simulate
 
 ABB, MITSUBISHI = robots.get("irb1200-7-0.7"), robots.get("rv-4frl")
@@ -82,7 +82,7 @@ def test_a_percentage_becomes_a_speed_that_is_not_faster(override: int, tmp_path
     file = kept(found, tmp_path)
     way = PLACES[ROUND]
     wanted = (np.abs(np.diff(way, axis=0)) / MITSUBISHI.speeds).max(axis=1) / (override / 100.0)
-    there = crossed(way, MITSUBISHI, ABB)
+    there = joints_on_other_arm(way, MITSUBISHI, ABB)
     took = least(there, ABB, speeds(file)[1:])
     assert (took >= wanted - 1e-9).all()
     if override <= 10:  # accelerating takes little of it, so it is not much slower either
@@ -118,7 +118,7 @@ def test_there_and_back_stays_near(tmp_path: Path) -> None:
 
 
 def test_a_speed_becomes_a_percentage_that_is_not_faster(tmp_path: Path) -> None:
-    joints = crossed(PLACES, MITSUBISHI, ABB)
+    joints = joints_on_other_arm(PLACES, MITSUBISHI, ABB)
     lines = [
         f"CONST jointtarget j{k}:=[[{','.join(f'{v:.6f}' for v in row)}],{UNUSED}];"
         for k, row in enumerate(joints, 1)

@@ -14,7 +14,7 @@ from assistant.compiler import Compiled, Translation, compile, load, translate
 from assistant.program import pseudo
 from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
-from assistant.robots.crossing import crossed
+from assistant.robots.crossing import joints_on_other_arm
 
 CELL = Path(__file__).parents[2] / "samples" / "melfa" / "cell.process.toml"
 ABB, MITSUBISHI = robots.get("irb1200-7-0.7"), robots.get("rv-4frl")
@@ -230,7 +230,7 @@ def test_what_is_solved_closes_in_the_branch_of_the_source(names: tuple[str, str
     source, arm = map(robots.get, names)
     low, high = source.limits.T
     joints = np.random.default_rng(5).uniform(low, high, (10_000, len(low)))
-    found = crossed(joints, source, arm)
+    found = joints_on_other_arm(joints, source, arm)
     there = np.isfinite(found).all(axis=1)
     assert there.mean() > 0.3
     assert arm.inside(found[there]).all()
@@ -240,15 +240,20 @@ def test_what_is_solved_closes_in_the_branch_of_the_source(names: tuple[str, str
     assert (np.abs(np.einsum("ij,ij->i", q, q2)) > 1.0 - 1e-12).all()
     lost, _ = source.fk(joints[~there])
     assert not arm.ik(lost, source.fk(joints[~there])[1])[1].any()
-    back = crossed(found[there], arm, source)
+    back = joints_on_other_arm(found[there], arm, source)
     assert np.isfinite(back).all()
 
 
 def test_an_arm_crosses_to_itself_as_it_is() -> None:
     low, high = ABB.limits.T
     joints = np.random.default_rng(6).uniform(low, high, (1000, len(low)))
-    assert np.abs(crossed(joints, ABB, ABB) - joints).max() < 1e-6
-    assert np.abs(crossed([[0, 0, 0, 30, 0, -70]], ABB, ABB) - [[0, 0, 0, 30, 0, -70]]).max() < 1e-6
+    assert np.abs(joints_on_other_arm(joints, ABB, ABB) - joints).max() < 1e-6
+    assert (
+        np.abs(
+            joints_on_other_arm([[0, 0, 0, 30, 0, -70]], ABB, ABB) - [[0, 0, 0, 30, 0, -70]]
+        ).max()
+        < 1e-6
+    )
 
 
 @pytest.mark.parametrize(

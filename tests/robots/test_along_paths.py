@@ -9,13 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.robots.branches.cheapest import BREAK, CHANGE, Costs, cheapest, choose
-from assistant.robots.branches.turns import FREE, turn
+from assistant.robots.branches.cheapest import (
+    BRANCH_CHANGE_COST,
+    BROKEN_CHAIN_COST,
+    BranchCosts,
+    cheapest_branches,
+    choose_branches,
+)
+from assistant.robots.branches.turns import TURNS_NOT_STATED, add_whole_turns
 
 
-def free(chains: int) -> Costs:
+def free(chains: int) -> BranchCosts:
     """Three branches that cost nothing."""
-    return Costs(np.zeros(3), np.zeros((3, chains)), lambda at: np.zeros((3, 3, len(at))))
+    return BranchCosts(np.zeros(3), np.zeros((3, chains)), lambda at: np.zeros((3, 3, len(at))))
 
 
 @st.composite
@@ -32,7 +38,7 @@ def branch_cases(draw):
 def test_as_few_changes_of_branch_as_can_be(case) -> None:
     allowed, starts = case
     n = allowed.shape[1]
-    result = choose(allowed, starts, lambda used: free(len(used)))
+    result = choose_branches(allowed, starts, lambda used: free(len(used)))
     solvable = allowed.any(axis=0)
     assert ((result.chosen >= 0) == solvable).all()
     rows = np.flatnonzero(solvable)
@@ -61,15 +67,20 @@ def test_of_equally_good_branches_the_cheapest() -> None:
     allowed = np.ones((3, 4), dtype=bool)
     costs = free(1)
     costs.chains[:, 0] = 2.0, 1.0, 3.0
-    assert choose(allowed, np.array([0]), lambda _: costs).chosen.tolist() == [1] * 4
+    assert choose_branches(allowed, np.array([0]), lambda _: costs).chosen.tolist() == [1] * 4
 
 
 def test_a_change_has_to_save_more_than_it_counts() -> None:
     allowed = np.ones((2, 3), dtype=bool)
-    for saved, wanted in ((CHANGE * 0.9, [0, 0, 0]), (CHANGE * 1.1, [0, 1, 1])):
-        chains = np.array([[0.0, saved / 2, saved / 2], [2 * CHANGE, 0.0, 0.0]])
-        costs = Costs(np.zeros(2), chains, lambda at: np.zeros((2, 2, len(at))))
-        assert choose(allowed, np.arange(3), lambda _, c=costs: c).chosen.tolist() == wanted
+    for saved, wanted in (
+        (BRANCH_CHANGE_COST * 0.9, [0, 0, 0]),
+        (BRANCH_CHANGE_COST * 1.1, [0, 1, 1]),
+    ):
+        chains = np.array([[0.0, saved / 2, saved / 2], [2 * BRANCH_CHANGE_COST, 0.0, 0.0]])
+        costs = BranchCosts(np.zeros(2), chains, lambda at: np.zeros((2, 2, len(at))))
+        assert (
+            choose_branches(allowed, np.arange(3), lambda _, c=costs: c).chosen.tolist() == wanted
+        )
 
 
 @st.composite
@@ -82,7 +93,7 @@ def cost_cases(draw):
     possible[rng.integers(0, branches, chains), np.arange(chains)] = True
     table = rng.uniform(0, 3, (branches, branches, chains))
     within = rng.uniform(0, draw(seconds), (branches, chains))
-    change = np.where(rng.random(chains) < 0.3, BREAK, CHANGE)
+    change = np.where(rng.random(chains) < 0.3, BROKEN_CHAIN_COST, BRANCH_CHANGE_COST)
     return possible, rng.uniform(0, 3, branches), within, table, change
 
 
@@ -98,7 +109,9 @@ def total(way, first, within, table, change) -> float:
 def test_no_other_choice_of_branches_costs_less(case) -> None:
     possible, first, within, table, change = case
     branches, chains = possible.shape
-    way = cheapest(possible, Costs(first, within, lambda at: table[:, :, at]), change)
+    way = cheapest_branches(
+        possible, BranchCosts(first, within, lambda at: table[:, :, at]), change
+    )
     assert possible[way, np.arange(chains)].all()
     best = min(
         total(guess, first, within, table, change)
@@ -122,13 +135,15 @@ def test_many_chains_cost_what_one_after_the_other_does(branches: int, chains: i
     possible[rng.integers(0, branches, chains), np.arange(chains)] = True
     first, within = rng.uniform(0, 1, branches), rng.uniform(0, 1, (branches, chains))
     table = rng.uniform(0, 1, (branches, branches, chains))
-    change = np.full(chains, CHANGE)
-    way = cheapest(possible, Costs(first, within, lambda at: table[:, :, at]), change)
+    change = np.full(chains, BRANCH_CHANGE_COST)
+    way = cheapest_branches(
+        possible, BranchCosts(first, within, lambda at: table[:, :, at]), change
+    )
     assert possible[way, np.arange(chains)].all()
     within = np.where(possible, within, np.inf)
     least = first + within[:, 0]
     for chain in range(1, chains):
-        ways = least[:, None] + table[:, :, chain] + CHANGE * (1 - np.eye(branches))
+        ways = least[:, None] + table[:, :, chain] + BRANCH_CHANGE_COST * (1 - np.eye(branches))
         least = ways.min(axis=0) + within[:, chain]
     assert total(way, first, within, table, change) == pytest.approx(least.min())
 
@@ -150,7 +165,7 @@ def test_turns_stay_in_the_limits_and_chains_unbroken(case) -> None:
     angles, starts, (low, high), near = case
     inside = (angles >= low) & (angles <= high)
     angles = np.where(inside, angles, np.nan)
-    result = turn(angles, (low, high), starts, near)
+    result = add_whole_turns(angles, (low, high), starts, near)
     known = np.isfinite(angles)
     assert (np.isfinite(result.angles) == known).all()
     turned = result.angles[known]
@@ -178,11 +193,11 @@ def test_turns_stay_in_the_limits_and_chains_unbroken(case) -> None:
 
 def test_a_stated_turn_holds_for_its_whole_chain() -> None:
     angles = np.array([170.0, -170.0, -150.0, 10.0])
-    stated = np.full(4, FREE)
+    stated = np.full(4, TURNS_NOT_STATED)
     stated[2] = 0
     starts = np.array([0, 3])
-    result = turn(angles, (-360.0, 360.0), starts, 0.0, stated)
+    result = add_whole_turns(angles, (-360.0, 360.0), starts, 0.0, stated)
     assert result.angles.tolist() == [-190.0, -170.0, -150.0, 10.0]
     stated[2] = 1
-    result = turn(angles, (-360.0, 360.0), starts, 0.0, stated)
+    result = add_whole_turns(angles, (-360.0, 360.0), starts, 0.0, stated)
     assert result.angles[:3].tolist() == [170.0, 190.0, 210.0]

@@ -17,7 +17,7 @@ from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.arms.recognition import recognised
+from assistant.robots.arms.recognition import recognise_six_axis
 from tests.examples import drawn
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
@@ -256,7 +256,7 @@ def test_an_arm_recognised_in_a_chain_takes_the_branches_of_its_closed_form(seed
     kinds = np.array([Kind.JOINT] + 5 * [Kind.LINEAR], dtype=np.uint8)
     mine, theirs = (
         solved(arm, lines, quaternion[0], kinds=kinds)
-        for arm in (known, replace(known, arm=recognised(chain)))
+        for arm in (known, replace(known, arm=recognise_six_axis(chain)))
     )
     assert codes(mine[2]) == codes(theirs[2])
     assert mine[1].tolist() == theirs[1].tolist()

@@ -26,9 +26,9 @@ from assistant.program.statements import (
     MoveJoints,
     Statement,
 )
-from assistant.robots.branches.row_reach import Cures
-from assistant.robots.branches.solving import solve
-from assistant.robots.motion.run_of_moves import path_part, run_of
+from assistant.robots.branches.row_reach import NearestPoseCures
+from assistant.robots.branches.solving import solve_run
+from assistant.robots.motion.run_of_moves import path_part, run_of_parts
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")
@@ -459,7 +459,7 @@ def test_a_branch_that_another_place_gave_is_no_wish_of_the_program() -> None:
     """A change of branch on a line is a warning only where the program states both ends."""
     rows = np.array([[0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 2, 2]], dtype=np.int8)
     path = path_of([[400, 20, 300.0], [410, 20, 300.0]])
-    run = run_of([path_part(path, rows, [Tool()], [Frame()])], np.zeros(6), joined=False)
+    run = run_of_parts([path_part(path, rows, [Tool()], [Frame()])], np.zeros(6), joined=False)
     for theirs, severity in ((True, Severity.WARNING), (False, Severity.ERROR)):
-        (finding,) = solve(run, ABB, Cures(ABB), np.array([theirs, theirs])).findings
+        (finding,) = solve_run(run, ABB, NearestPoseCures(ABB), np.array([theirs, theirs])).findings
         assert (finding.code, finding.severity) == ("RB105", severity)

@@ -23,7 +23,7 @@ def close(left: np.ndarray, right: np.ndarray) -> bool:
 def test_angles_come_back(position, a, b) -> None:
     p, ab = np.array([position]), np.array([[a, b]])
     q = five_axis.from_ab(p, ab)
-    assert five_axis.miss(p, q)[0] < 1e-9
+    assert five_axis.plane_miss(p, q)[0] < 1e-9
     back = five_axis.to_ab(p, q)
     assert (back > -180.0).all()
     assert (back <= 180.0).all()
@@ -38,7 +38,7 @@ def test_a_vertical_tool_is_in_every_plane(position, roll, b) -> None:
             rotations.from_euler([0.0, b, 0.0]), rotations.about((0.0, 0.0, 1.0), roll)
         )
     )[None]
-    assert five_axis.miss(p, q)[0] == pytest.approx(0.0, abs=1e-9)
+    assert five_axis.plane_miss(p, q)[0] == pytest.approx(0.0, abs=1e-9)
     back = five_axis.from_ab(p, five_axis.to_ab(p, q))
     assert rotations.angle_between(q, back)[0] < 1e-9
 
@@ -59,9 +59,9 @@ def test_on_axis_one_the_azimuth_is_nought() -> None:
 def test_a_tool_axis_beside_the_plane_misses() -> None:
     p = np.array([[300.0, 0.0, 300.0]])
     sideways = rotations.from_euler([[0.0, 0.0, 170.0]])  # down, tilted 10 degrees to the side
-    assert five_axis.miss(p, sideways)[0] == pytest.approx(10.0)
+    assert five_axis.plane_miss(p, sideways)[0] == pytest.approx(10.0)
     forward = rotations.from_euler([[0.0, 170.0, 0.0]])
-    assert five_axis.miss(p, forward)[0] == pytest.approx(0.0, abs=1e-9)
+    assert five_axis.plane_miss(p, forward)[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_angles_are_those_of_the_joints() -> None:

@@ -15,7 +15,7 @@ from assistant.base import rotations
 from assistant.program import pseudo
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab
-from assistant.robots.arms.nearest import nearest
+from assistant.robots.arms.nearest import find_nearest_pose
 from tests.examples import drawn
 
 ARM = robots.get("rv-2aj")
@@ -40,7 +40,7 @@ def taken(pose: Pose, tip: Pose) -> bool:
 def test_a_pose_that_is_reached_is_its_own(seed: int, tip: Pose) -> None:
     p, q = ARM.fk(reachable(seed, 1))
     wanted = Pose.of(p[0], q[0]) @ tip
-    found = nearest(ARM, wanted, tip)
+    found = find_nearest_pose(ARM, wanted, tip)
     assert np.allclose(found.position, wanted.position, atol=1e-3)
     turned = rotations.angle_between(np.array(found.quaternion), np.array(wanted.quaternion))
     assert float(turned) < 0.05
@@ -52,7 +52,7 @@ def test_a_pose_that_is_reached_is_its_own(seed: int, tip: Pose) -> None:
 def test_no_pose_of_many_is_nearer(seed: int) -> None:
     rng = np.random.default_rng(seed)
     wanted = Pose.of(rng.uniform(-700, 700, 3), rotations.canonical(rng.normal(size=4)))
-    found = nearest(ARM, wanted, FLANGE)
+    found = find_nearest_pose(ARM, wanted, FLANGE)
     distance = float(np.linalg.norm(np.subtract(found.position, wanted.position)))
     others, _ = ARM.fk(reachable(seed, 5000))
     assert distance <= np.linalg.norm(others - wanted.position, axis=1).min() + 1e-3
@@ -127,7 +127,7 @@ def test_where_no_position_allows_the_orientation_it_is_turned(arm: robots.Robot
     limits[[0, 3, 5]] = [-1.0, 1.0]
     narrow = replace(arm, limits=limits, home=limits.mean(axis=1))
     wanted = Pose((300.0, 100.0, 200.0), (0.0, 0.6, 0.8, 0.0))
-    found = nearest(narrow, wanted, FLANGE, keep=True)
+    found = find_nearest_pose(narrow, wanted, FLANGE, keep=True)
     rounded = replace(narrow, limits=limits + np.array([-0.01, 0.01]))
     assert rounded.ik([found.position], [found.quaternion])[1].any()
     others, _ = narrow.fk(np.random.default_rng(3).uniform(*limits.T, (5000, 6)))

@@ -13,8 +13,8 @@ from assistant import robots
 from assistant.program.motion import UNSTATED, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots.branches.cheapest import CHANGE
-from assistant.robots.branches.turns import CLEARANCE
+from assistant.robots.branches.cheapest import BRANCH_CHANGE_COST
+from assistant.robots.branches.turns import LIMIT_CLEARANCE
 from tests.examples import drawn
 
 ARMS = [
@@ -46,7 +46,7 @@ def wound(arm, rows: np.ndarray) -> list[np.ndarray]:
     for axis, (low, high) in enumerate(arm.limits):
         angles = rows[:, axis]
         turns = [360.0 * k for k in range(-3, 4)] if axis in arm.winding() else [0.0]
-        for margin in (CLEARANCE if axis in arm.winding() else 0.0, -1e-6):
+        for margin in (LIMIT_CLEARANCE if axis in arm.winding() else 0.0, -1e-6):
             inside = [
                 turn
                 for turn in turns
@@ -67,7 +67,7 @@ def least(arm, chains: list[list[np.ndarray]], branched: bool) -> float:
         seconds = (np.abs(ends[:, None] - starts[None]) / arm.speeds).max(axis=2)
         if branched:
             one, two = (arm.branch_of(arm.configuration(each)) for each in (ends, starts))
-            seconds = seconds + CHANGE * (one[:, None] != two[None])
+            seconds = seconds + BRANCH_CHANGE_COST * (one[:, None] != two[None])
         total = total[..., None] + (seconds if total.ndim else seconds[0])
         last = chain
     return float(total.min())
@@ -77,7 +77,7 @@ def seconds(arm, joints: np.ndarray, branched: bool, moves=slice(None)) -> float
     every = np.vstack([arm.home, joints])
     steps = (np.abs(np.diff(every, axis=0)) / arm.speeds).max(axis=1)
     if branched:
-        steps += CHANGE * (np.diff(arm.branch_of(arm.configuration(every))) != 0)
+        steps += BRANCH_CHANGE_COST * (np.diff(arm.branch_of(arm.configuration(every))) != 0)
     return float(steps[moves].sum())
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from assistant import robots
 from assistant.base.arrays import Floats
-from assistant.cell.arms import placed
+from assistant.cell.arms import place_robot
 from assistant.cell.collision.carriers import Carriers
 from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
@@ -138,7 +138,7 @@ def test_the_arm_moves_with_the_time_line(opened: tuple[Any, str]) -> None:
 def test_the_page_poses_links_where_they_are(opened: tuple[Any, str]) -> None:
     page, text = opened
     robot = robots.get("irb1200-7-0.7")
-    carriers = Carriers((placed("arm", robot, Pose((50.0, 0.0, 20.0))),))
+    carriers = Carriers((place_robot("arm", robot, Pose((50.0, 0.0, 20.0))),))
     motion = data_of(text)["motion"]
     times = numbers(motion["times"])
     joints = np.degrees(numbers(motion["joints"]).reshape(len(times), 6)) - robot.zero
@@ -276,7 +276,7 @@ def test_what_is_taken_moves_with_the_arm_on_the_page(
 def test_a_page_that_follows_stands_as_it_is_told(opened: tuple[Any, str], browser: Any) -> None:
     data = data_of(opened[1]) | {"live": "cell <b>one</b>"}
     robot = robots.get("irb1200-7-0.7")
-    carriers = Carriers((placed("arm", robot, Pose((50.0, 0.0, 20.0))),))
+    carriers = Carriers((place_robot("arm", robot, Pose((50.0, 0.0, 20.0))),))
     with LivePage(filled(data)) as served:
         events = f"{served.address}events"
         with looking(browser, served.address, (events,)) as page:

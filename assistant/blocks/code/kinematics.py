@@ -17,8 +17,8 @@ from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 from assistant.robots.arms.arm import BOUNDARY, CLOSING
-from assistant.robots.arms.five_axis import ON_AXIS
-from assistant.robots.arms.six_axis import IN_LINE
+from assistant.robots.arms.five_axis import ON_AXIS_1
+from assistant.robots.arms.six_axis import WRIST_IN_LINE
 from assistant.robots.configurations import QUADRANTS
 from assistant.robots.robot import LIMIT_TOLERANCE
 
@@ -121,8 +121,8 @@ def _numbers(robot: Robot) -> dict[str, Any]:
         "angle": number(arm.angle),
         "boundary": number(BOUNDARY),
         "limit_tolerance": number(LIMIT_TOLERANCE),
-        "in_line": number(IN_LINE),
-        "on_axis": number(ON_AXIS),
+        "in_line": number(WRIST_IN_LINE),
+        "on_axis": number(ON_AXIS_1),
     }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.code import rules
-from assistant.cell.reach.singularities import away, jacobian
+from assistant.cell.reach.singularities import distance_from_singularity, jacobian
 from assistant.robots import Robot
 
 ROWS: Final = 200
@@ -42,7 +42,7 @@ def _joints(robot: Robot, rows: int) -> Floats:
         if len(found) >= rows:
             break
         more = random.uniform(low, high, (4 * rows, len(low)))
-        found = np.concatenate([found, more[away(robot, more) > AWAY]])
+        found = np.concatenate([found, more[distance_from_singularity(robot, more) > AWAY]])
     if not len(found):
         raise Refused(rules.ALWAYS_SINGULAR(title=robot.title))
     return found[:rows]

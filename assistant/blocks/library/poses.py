@@ -50,7 +50,7 @@ def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
 
     place, turns = pose[None, :3], turn[None]
     ab = five_axis.to_ab(place, turns)[0]
-    miss = float(five_axis.miss(place, turns)[0])
+    miss = float(five_axis.plane_miss(place, turns)[0])
     reason = ""
     if miss > MISS:
         reason = f"the tool is {miss:.2f} degrees off what they reach there"

@@ -16,8 +16,8 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, norms
 from assistant.base.diagnostics import Refused
-from assistant.cell.rules import CIRCLE, NO_PARENT
-from assistant.cell.scene import FLANGE, WORLD, Body, Placed, Scene
+from assistant.cell.rules import CIRCULAR_PARENTS, NO_PARENT
+from assistant.cell.scene import FLANGE, WORLD, Body, PlacedRobot, Scene
 from assistant.cell.shapes import Shape, extent, farthest
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
@@ -31,7 +31,7 @@ class Carriers:
     columns: of each the slice of its joints in a row.
     """
 
-    robots: tuple[Placed, ...]
+    robots: tuple[PlacedRobot, ...]
 
     @cached_property
     def first(self) -> tuple[int, ...]:
@@ -99,7 +99,7 @@ class Carriers:
         robot, start = self.robots[at].robot, self.columns[at].start
         if carrier - self.first[at] > len(robot.axes):
             pose = robot.arm.whole_chain.flange @ pose
-        steps, own = lengths(robot), moving[-1] - start
+        steps, own = link_lengths(robot), moving[-1] - start
         last = float(farthest(shape, np.array(pose.inverse().position)[None])[0])
         for place in moving:
             axis = place - start
@@ -127,7 +127,7 @@ def _from_axis(robot: Robot, axis: int, pose: Pose, shape: Shape) -> float:
     return float(norms(np.cross(placed, along / np.linalg.norm(along))).max())
 
 
-def lengths(robot: Robot) -> Floats:
+def link_lengths(robot: Robot) -> Floats:
     """(a + 1,) mm between the frames of links that follow each other, at most, base to flange."""
     chain = robot.arm.whole_chain
     poses = [*(joint.pose for joint in chain.joints), chain.flange]
@@ -138,7 +138,7 @@ def lengths(robot: Robot) -> Floats:
     return np.asarray(out)
 
 
-def carried(scene: Scene, body: Body, carriers: Carriers) -> tuple[int, Pose]:
+def carrier_of(scene: Scene, body: Body, carriers: Carriers) -> tuple[int, Pose]:
     """What carries a body, and its pose in the frame of that.
 
     Raises Refused for a parent that the scene has not, or that is carried by the body itself.
@@ -146,7 +146,7 @@ def carried(scene: Scene, body: Body, carriers: Carriers) -> tuple[int, Pose]:
     pose, parent, seen = body.pose, body.parent, {body.name}
     while parent not in carriers.names:
         if parent in seen:
-            raise Refused(CIRCLE(name=body.name, parent=parent), exit_status=2)
+            raise Refused(CIRCULAR_PARENTS(name=body.name, parent=parent), exit_status=2)
         seen.add(parent)
         if parent in scene.frames:
             return 0, scene.frames[parent] @ pose

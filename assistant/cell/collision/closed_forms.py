@@ -14,12 +14,12 @@ import numpy as np
 from assistant.base.arrays import Floats, norms
 
 TINY: Final = 1e-12
-TOGETHER: Final = 4096
+BOX_PAIRS_AT_ONCE: Final = 4096
 """Pairs of boxes that are computed together: 144 pairs of edges each."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Nearest:
+class NearestPoints:
     """Distances (k,) mm of k pairs, their nearest points (k, 3) and unit normals (k, 3) from the
     one to the other.
     """
@@ -30,7 +30,7 @@ class Nearest:
     normal: Floats
 
 
-def dot(a: Floats, b: Floats) -> Floats:
+def dot_products(a: Floats, b: Floats) -> Floats:
     """(...) products of vectors (..., 3)."""
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
@@ -41,7 +41,13 @@ def segments_apart(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> tuple[Floa
     After Ericson, Real-Time Collision Detection, 5.1.9.
     """
     d1, d2, r = a1 - a0, b1 - b0, a0 - b0
-    a, e, f, c, b = dot(d1, d1), dot(d2, d2), dot(d2, r), dot(d1, r), dot(d1, d2)
+    a, e, f, c, b = (
+        dot_products(d1, d1),
+        dot_products(d2, d2),
+        dot_products(d2, r),
+        dot_products(d1, r),
+        dot_products(d1, d2),
+    )
     point_a, point_b = a <= TINY, e <= TINY
     safe_a, safe_e = np.where(point_a, 1.0, a), np.where(point_b, 1.0, e)
     denominator = a * e - b * b
@@ -58,7 +64,9 @@ def segments_apart(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> tuple[Floa
     return a0 + s[..., None] * d1, b0 + t[..., None] * d2
 
 
-def capsules(a: tuple[Floats, Floats], b: tuple[Floats, Floats], radii: Floats) -> Nearest:
+def capsule_distances(
+    a: tuple[Floats, Floats], b: tuple[Floats, Floats], radii: Floats
+) -> NearestPoints:
     """Capsules about segments (k, 3) to (k, 3). radii: (k, 2) of the one and of the other."""
     p, q = segments_apart(*a, *b)
     way = q - p
@@ -66,7 +74,7 @@ def capsules(a: tuple[Floats, Floats], b: tuple[Floats, Floats], radii: Floats) 
     crossing = apart <= 1e-9
     normal = np.where(crossing[:, None], _across(a[1] - a[0], b[1] - b[0]), way)
     normal /= norms(normal)[:, None]
-    return Nearest(
+    return NearestPoints(
         apart - radii.sum(axis=1), p + radii[:, :1] * normal, q - radii[:, 1:] * normal, normal
     )
 
@@ -83,7 +91,7 @@ def _across(one: Floats, other: Floats) -> Floats:
     return found
 
 
-def capsule_of_box(p0: Floats, p1: Floats, half: Floats, radius: Floats) -> Nearest:
+def capsule_box_distances(p0: Floats, p1: Floats, half: Floats, radius: Floats) -> NearestPoints:
     """Capsules about segments p0 to p1 (k, 3), from boxes of half edges (k, 3) about the origin.
 
     The points and the normals are in the frames of the boxes; the capsule is the one.
@@ -98,7 +106,7 @@ def capsule_of_box(p0: Floats, p1: Floats, half: Floats, radius: Floats) -> Near
     normal /= norms(normal)[:, None]
     core = np.where(inside, -deep, apart)
     on_capsule = point + radius[:, None] * normal
-    return Nearest(
+    return NearestPoints(
         core - radius, on_capsule, on_capsule + (core - radius)[:, None] * normal, normal
     )
 
@@ -157,17 +165,17 @@ _EDGES: Final = np.array(
 )
 
 
-def boxes(turn: Floats, place: Floats, one: Floats, other: Floats) -> Nearest:
+def box_distances(turn: Floats, place: Floats, one: Floats, other: Floats) -> NearestPoints:
     """Boxes of half edges other (k, 3) at places (k, 3), turned by (k, 3, 3), in the frames of
     boxes of half edges one (k, 3), in which the points and the normals are.
     """
-    if len(one) > TOGETHER:
+    if len(one) > BOX_PAIRS_AT_ONCE:
         parts = [
-            boxes(*(x[i : i + TOGETHER] for x in (turn, place, one, other)))
-            for i in range(0, len(one), TOGETHER)
+            box_distances(*(x[i : i + BOX_PAIRS_AT_ONCE] for x in (turn, place, one, other)))
+            for i in range(0, len(one), BOX_PAIRS_AT_ONCE)
         ]
         columns = ("distance", "one", "other", "normal")
-        return Nearest(*(np.concatenate([getattr(p, c) for p in parts]) for c in columns))
+        return NearestPoints(*(np.concatenate([getattr(p, c) for p in parts]) for c in columns))
     gap, normal = _separation(turn, place, one, other)
     corners = _SIDES * one[:, None]
     others = place[:, None] + np.einsum("kij,ksj->ksi", turn, _SIDES * other[:, None])
@@ -184,7 +192,7 @@ def boxes(turn: Floats, place: Floats, one: Floats, other: Floats) -> Nearest:
         way = q[out] - p[out]
         apart[out] = norms(way)
         normal[out] = way / np.maximum(apart[out], TINY)[:, None]
-    return Nearest(apart, p, q, normal)
+    return NearestPoints(apart, p, q, normal)
 
 
 def _separation(turn: Floats, place: Floats, one: Floats, other: Floats) -> tuple[Floats, Floats]:
@@ -224,6 +232,6 @@ def _apart(
     e, f = segments_apart(a[:, :, 0], a[:, :, 1], b[:, :, 0], b[:, :, 1])
     p = np.concatenate([mine, on_one, e], axis=1)
     q = np.concatenate([on_other, theirs, f], axis=1)
-    best = dot(q - p, q - p).argmin(axis=1)
+    best = dot_products(q - p, q - p).argmin(axis=1)
     rows = np.arange(len(mine))
     return p[rows, best], q[rows, best]

@@ -17,24 +17,24 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths
-from assistant.cell.collision.culling import near
+from assistant.cell.collision.culling import near_pairs
 from assistant.cell.collision.model import Model
 
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest part: what comes that near counts as touching."""
-SHORTEST: Final = 2.0**-30
+SHORTEST_PART: Final = 2.0**-30
 """Smallest part of a stretch that is divided: joints that still differ at its ends jump."""
-TOGETHER: Final = 500_000
+PAIRS_AT_ONCE: Final = 500_000
 """Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
-LONGEST: Final = 65536
+MOST_STRETCHES: Final = 65536
 """Stretches of which a chunk has no more."""
-ROUGH: Final = 0.1
+CURVE_TOLERANCE: Final = 0.1
 """degrees (mm) that curved joints may be off the line of their stretch beyond its slack."""
-SAFETY: Final = 1.5
+CURVE_SAFETY: Final = 1.5
 """By how much more than in the middle of a part joints may be off its straight line elsewhere."""
-FINEST: Final = 0.05
+LEAST_RESOLUTION: Final = 0.05
 """mm to which a least distance is found."""
-MOST: Final = 400_000
+MOST_DISTANCES: Final = 400_000
 """Distances that are computed for least ones at most; what is found then is a bound."""
 
 Curve = Callable[[Rows, Floats], tuple[Floats, Truths]]
@@ -42,7 +42,7 @@ Curve = Callable[[Rows, Floats], tuple[Floats, Truths]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class JointPath:
     """Rows (n, j) of joints that are gone through, along straight lines of the joints.
 
     slack: (n - 1, j) how far a joint may be from the line of its stretch; None for not at all.
@@ -68,7 +68,7 @@ class Hit:
 
 
 @dataclass(frozen=True, slots=True)
-class Least:
+class ClosestApproach:
     """Closest approach of a pair in a group of stretches.
 
     distance: mm, the least that was found. bound: mm that it is not less than.
@@ -85,7 +85,7 @@ class Least:
 
 
 def hits(
-    model: Model, way: Way, margin: float | Floats = 0.0, resolution: float = RESOLUTION
+    model: Model, way: JointPath, margin: float | Floats = 0.0, resolution: float = RESOLUTION
 ) -> list[Hit]:
     """Every place of a way at which a pair begins to be nearer than margin (p,) mm, in order.
 
@@ -101,17 +101,19 @@ def hits(
     return _first_of_runs(found)
 
 
-def clear(model: Model, way: Way, margin: float | Floats = 0.0) -> bool:
+def clear(model: Model, way: JointPath, margin: float | Floats = 0.0) -> bool:
     """Whether nothing comes nearer than margin (p,) mm on a way."""
     return not hits(model, way, margin)
 
 
-def leasts(model: Model, way: Way, limit: Floats, group: Rows) -> list[Least]:
+def closest_approaches(
+    model: Model, way: JointPath, limit: Floats, group: Rows
+) -> list[ClosestApproach]:
     """Return the closest approach of each pair in each group, where it may be below limit (p,).
 
     group: (n - 1,) numbers that do not descend.
     """
-    found: dict[tuple[int, int], Least] = {}
+    found: dict[tuple[int, int], ClosestApproach] = {}
     if len(way.rows) < 2 or not len(model):
         return []
     for chunk, stretch, pair in _chunks(model, way, limit):
@@ -119,28 +121,28 @@ def leasts(model: Model, way: Way, limit: Floats, group: Rows) -> list[Least]:
             key = one.group, one.pair
             other = found.get(key, one)  # of a group that lies in two chunks
             distance, bound = (min(one.distance, other.distance), min(one.bound, other.bound))
-            found[key] = Least(*key, distance, bound)
+            found[key] = ClosestApproach(*key, distance, bound)
     return list(found.values())
 
 
 def firsts(
-    model: Model, way: Way, limit: Floats, group: Rows, wanted: Sequence[Least]
+    model: Model, way: JointPath, limit: Floats, group: Rows, wanted: Sequence[ClosestApproach]
 ) -> dict[tuple[int, int], Hit]:
     """Return the first place where a pair is closer than limit (p,), by group and pair."""
     out: dict[tuple[int, int], Hit] = {}
     count = len(model)
     keys = np.array([one.group * count + one.pair for one in wanted], dtype=np.intp)
     stretch = np.flatnonzero(np.isin(group, [one.group for one in wanted]))
-    for start in range(0, len(stretch), LONGEST):
-        some = stretch[start : start + LONGEST]
+    for start in range(0, len(stretch), MOST_STRETCHES):
+        some = stretch[start : start + MOST_STRETCHES]
         at, pair = (
             x.reshape(-1) for x in np.meshgrid(some, np.unique(keys % count), indexing="ij")
         )
         of = np.isin(group[at] * count + pair, keys)
         at, pair = at[of], pair[of]
-        for part in range(0, len(at), TOGETHER):
+        for part in range(0, len(at), PAIRS_AT_ONCE):
             chunk = _Chunk(model, way, 0, len(way.rows) - 1)
-            s, p = at[part : part + TOGETHER], pair[part : part + TOGETHER]
+            s, p = at[part : part + PAIRS_AT_ONCE], pair[part : part + PAIRS_AT_ONCE]
             begun = (s == 0) | (group[s] != group[np.maximum(s - 1, 0)])
             for hit in chunk.hits(s, p, limit, begun, RESOLUTION):
                 key = int(group[min(int(hit.at), len(group) - 1)]), hit.pair
@@ -149,14 +151,14 @@ def firsts(
     return out
 
 
-def _chunks(model: Model, way: Way, limit: Floats) -> Iterator[tuple[_Chunk, Rows, Rows]]:
+def _chunks(model: Model, way: JointPath, limit: Floats) -> Iterator[tuple[_Chunk, Rows, Rows]]:
     """Parts of a way, with the stretches (k,) of each and pairs (k,) that may be nearer there."""
-    for start in range(0, len(way.rows) - 1, LONGEST):
-        chunk = _Chunk(model, way, start, min(start + LONGEST, len(way.rows) - 1))
+    for start in range(0, len(way.rows) - 1, MOST_STRETCHES):
+        chunk = _Chunk(model, way, start, min(start + MOST_STRETCHES, len(way.rows) - 1))
         slack = chunk.slack
         if slack is not None and way.curve is not None:
-            slack = slack + ROUGH * (slack > 0.0)
-        for stretch, pair in near(model, chunk.rows, slack, limit, TOGETHER):
+            slack = slack + CURVE_TOLERANCE * (slack > 0.0)
+        for stretch, pair in near_pairs(model, chunk.rows, slack, limit, PAIRS_AT_ONCE):
             yield chunk, stretch, pair
 
 
@@ -183,7 +185,7 @@ class _Parts:
 class _Chunk:
     """Stretches of a way from start to stop."""
 
-    def __init__(self, model: Model, way: Way, start: int, stop: int) -> None:
+    def __init__(self, model: Model, way: JointPath, start: int, stop: int) -> None:
         self.model, self.start, self.curve = model, start, way.curve
         self.rows = way.rows[start : stop + 1]
         self.step = np.diff(self.rows, axis=0)
@@ -211,7 +213,7 @@ class _Chunk:
             least = (at_low + at_high - whole) / 2.0 - off
             close = least <= limit[pair]
             small = (whole <= resolution) & ((2.0 * off <= resolution) | fixed)
-            small |= parts.size <= SHORTEST
+            small |= parts.size <= SHORTEST_PART
             found, on = np.flatnonzero(close & small), np.flatnonzero(close & ~small)
             out += self._found(parts, which[found], pair[found])
             which, pair, at_low, at_high = which[on], pair[on], at_low[on], at_high[on]
@@ -228,7 +230,9 @@ class _Chunk:
             )
         return out
 
-    def leasts(self, stretch: Rows, pair: Rows, limit: Floats, group: Rows) -> Iterator[Least]:
+    def leasts(
+        self, stretch: Rows, pair: Rows, limit: Floats, group: Rows
+    ) -> Iterator[ClosestApproach]:
         """The least distances of pairs (k,) on stretches (k,) by groups."""
         if not len(stretch):
             return
@@ -243,11 +247,13 @@ class _Chunk:
             np.minimum.at(best, job, np.minimum(at_low, at_high))
             whole, off, fixed = self._reach(parts, which, pair)
             least = (at_low + at_high - whole) / 2.0 - off
-            open_ = (least < best[job] - FINEST) & (least <= limit[pair])
-            small = (whole <= FINEST) & (2.0 * off <= FINEST)
-            small |= fixed & (whole <= np.maximum(FINEST, off))  # halves would be no surer
-            small |= parts.size <= SHORTEST
-            if done > MOST:  # contacts are found all the same, but not how deep they are
+            open_ = (least < best[job] - LEAST_RESOLUTION) & (least <= limit[pair])
+            small = (whole <= LEAST_RESOLUTION) & (2.0 * off <= LEAST_RESOLUTION)
+            small |= fixed & (
+                whole <= np.maximum(LEAST_RESOLUTION, off)
+            )  # halves would be no surer
+            small |= parts.size <= SHORTEST_PART
+            if done > MOST_DISTANCES:  # contacts are found all the same, but not how deep they are
                 small |= (least > 0.0) | (best[job] <= 0.0)
             ends, on = np.flatnonzero(open_ & small), np.flatnonzero(open_ & ~small)
             np.minimum.at(bound, job[ends], least[ends])
@@ -264,8 +270,8 @@ class _Chunk:
         for key, distance, lower in zip(jobs.tolist(), best, bound, strict=True):
             number, one = divmod(int(key), count)
             if min(distance, lower) <= limit[one]:
-                exact = max(distance - FINEST, -np.inf)
-                yield Least(number, one, float(distance), float(min(exact, lower)))
+                exact = max(distance - LEAST_RESOLUTION, -np.inf)
+                yield ClosestApproach(number, one, float(distance), float(min(exact, lower)))
 
     # ------------------------------------------------------------------------------- parts
 
@@ -284,7 +290,7 @@ class _Chunk:
         if self.curve is not None:
             middle = self._at(stretch, low + size / 2.0)
         fixed = fixed | ~middle.exact
-        off = SAFETY * np.abs(middle.rows - straight)
+        off = CURVE_SAFETY * np.abs(middle.rows - straight)
         off = np.where(fixed[:, None], np.maximum(off, self.slack[stretch]), off)
         return self._made(stretch, low, size, first.rows, middle.rows, last.rows, off, fixed)
 
@@ -373,7 +379,7 @@ class _At:
     exact: Truths
 
 
-APART: Final = 1.0
+HIT_SEPARATION: Final = 1.0
 """Stretches between two hits of a pair from which on they are two."""
 
 
@@ -382,7 +388,7 @@ def _first_of_runs(found: list[Hit]) -> list[Hit]:
     last: dict[int, float] = {}
     out = []
     for hit in sorted(found, key=lambda hit: hit.at):
-        if hit.at - last.get(hit.pair, -np.inf) > APART:
+        if hit.at - last.get(hit.pair, -np.inf) > HIT_SEPARATION:
             out.append(hit)
         last[hit.pair] = hit.at
     return out

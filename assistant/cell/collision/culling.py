@@ -15,16 +15,16 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows
 from assistant.cell.collision.model import Model
 
-COARSE: Final = (4096, 1024, 256, 64)
-FINE: Final = (16, 4, 1)
+COARSE_GROUPS: Final = (4096, 1024, 256, 64)
+FINE_GROUPS: Final = (16, 4, 1)
 """Stretches of a group, each size a part of the one before it."""
-MEASURED: Final = 16
+LEAST_MEASURED_GROUP: Final = 16
 """From groups of so many on, distances are looked at as well, which clear more than boxes do."""
-BLOCK: Final = 100_000
+GROUP_PAIRS_AT_ONCE: Final = 100_000
 """Pairs of groups and items that are looked at together."""
 
 
-def near(
+def near_pairs(
     model: Model, rows: Floats, slack: Floats | None, limit: Floats, together: int
 ) -> Iterator[tuple[Rows, Rows]]:
     """Stretches (k,) of rows (n + 1, j) and pairs (k,) that may be nearer there than limit (p,) mm.
@@ -36,14 +36,14 @@ def near(
     if slack is not None:
         low, high = low - slack, high + slack
     within = _Within(model, low, high, limit)
-    count = -(-len(low) // COARSE[0])
+    count = -(-len(low) // COARSE_GROUPS[0])
     group = np.repeat(np.arange(count), len(model))
     pair = np.tile(np.arange(len(model)), count)
-    group, pair = within.parts(group, pair, COARSE[0], COARSE)
-    size = max(together // COARSE[-1], 1)
+    group, pair = within.parts(group, pair, COARSE_GROUPS[0], COARSE_GROUPS)
+    size = max(together // COARSE_GROUPS[-1], 1)
     for start in range(0, len(group), size):
         some = slice(start, start + size)
-        yield within.parts(group[some], pair[some], COARSE[-1], FINE)
+        yield within.parts(group[some], pair[some], COARSE_GROUPS[-1], FINE_GROUPS)
 
 
 class _Within:
@@ -71,10 +71,13 @@ class _Within:
         high = np.maximum.reduceat(self.high, starts)
         middle, half, leverage = (low + high) / 2.0, (high - low) / 2.0, self.model.leverage.T
         measures = [self.model.least_of, self.model.exact]
-        for measure in measures[: 2 if size >= MEASURED else 1]:
+        for measure in measures[: 2 if size >= LEAST_MEASURED_GROUP else 1]:
             found = [np.zeros(0, dtype=np.intp)]
-            for start in range(0, len(group), BLOCK):
-                g, p = group[start : start + BLOCK], pair[start : start + BLOCK]
+            for start in range(0, len(group), GROUP_PAIRS_AT_ONCE):
+                g, p = (
+                    group[start : start + GROUP_PAIRS_AT_ONCE],
+                    pair[start : start + GROUP_PAIRS_AT_ONCE],
+                )
                 used, where = np.unique(g, return_inverse=True)
                 least = measure(middle[used], where, p)
                 least -= np.einsum("kj,kj->k", half[g], leverage[p])

@@ -20,12 +20,12 @@ from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, S
 if TYPE_CHECKING:
     from types import ModuleType
 
-TOLERANCE: Final = 1e-9
+COAL_TOLERANCE: Final = 1e-9
 """mm, of the distances of convex shapes."""
-ITERATIONS: Final = 1000
+COAL_ITERATIONS: Final = 1000
 
 
-def library() -> ModuleType:
+def coal_library() -> ModuleType:
     """coal; raises Refused, naming the extra, without it."""
     try:
         import coal  # type: ignore[import-untyped]
@@ -34,16 +34,16 @@ def library() -> ModuleType:
     return coal  # type: ignore[no-any-return]
 
 
-def request() -> Any:
+def distance_request() -> Any:
     """What is asked of a distance."""
-    wanted = library().DistanceRequest()
-    wanted.gjk_tolerance = TOLERANCE
-    wanted.gjk_max_iterations = ITERATIONS
+    wanted = coal_library().DistanceRequest()
+    wanted.gjk_tolerance = COAL_TOLERANCE
+    wanted.gjk_max_iterations = COAL_ITERATIONS
     return wanted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Around:
+class BoundingBox:
     """A box about a shape: middle (3,) and half edges (3,) in its frame, and the sphere of both."""
 
     middle: Floats
@@ -54,14 +54,14 @@ class Around:
         return float(np.linalg.norm(self.half))
 
 
-def around(shape: Shape) -> Around:
+def bounding_box(shape: Shape) -> BoundingBox:
     low, high = extent(shape)
-    return Around((low + high) / 2.0, (high - low) / 2.0)
+    return BoundingBox((low + high) / 2.0, (high - low) / 2.0)
 
 
-def geometry_of(shape: Shape) -> Any:
+def coal_geometry(shape: Shape) -> Any:
     """A shape as a geometry of coal."""
-    coal = library()
+    coal = coal_library()
     match shape:
         case Box(size=(x, y, z)):
             return coal.Box(float(x), float(y), float(z))
@@ -77,7 +77,7 @@ def geometry_of(shape: Shape) -> Any:
 
 
 def _convex(hull: Mesh) -> Any:
-    coal = library()
+    coal = coal_library()
     return coal.Convex(_points(hull), _triangles(hull))
 
 
@@ -87,12 +87,12 @@ _BUILT: Final[WeakKeyDictionary[Mesh, Any]] = WeakKeyDictionary()
 
 def _surface(mesh: Mesh) -> Any:
     if mesh not in _BUILT:
-        _BUILT[mesh] = _built(mesh)
+        _BUILT[mesh] = _built_surface(mesh)
     return _BUILT[mesh]
 
 
-def _built(mesh: Mesh) -> Any:
-    coal = library()
+def _built_surface(mesh: Mesh) -> Any:
+    coal = coal_library()
     model = coal.BVHModelOBBRSS()
     model.beginModel(len(mesh.triangles), len(mesh.points))
     model.addVertices(np.ascontiguousarray(mesh.points))
@@ -102,13 +102,13 @@ def _built(mesh: Mesh) -> Any:
 
 
 def _points(mesh: Mesh) -> Any:
-    out = library().StdVec_Vec3s()
+    out = coal_library().StdVec_Vec3s()
     out.extend(list(mesh.points.astype(np.float64)))
     return out
 
 
 def _triangles(mesh: Mesh) -> Any:
-    coal = library()
+    coal = coal_library()
     out = coal.StdVec_Triangle()
     for a, b, c in mesh.triangles.tolist():
         out.append(coal.Triangle(a, b, c))

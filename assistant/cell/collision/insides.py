@@ -22,7 +22,7 @@ RAYS: Final = (
 """Unit vectors along no axis, which many edges and faces of drawings lie along."""
 
 
-class Inside:
+class InsideTest:
     """Of shapes by their numbers."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
@@ -40,7 +40,7 @@ class Inside:
                 place = point.getRotation() @ self._some_point(inner) + point.getTranslation()
                 local = frame.getRotation().T @ (place - frame.getTranslation())
                 low, high = self._extents[outer]
-                if ((local > low) & (local < high)).all() and inside(shape, local[None])[0]:
+                if ((local > low) & (local < high)).all() and points_inside(shape, local[None])[0]:
                     return -distance
         return distance
 
@@ -55,15 +55,17 @@ class Inside:
         return np.asarray((low + high) / 2.0)
 
 
-def inside(mesh: Mesh, points: Floats) -> Any:
+def points_inside(mesh: Mesh, points: Floats) -> Any:
     """(n,) whether points (n, 3) lie inside a closed mesh, in its frame."""
     if mesh.within is not None:
         return mesh.within(points)
-    votes = sum((crossings(mesh, points, np.array(ray)) % 2 for ray in RAYS), np.zeros(len(points)))
+    votes = sum(
+        (ray_crossings(mesh, points, np.array(ray)) % 2 for ray in RAYS), np.zeros(len(points))
+    )
     return votes >= 2
 
 
-def crossings(mesh: Mesh, points: Floats, ray: Floats) -> Any:
+def ray_crossings(mesh: Mesh, points: Floats, ray: Floats) -> Any:
     """(n,) how many triangles a ray (3,) from points (n, 3) passes (Möller and Trumbore, 1997)."""
     a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
     e1, e2 = b - a, c - a

@@ -11,13 +11,13 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.collision.distances import Distances
-from assistant.cell.collision.geometry import around, library
+from assistant.cell.collision.geometry import bounding_box, coal_library
 from assistant.cell.scene import Body, Part, Scene
 from assistant.program.geometry import Pose, Vector
 
-TOGETHER: Final = 200_000
+PAIRS_AT_ONCE: Final = 200_000
 """Rows times pairs whose bounds are worked out together."""
 FARTHEST: Final = 1e9
 """mm that no distance in a cell is larger than."""
@@ -77,7 +77,7 @@ class Model:
         self.margins: Floats = np.array([self._margin(i, k) for i, k in pairs])
         self.distances = Distances([item.part.shape for item in self.items])
         if not self.distances.closed(self.one, self.other).all():
-            library()
+            coal_library()
 
     def __len__(self) -> int:
         """How many pairs there are."""
@@ -85,10 +85,10 @@ class Model:
 
     def _items(self) -> Iterator[Item]:
         for body in self.scene.all_bodies():
-            carrier, pose = carried(self.scene, body, self.carriers)
+            carrier, pose = carrier_of(self.scene, body, self.carriers)
             for part in body.parts:
                 placed = pose @ part.pose
-                box = around(part.shape)
+                box = bounding_box(part.shape)
                 middle = placed @ Pose((box.middle[0], box.middle[1], box.middle[2]))
                 yield Item(
                     body,
@@ -230,7 +230,7 @@ class Model:
 
     def nearest(self, rows: Floats) -> tuple[Floats, Rows]:
         """Rows (n, j) → the least distance (n,) of any pair, inf without pairs, and which (n,)."""
-        size = max(TOGETHER // max(len(self), 1), 1)
+        size = max(PAIRS_AT_ONCE // max(len(self), 1), 1)
         blocks = [self._nearest(rows[i : i + size]) for i in range(0, max(len(rows), 1), size)]
         best, which = zip(*blocks, strict=True)
         return np.concatenate(best), np.concatenate(which)

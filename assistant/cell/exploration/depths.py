@@ -9,48 +9,48 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Truths, norms
-from assistant.cell.collision.geometry import geometry_of, library, request
-from assistant.cell.collision.insides import inside
+from assistant.cell.collision.geometry import coal_geometry, coal_library, distance_request
+from assistant.cell.collision.insides import points_inside
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere, extent
 
-Depth = Callable[[Floats, Floats, Floats], Floats]
+DepthFunction = Callable[[Floats, Floats, Floats], Floats]
 """Coordinates x, y, z of places in the frame of a shape → mm to its surface, below 0 outside."""
 
-LEAST: Final = 0.01
+LEAST_LEFT: Final = 0.01
 """mm that a shape keeps of itself, however much thinner it is made."""
 VOXELS: Final = 3000
 """Places in the box about a mesh that its depth is worked out at."""
-POINT: Final = 1e-3
+POINT_RADIUS: Final = 1e-3
 """mm: the radius of a ball that stands for a point."""
 
 
 @dataclass(frozen=True, slots=True)
-class Solid:
+class SolidDepth:
     """depth: of a convex shape exactly, else at least. convex: whether it is; deepest: its largest
     depth.
     """
 
-    depth: Depth
+    depth: DepthFunction
     convex: bool
     deepest: float
 
 
-def solid_of(shape: Shape) -> Solid | None:
+def solid_depth(shape: Shape) -> SolidDepth | None:
     """None for a mesh that is open."""
     match shape:
         case Sphere(radius=r):
-            return Solid(lambda x, y, z: r - np.sqrt(x * x + y * y + z * z), True, r)
+            return SolidDepth(lambda x, y, z: r - np.sqrt(x * x + y * y + z * z), True, r)
         case Capsule(radius=r, length=length):
-            return Solid(lambda x, y, z: _capsule(r, length, x, y, z), True, r)
+            return SolidDepth(lambda x, y, z: _capsule(r, length, x, y, z), True, r)
         case Cylinder(radius=r, length=length):
             deepest = min(r, length / 2.0)
-            return Solid(
+            return SolidDepth(
                 lambda x, y, z: np.minimum(r - np.hypot(x, y), length / 2.0 - np.abs(z)),
                 True,
                 deepest,
             )
         case Box(size=(a, b, c)):
-            return Solid(
+            return SolidDepth(
                 lambda x, y, z: np.minimum(
                     np.minimum(a / 2.0 - np.abs(x), b / 2.0 - np.abs(y)), c / 2.0 - np.abs(z)
                 ),
@@ -59,7 +59,7 @@ def solid_of(shape: Shape) -> Solid | None:
             )
         case Convex():
             planes = _planes(shape)
-            return Solid(lambda x, y, z: _behind(planes, x, y, z), True, _middle(planes)[1])
+            return SolidDepth(lambda x, y, z: _behind(planes, x, y, z), True, _middle(planes)[1])
     return _of_mesh(shape) if shape.solid else None
 
 
@@ -93,7 +93,7 @@ def _middle(planes: Floats) -> tuple[Floats, float]:
     return found[:3], float(found[3])
 
 
-def _of_mesh(mesh: Mesh) -> Solid:
+def _of_mesh(mesh: Mesh) -> SolidDepth:
     """At least how deep, from places of a grid: a place is no less deep than another one less the
     way between them.
     """
@@ -111,12 +111,17 @@ def _of_mesh(mesh: Mesh) -> Solid:
         away = norms(points - (low + (cell + 0.5) * edge))
         return np.asarray(known[cell[..., 0], cell[..., 1], cell[..., 2]] - away)
 
-    return Solid(depth, False, float(known.max()))
+    return SolidDepth(depth, False, float(known.max()))
 
 
 def _from_surface(mesh: Mesh, points: Floats) -> Floats:
-    coal = library()
-    surface, ball, result, wanted = geometry_of(mesh), coal.Sphere(POINT), None, request()
+    coal = coal_library()
+    surface, ball, result, wanted = (
+        coal_geometry(mesh),
+        coal.Sphere(POINT_RADIUS),
+        None,
+        distance_request(),
+    )
     still = coal.Transform3s()
     out = np.empty(len(points))
     for n, point in enumerate(points):
@@ -127,23 +132,23 @@ def _from_surface(mesh: Mesh, points: Floats) -> Floats:
 
 
 def _inside(mesh: Mesh, points: Floats) -> Truths:
-    return np.asarray(inside(mesh, points), dtype=np.bool_)
+    return np.asarray(points_inside(mesh, points), dtype=np.bool_)
 
 
-def thinner(shape: Shape, by: float) -> Shape:
+def thinner_shape(shape: Shape, by: float) -> Shape:
     """A shape that lacks `by` mm all round, or as much as leaves `LEAST` of it.
 
     Of a mesh its convex hull is taken, which is more than the mesh.
     """
     match shape:
         case Sphere(radius=r):
-            return Sphere(max(r - by, LEAST))
+            return Sphere(max(r - by, LEAST_LEFT))
         case Capsule(radius=r, length=length):
-            return Capsule(max(r - by, LEAST), length)
+            return Capsule(max(r - by, LEAST_LEFT), length)
         case Cylinder(radius=r, length=length):
-            return Cylinder(max(r - by, LEAST), max(length - 2.0 * by, 2.0 * LEAST))
+            return Cylinder(max(r - by, LEAST_LEFT), max(length - 2.0 * by, 2.0 * LEAST_LEFT))
         case Box(size=(a, b, c)):
-            least = 2.0 * LEAST
+            least = 2.0 * LEAST_LEFT
             return Box((max(a - 2 * by, least), max(b - 2 * by, least), max(c - 2 * by, least)))
         case Convex():
             return _thinner_hull(shape, by)
@@ -155,7 +160,7 @@ def _thinner_hull(shape: Convex, by: float) -> Convex:
 
     planes = _planes(shape)
     middle, deepest = _middle(planes)
-    by = min(by, deepest - LEAST)
+    by = min(by, deepest - LEAST_LEFT)
     if by <= 0.0:
         return shape
     sides = np.column_stack([planes[:, :3], by - planes[:, 3]])

@@ -10,16 +10,16 @@ import numpy as np
 from assistant.base.arrays import Floats, Ints
 from assistant.base.diagnostics import Diagnostic
 from assistant.cell.clearances import robot_of, way_of
-from assistant.cell.collision.continuous import Hit, Way, hits
+from assistant.cell.collision.continuous import Hit, JointPath, hits
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.filling import STEP, Filler
+from assistant.cell.exploration.filling import STEP_IN_CELLS, Filler
 from assistant.cell.exploration.occupancy import Occupancy, cells_at, keys_of
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import Pose, Vector
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.passed import stretches_of
 
-SIZE: Final = 10.0
+CELL_SIZE: Final = 10.0
 """mm of a cell, where nobody says another."""
 
 
@@ -45,7 +45,7 @@ class Explorer:
         self,
         scene: Scene,
         name: str | None = None,
-        size: float = SIZE,
+        size: float = CELL_SIZE,
         known: Occupancy | None = None,
         thinner: float = 0.0,
     ) -> None:
@@ -55,7 +55,7 @@ class Explorer:
         self.occupancy = fresh if known is None else fresh.merged(known)
 
     @property
-    def placed(self) -> Placed:
+    def placed(self) -> PlacedRobot:
         return self.filler.placed
 
     @property
@@ -127,12 +127,12 @@ class Explorer:
                 break
         return self.gone(np.concatenate(rows), touch, np.concatenate(offs))
 
-    def _between(self, way: Way, end: float) -> tuple[Floats, Floats]:
+    def _between(self, way: JointPath, end: float) -> tuple[Floats, Floats]:
         """Rows of a way before a place of it, so many that no body is missed, and how far off."""
         step = np.diff(way.rows, axis=0)
         slack = np.zeros_like(step) if way.slack is None else np.abs(way.slack)
         moved = (np.abs(step) @ self.filler.lever()).max(axis=1, initial=0.0)
-        parts = np.maximum(np.ceil(moved / (STEP * self.filler.size)), 1.0).astype(np.intp)
+        parts = np.maximum(np.ceil(moved / (STEP_IN_CELLS * self.filler.size)), 1.0).astype(np.intp)
         stretch = np.repeat(np.arange(len(step)), parts)
         begins = np.repeat(np.cumsum(parts) - parts, parts)
         part = (np.arange(len(stretch)) - begins) / parts[stretch]
@@ -146,7 +146,7 @@ class Explorer:
         return rows[before], off[before]
 
 
-def touch_of(model: Model, hit: Hit, placed: Placed) -> Touch:
+def touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
     """Where a robot touched what is not itself, of a hit."""
     contact = model.contact(hit.joints, hit.pair)
     bodies = [model.items[int(i[hit.pair])] for i in (model.one, model.other)]

@@ -12,28 +12,28 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.collision.geometry import around
-from assistant.cell.exploration.depths import Solid, solid_of
+from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.collision.geometry import bounding_box
+from assistant.cell.exploration.depths import SolidDepth, solid_depth
 from assistant.cell.exploration.occupancy import keys_of
-from assistant.cell.exploration.rules import NO_ROBOT, OPEN_BODY, TOO_COARSE, TOO_FINE
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.exploration.rules import NO_EXPLORING_ROBOT, OPEN_BODY, TOO_COARSE, TOO_FINE
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Capsule, Shape
 from assistant.program.geometry import Pose
 
-STEP: Final = 0.5
+STEP_IN_CELLS: Final = 0.5
 """Sizes of a cell that a body moves between two places at which it is looked at."""
-MOST: Final = 1 << 28
+MOST_CELLS: Final = 1 << 28
 """Cells of the box about all that a run fills: a byte each."""
-SURE: Final = 3.0**0.5 / 2.0
+HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
 """Sizes of a cell from its middle to its corners."""
-ROUNDING: Final = 1e-9
+DEPTH_ROUNDING: Final = 1e-9
 """mm that a cell is deeper inside than rounding could take away."""
-CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
+CELL_CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class MovedPart:
     """A part that a robot moves: link: the frame of `Robot.link_frames` it is carried by; pose: in
     that; low, high: (3,) of the box about it, in its own frame.
     """
@@ -42,7 +42,7 @@ class Moved:
     part: Part
     link: int
     pose: Pose
-    solid: Solid
+    solid: SolidDepth
     low: Floats
     high: Floats
 
@@ -66,22 +66,22 @@ class Filler:
         """Parts of the bodies that the robot moves, with their links and their poses there."""
         last = self._first + len(self.placed.robot.axes) + 1
         for body in self.scene.all_bodies():
-            carrier, pose = carried(self.scene, body, self.carriers)
+            carrier, pose = carrier_of(self.scene, body, self.carriers)
             if self._first < carrier <= last:
                 for part in body.parts:
                     yield body, part, carrier - self._first - 1, pose @ part.pose
 
-    def _parts(self) -> Iterator[Moved]:
+    def _parts(self) -> Iterator[MovedPart]:
         for body, part, link, pose in self.moved():
-            solid = solid_of(part.shape)
+            solid = solid_depth(part.shape)
             if solid is None:
                 self.findings.append(OPEN_BODY(name=body.name))
                 continue
-            if solid.deepest < SURE * self.size:
-                better = solid.deepest / SURE
+            if solid.deepest < HALF_DIAGONAL * self.size:
+                better = solid.deepest / HALF_DIAGONAL
                 self.findings.append(TOO_COARSE(name=body.name, size=self.size, better=better))
             low, high = _box(part.shape)
-            yield Moved(body, part, link, pose, solid, low, high)
+            yield MovedPart(body, part, link, pose, solid, low, high)
 
     def lever(self) -> Floats:
         """(j, i) mm that a part moves at most for a degree (mm) of each joint of the scene."""
@@ -108,8 +108,8 @@ class Filler:
         low = np.floor(np.min([b[0].min(axis=0) for b in boxes], axis=0) / self.size)
         high = np.ceil(np.max([b[1].max(axis=0) for b in boxes], axis=0) / self.size)
         count = int(np.prod(high - low))
-        if count > MOST:
-            raise Refused(TOO_FINE(size=self.size, count=count, most=MOST), exit_status=2)
+        if count > MOST_CELLS:
+            raise Refused(TOO_FINE(size=self.size, count=count, most=MOST_CELLS), exit_status=2)
         first = low.astype(np.int64)
         marks = np.zeros(tuple((high - low).astype(np.intp)), dtype=np.bool_)
         for i, (part, (at, turn), box) in enumerate(zip(self.parts, places, boxes, strict=True)):
@@ -125,37 +125,37 @@ class Filler:
         """
         found = [np.zeros(0, dtype=np.int64)]
         for part in body.parts:
-            solid = solid_of(part.shape)
+            solid = solid_depth(part.shape)
             if solid is not None:
-                still = Moved(body, part, 0, pose @ part.pose, solid, *_box(part.shape))
+                still = MovedPart(body, part, 0, pose @ part.pose, solid, *_box(part.shape))
                 found.append(self._still(still))
         return np.unique(np.concatenate(found))
 
-    def _still(self, part: Moved) -> Ints:
+    def _still(self, part: MovedPart) -> Ints:
         """As `inside`, of one part, whose pose is in the base."""
         at = np.array([part.pose.position])
         turn = rotations.to_matrix(np.array([part.pose.quaternion]))
         low, high = _bounds(part, at, turn)
         first = np.floor(low[0] / self.size).astype(np.int64)
         count = np.ceil(high[0] / self.size).astype(np.int64) - first
-        if int(np.prod(count)) > MOST:
-            raise Refused(TOO_FINE(size=self.size, count=int(np.prod(count)), most=MOST))
+        if int(np.prod(count)) > MOST_CELLS:
+            raise Refused(TOO_FINE(size=self.size, count=int(np.prod(count)), most=MOST_CELLS))
         marks = np.zeros(tuple(count), dtype=np.bool_)
         self._mark(marks, first, part, at[0], turn[0], low[0], high[0], 0.0)
         return keys_of(np.argwhere(marks) + first)
 
-    def _placed(self, part: Moved, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
+    def _placed(self, part: MovedPart, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
         """(n, 3) where the frame of a part is in the base, and (n, 3, 3) how it is turned."""
         turn = turns[:, part.link]
         own = rotations.to_matrix(np.array(part.pose.quaternion))
         return origins[:, part.link] + turn @ np.array(part.pose.position), turn @ own
 
-    def _looked(self, part: Moved, at: Floats, turn: Floats) -> Ints:
+    def _looked(self, part: MovedPart, at: Floats, turn: Floats) -> Ints:
         """Rows at which a part has moved by `STEP` since the last one, the first and the last."""
-        corners = (part.low + part.high) / 2.0 + CORNERS * (part.high - part.low)
+        corners = (part.low + part.high) / 2.0 + CELL_CORNERS * (part.high - part.low)
         there = at[:, None] + np.einsum("npq,cq->ncp", turn, corners)
         gone = np.concatenate([[0.0], norms(np.diff(there, axis=0)).max(axis=1).cumsum()])
-        steps = np.floor(gone / (STEP * self.size) + ROUNDING)
+        steps = np.floor(gone / (STEP_IN_CELLS * self.size) + DEPTH_ROUNDING)
         new = np.append(True, np.diff(steps) > 0)
         new[-1] = True
         return np.flatnonzero(new)
@@ -164,7 +164,7 @@ class Filler:
         self,
         marks: Truths,
         first: Ints,
-        part: Moved,
+        part: MovedPart,
         at: Floats,
         turn: Floats,
         low: Floats,
@@ -180,31 +180,31 @@ class Filler:
         own = [turn[0, k] * x + turn[1, k] * y + turn[2, k] * z for k in range(3)]
         depth = part.solid.depth(own[0], own[1], own[2]) - thinner
         window = marks[start[0] : stop[0], start[1] : stop[1], start[2] : stop[2]]
-        sure = depth >= SURE * size + ROUNDING
+        sure = depth >= HALF_DIAGONAL * size + DEPTH_ROUNDING
         window |= sure
         if part.solid.convex:  # it is in it if its corners are
             open_ = np.nonzero((depth >= size / 2.0) & ~sure & ~window)
-            offsets = (CORNERS * size) @ turn
+            offsets = (CELL_CORNERS * size) @ turn
             corners = [own[k][open_][:, None] + offsets[:, k] for k in range(3)]
             deep = part.solid.depth(*corners) - thinner
-            window[open_] = deep.min(axis=1) >= ROUNDING if len(open_[0]) else False
+            window[open_] = deep.min(axis=1) >= DEPTH_ROUNDING if len(open_[0]) else False
 
 
-def robot_named(scene: Scene, name: str | None) -> Placed:
+def robot_named(scene: Scene, name: str | None) -> PlacedRobot:
     """A robot of a scene, or its only one. Raises Refused."""
     found = [placed for placed in scene.robots if name is None or placed.name == name]
     if len(found) != 1:
         names = ", ".join(placed.name for placed in scene.robots) or "(none)"
-        raise Refused(NO_ROBOT(name=name or "", names=names), exit_status=2)
+        raise Refused(NO_EXPLORING_ROBOT(name=name or "", names=names), exit_status=2)
     return found[0]
 
 
 def _box(shape: Shape) -> tuple[Floats, Floats]:
-    box = around(shape)
+    box = bounding_box(shape)
     return box.middle - box.half, box.middle + box.half
 
 
-def _bounds(part: Moved, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
+def _bounds(part: MovedPart, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
     """(n, 3) lowest and highest coordinates of a part in the base; of a capsule without its box."""
     half, middle = (part.high - part.low) / 2.0, (part.low + part.high) / 2.0
     about = at + turn @ middle

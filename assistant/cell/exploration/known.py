@@ -19,24 +19,24 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Ints, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.collision.carriers import carried, lengths
+from assistant.cell.collision.carriers import carrier_of, link_lengths
 from assistant.cell.exploration.boxes import boxes_of, surface_of
-from assistant.cell.exploration.depths import thinner
-from assistant.cell.exploration.filling import MOST, STEP, SURE, Filler
-from assistant.cell.exploration.occupancy import Occupancy, State, cells_at, places_of
+from assistant.cell.exploration.depths import thinner_shape
+from assistant.cell.exploration.filling import HALF_DIAGONAL, MOST_CELLS, STEP_IN_CELLS, Filler
+from assistant.cell.exploration.occupancy import CellState, Occupancy, cells_at, cells_of_keys
 from assistant.cell.exploration.rules import (
+    CELLS_TOO_LARGE,
+    CHART_BODY_NAME,
     OPEN_BODY,
     OTHER_GRID,
-    SAME_NAME,
     SKIN_IN_UNKNOWN,
-    THIN,
     TOO_FINE,
 )
-from assistant.cell.scene import CORE, OCCUPIED, UNKNOWN, Body, Part, Scene
+from assistant.cell.scene import CORE_SUFFIX, OCCUPIED_SUFFIX, UNKNOWN_SUFFIX, Body, Part, Scene
 from assistant.cell.shapes import Box, Mesh, extent
 from assistant.program.geometry import Pose
 
-SKIN: Final = 2.0 * SURE + STEP
+SKIN: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS
 """Sizes of a cell that a body is taken thinner by."""
 OCCUPIED_COLOUR: Final = (200, 80, 60)
 
@@ -74,22 +74,24 @@ def mapped(
         *(_core_on(body, placed.name, skin) for body in taken.values()),
     )
     standing = [_standing(filler, body) for body in taken.values()]
-    reach = farthest(filler, taken.values())
+    reach = farthest_reach(filler, taken.values())
     first, occupied, known = _spaces(occupancy, np.concatenate([*standing, occupancy.keys]))
     base = f"{placed.name}.base"
     boxes = _boxes(occupied, first, occupancy.size)
-    spaces = [Body(placed.name + OCCUPIED, boxes, Pose(), base, OCCUPIED_COLOUR, 0.0)]
+    spaces = [Body(placed.name + OCCUPIED_SUFFIX, boxes, Pose(), base, OCCUPIED_COLOUR, 0.0)]
     if blocked:
         part = Part(_around(known, first, occupancy.size, reach))
-        spaces.append(Body(placed.name + UNKNOWN, (part,), Pose(), base, margin=0.0, shown=False))
+        spaces.append(
+            Body(placed.name + UNKNOWN_SUFFIX, (part,), Pose(), base, margin=0.0, shown=False)
+        )
     spaces = [body for body in spaces if body.parts]
     out = replace(scene, bodies=(*scene.bodies, *(cores if blocked else ()), *spaces))
     added = {body.name for body in out.bodies[len(scene.bodies) :]}
     for body in scene.all_bodies():
         if body.name in added:
-            raise Refused(SAME_NAME(name=body.name), exit_status=2)
+            raise Refused(CHART_BODY_NAME(name=body.name), exit_status=2)
     everything = {body.name for body in out.all_bodies()}
-    unknown_name, occupied_name = placed.name + UNKNOWN, placed.name + OCCUPIED
+    unknown_name, occupied_name = placed.name + UNKNOWN_SUFFIX, placed.name + OCCUPIED_SUFFIX
     own = {core.name for core in cores}
     pairs = {(one, other) for one in own for other in everything - {unknown_name}}
     pairs |= {(unknown_name, other) for other in everything - own}
@@ -108,12 +110,12 @@ def _thin(filler: Filler) -> Iterator[Diagnostic]:
         deepest[name] = min(deepest.get(name, np.inf), part.solid.deepest)
     for name, deep in deepest.items():
         if deep < SKIN * filler.size:
-            yield THIN(name=name, size=filler.size, better=deep / SKIN)
+            yield CELLS_TOO_LARGE(name=name, size=filler.size, better=deep / SKIN)
 
 
-def farthest(filler: Filler, taken: Iterable[Body] = ()) -> float:
+def farthest_reach(filler: Filler, taken: Iterable[Body] = ()) -> float:
     """Mm from the origin of the base that nothing that the robot moves, or takes, can be beyond."""
-    steps = lengths(filler.placed.robot)
+    steps = link_lengths(filler.placed.robot)
     reach = 0.0
     for part in filler.parts:
         corners = np.stack([part.low, part.high])
@@ -136,7 +138,7 @@ def _across(body: Body, margin: float) -> float:
 
 def _standing(filler: Filler, body: Body) -> Ints:
     """Keys of the cells that a body fills where it stands at first; of none that moves."""
-    carrier, pose = carried(filler.scene, body, filler.carriers)
+    carrier, pose = carrier_of(filler.scene, body, filler.carriers)
     if carrier == 0:
         return filler.inside(body, filler.placed.base.inverse() @ pose)
     base = filler.carriers.names[f"{filler.placed.name}.base"]
@@ -148,14 +150,14 @@ def _spaces(occupancy: Occupancy, keys: Ints) -> tuple[Ints, Truths, Truths]:
 
     keys: of all that is known.
     """
-    cells, touched = places_of(keys), occupancy.cells(State.OCCUPIED)
+    cells, touched = cells_of_keys(keys), occupancy.cells(CellState.OCCUPIED)
     if not len(cells):
         return np.zeros(3, dtype=np.int64), *np.zeros((2, 1, 1, 1), dtype=np.bool_)
     first = cells.min(axis=0)
     shape = cells.max(axis=0) - first + 1
-    if int(np.prod(shape)) > MOST:
+    if int(np.prod(shape)) > MOST_CELLS:
         count = int(np.prod(shape))
-        raise Refused(TOO_FINE(size=occupancy.size, count=count, most=MOST), exit_status=2)
+        raise Refused(TOO_FINE(size=occupancy.size, count=count, most=MOST_CELLS), exit_status=2)
     occupied, known = np.zeros((2, *shape), dtype=np.bool_)
     known[tuple((cells - first).T)] = True
     occupied[tuple((touched - first).T)] = True
@@ -191,8 +193,8 @@ def _part(box: Floats) -> Part:
 
 
 def _core(body: Body, by: float) -> Body:
-    parts = tuple(Part(thinner(part.shape, by), part.pose) for part in body.parts)
-    return Body(body.name + CORE, parts, body.pose, body.parent, margin=0.0, shown=False)
+    parts = tuple(Part(thinner_shape(part.shape, by), part.pose) for part in body.parts)
+    return Body(body.name + CORE_SUFFIX, parts, body.pose, body.parent, margin=0.0, shown=False)
 
 
 def _core_on(body: Body, robot: str, by: float) -> Body:

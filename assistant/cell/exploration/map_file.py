@@ -13,38 +13,40 @@ from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
 from assistant.cell.exploration.occupancy import Occupancy
-from assistant.cell.exploration.rules import NEWER, NO_MAP
+from assistant.cell.exploration.rules import NEWER_MAP, NO_MAP
 from assistant.sources.tables.arrays import read_npz
 
-VERSION: Final = 1
-KIND: Final = "explored space"
-COLUMNS: Final = ("keys", "filled", "touched", "free")
-LARGEST: Final = 2.0**53
+MAP_VERSION: Final = 1
+MAP_KIND: Final = "explored space"
+MAP_COLUMNS: Final = ("keys", "filled", "touched", "free")
+LARGEST_EXACT: Final = 2.0**53
 """The largest number that columns keep exactly: they are read as float64."""
 
 
-def save(occupancy: Occupancy, path: str | FilePath) -> None:
+def save_map(occupancy: Occupancy, path: str | FilePath) -> None:
     """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be."""
     buffer = io.BytesIO()
-    columns: dict[str, Any] = {name: getattr(occupancy, name) for name in COLUMNS}
+    columns: dict[str, Any] = {name: getattr(occupancy, name) for name in MAP_COLUMNS}
     columns["keys"] = np.stack([occupancy.keys >> 32, occupancy.keys & 0xFFFFFFFF])
     columns["free"] = occupancy.free.astype(np.uint8)
-    numbers = np.array([VERSION, occupancy.size, occupancy.runs], dtype=np.float64)
+    numbers = np.array([MAP_VERSION, occupancy.size, occupancy.runs], dtype=np.float64)
     np.savez_compressed(
-        buffer, kind=np.array(KIND), robot=np.array(occupancy.robot), about=numbers, **columns
+        buffer, kind=np.array(MAP_KIND), robot=np.array(occupancy.robot), about=numbers, **columns
     )
     write_all({FilePath(path): buffer.getvalue()})
 
 
-def load(path: str | FilePath) -> Occupancy:
+def load_map(path: str | FilePath) -> Occupancy:
     """The map of a file. Raises Unreadable or Refused, with a finding, for whatever is none."""
     arrays, texts = read_npz(read_bytes(path), str(path))
-    if texts.get("kind") != KIND or "robot" not in texts:
+    if texts.get("kind") != MAP_KIND or "robot" not in texts:
         raise Unreadable(NO_MAP(path=str(path), reason="it says to be something else"))
     about = arrays.get("about", np.zeros(0))
-    if about.shape == (3,) and about[0] > VERSION:
-        raise Refused(NEWER(path=str(path), version=float(about[0]), known=VERSION), exit_status=2)
-    reason = _fault(arrays, about)
+    if about.shape == (3,) and about[0] > MAP_VERSION:
+        raise Refused(
+            NEWER_MAP(path=str(path), version=float(about[0]), known=MAP_VERSION), exit_status=2
+        )
+    reason = _map_fault(arrays, about)
     if reason:
         raise Unreadable(NO_MAP(path=str(path), reason=reason))
     return Occupancy(
@@ -58,19 +60,19 @@ def load(path: str | FilePath) -> Occupancy:
     )
 
 
-def _fault(arrays: dict[str, Floats], about: Floats) -> str:
+def _map_fault(arrays: dict[str, Floats], about: Floats) -> str:
     """What keeps columns from being a map, nothing if they are one."""
     if about.shape != (3,) or not (np.isfinite(about).all() and about[1] > 0.0 and about[2] >= 0.0):
         return "its `about` is not version, size of cells and number of runs"
-    missing = [name for name in COLUMNS if name not in arrays]
+    missing = [name for name in MAP_COLUMNS if name not in arrays]
     if missing:
         return f"it lacks {', '.join(missing)}"
     keys, count = arrays["keys"], arrays["keys"].shape[-1] if arrays["keys"].ndim else 0
-    if keys.shape != (2, count) or any(arrays[name].shape != (count,) for name in COLUMNS[1:]):
+    if keys.shape != (2, count) or any(arrays[name].shape != (count,) for name in MAP_COLUMNS[1:]):
         return "its columns differ in length"
-    for name in COLUMNS:
+    for name in MAP_COLUMNS:
         values = arrays[name]
-        if not (np.isfinite(values) & (values >= 0.0) & (values < LARGEST)).all():
+        if not (np.isfinite(values) & (values >= 0.0) & (values < LARGEST_EXACT)).all():
             return f"`{name}` holds what no number of cells is"
         if (values != np.floor(values)).any():
             return f"`{name}` holds what is no whole number"

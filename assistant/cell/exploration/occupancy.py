@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Truths
 from assistant.base.diagnostics import Refused
-from assistant.cell.exploration.rules import NO_SIZE, OTHER_GRID
+from assistant.cell.exploration.rules import OTHER_GRID, WRONG_CELL_SIZE
 
 HALF: Final = 1 << 20
 """Places of cells along an axis go from -HALF to HALF - 1."""
 
 
-class State(IntEnum):
+class CellState(IntEnum):
     UNKNOWN = 0
     FREE = 1
     OCCUPIED = 2
 
 
-States = NDArray[np.uint8]
+CellStates = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,45 +52,45 @@ class Occupancy:
     def unknown(size: float, robot: str) -> Occupancy:
         """A map of which nothing is known. Raises Refused for a size that is none."""
         if not (np.isfinite(size) and size > 0.0):
-            raise Refused(NO_SIZE(size=f"{size:g}"), exit_status=2)
+            raise Refused(WRONG_CELL_SIZE(size=f"{size:g}"), exit_status=2)
         none = np.zeros(0, dtype=np.int64)
         return Occupancy(float(size), robot, none, none, none, none.astype(np.bool_))
 
-    def counts(self) -> Mapping[State, int]:
+    def counts(self) -> Mapping[CellState, int]:
         """How many cells are free and occupied; of unknown ones there is no end."""
         free = int(self.free.sum())
-        return {State.FREE: free, State.OCCUPIED: len(self.keys) - free}
+        return {CellState.FREE: free, CellState.OCCUPIED: len(self.keys) - free}
 
     @property
     def litres(self) -> float:
         """The volume that is known to be free."""
-        return self.counts()[State.FREE] * self.size**3 / 1e6
+        return self.counts()[CellState.FREE] * self.size**3 / 1e6
 
-    def states(self, cells: Ints) -> States:
+    def states(self, cells: Ints) -> CellStates:
         """(n,) `State` of cells (n, 3)."""
         return self._of(keys_of(cells))
 
-    def at(self, points: Floats) -> States:
+    def at(self, points: Floats) -> CellStates:
         """(n,) `State` of the cells that points (n, 3) mm of the base lie in."""
         return self.states(cells_at(points, self.size))
 
-    def _of(self, keys: Ints) -> States:
+    def _of(self, keys: Ints) -> CellStates:
         out = np.zeros(len(keys), dtype=np.uint8)
         if len(self.keys):
             place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
             known = self.keys[place] == keys
             free = self.free[place[known]]
-            out[known] = np.where(free, np.uint8(State.FREE), np.uint8(State.OCCUPIED))
+            out[known] = np.where(free, np.uint8(CellState.FREE), np.uint8(CellState.OCCUPIED))
         return out
 
     def new_in(self, keys: Ints) -> int:
         """How many of some keys are not free yet."""
-        return int((self._of(keys) != State.FREE).sum())
+        return int((self._of(keys) != CellState.FREE).sum())
 
-    def cells(self, state: State) -> Ints:
+    def cells(self, state: CellState) -> Ints:
         """(n, 3) cells that are free, or occupied."""
-        wanted = self.free if state == State.FREE else ~self.free
-        return places_of(self.keys[wanted])
+        wanted = self.free if state == CellState.FREE else ~self.free
+        return cells_of_keys(self.keys[wanted])
 
     def with_run(self, filled: Ints, touched: Ints) -> Occupancy:
         """With a run that filled cells and then ended at a contact in others, by their keys."""
@@ -135,7 +135,7 @@ class Occupancy:
         keys = np.union1d(self.keys, newer.keys)
         table = np.zeros((3, 3), dtype=np.int64)
         np.add.at(table, (self._of(keys), newer._of(keys)), 1)
-        unknown, free, occupied = State.UNKNOWN, State.FREE, State.OCCUPIED
+        unknown, free, occupied = CellState.UNKNOWN, CellState.FREE, CellState.OCCUPIED
         return Comparison(
             same=int(table[free, free] + table[occupied, occupied]),
             gained=int(table[unknown].sum()),
@@ -185,7 +185,7 @@ def keys_of(cells: Ints) -> Ints:
     return np.asarray((x << 42) | (y << 21) | z)
 
 
-def places_of(keys: Ints) -> Ints:
+def cells_of_keys(keys: Ints) -> Ints:
     """(n, 3) cells by their numbers."""
     mask = (1 << 21) - 1
     return np.stack([keys >> 42, (keys >> 21) & mask, keys & mask], axis=1) - HALF

@@ -14,11 +14,11 @@ from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import read_bytes
 from assistant.cell.exploration.rules import (
-    BEYOND,
-    BLANKS,
-    NO_COLUMN,
-    NO_TIMES,
+    BLANK_ROWS,
+    NO_RECORDED_COLUMN,
     NOT_RECORDED,
+    RECORDED_OUTSIDE_LIMITS,
+    TIMES_NOT_ASCENDING,
 )
 from assistant.robots.robot import Robot
 from assistant.sources.tables.delimited import read_cells
@@ -71,14 +71,14 @@ def read_recording(path: str | FilePath, robot: Robot, contact: str | None = Non
         touching = values[columns["contact"]] != 0.0  # as is one that is not told
         times = values[columns["seconds"]]
         if np.isnan(times).any() or (np.diff(times) < 0.0).any():
-            raise Refused(NO_TIMES(path=str(file)))
+            raise Refused(TIMES_NOT_ASCENDING(path=str(file)))
         left = _left(times, touching)
         contacts = int((np.diff(touching.astype(np.int8), prepend=0) == 1).sum())
     findings = list(cells.findings)
     if not there.all():
         gone = np.flatnonzero(~there)
         place = cells.place(int(gone[0]))
-        findings.append(BLANKS(count=len(gone), total=len(rows), **place))
+        findings.append(BLANK_ROWS(count=len(gone), total=len(rows), **place))
     _check_limits(rows[there], robot, str(file))
     return Recorded(tuple(_runs(rows, left | ~there)), contacts, tuple(findings))
 
@@ -120,7 +120,9 @@ def _columns(
         at = next((i for i, name in enumerate(plain) if name in names), None)
         if at is None:
             known = ", ".join(shown(name) for name in header)
-            raise Refused(NO_COLUMN(name=f"`{names[0]}`", known=known, **where), exit_status=2)
+            raise Refused(
+                NO_RECORDED_COLUMN(name=f"`{names[0]}`", known=known, **where), exit_status=2
+            )
         found[what] = at
     return found
 
@@ -138,7 +140,7 @@ def _check_limits(rows: Floats, robot: Robot, path: str) -> None:
     if not len(rows) or over.max() <= OVER:
         return
     row, axis = np.unravel_index(int(np.argmax(over)), over.shape)
-    finding = BEYOND(
+    finding = RECORDED_OUTSIDE_LIMITS(
         path=path,
         axis=robot.axes[int(axis)],
         value=float(rows[row, axis]),

@@ -7,7 +7,7 @@ from assistant.base.diagnostics import error, info, warning
 NO_MAP = error(
     "CK450", "this is no chart of explored space: {reason}", "save it again with what explored"
 )
-NEWER = error(
+NEWER_MAP = error(
     "CK451",
     "the chart is of version {version:g}, and {known} is the newest that is known here",
     "update robot-assistant",
@@ -38,28 +38,30 @@ NOT_CLEAR = error(
     "the robot is in contact where it starts from, so that it explores nothing",
     "bring it to where it touches nothing, and begin there",
 )
-NO_ROBOT = error("CK457", "there is no robot `{name}` in the cell", "choose one of {names}")
-NO_SIZE = error("CK458", "cells cannot be {size} mm", "give a length in mm above 0")
+NO_EXPLORING_ROBOT = error(
+    "CK457", "there is no robot `{name}` in the cell", "choose one of {names}"
+)
+WRONG_CELL_SIZE = error("CK458", "cells cannot be {size} mm", "give a length in mm above 0")
 NOT_RECORDED = error(
     "CK480",
     "the recording has no joints {names}, which a {robot} has",
     "record the joints of that arm, as `robot-assistant monitor --log` does",
 )
-NO_COLUMN = error(
+NO_RECORDED_COLUMN = error(
     "CK481",
     "the recording has no column {name}",
     "write one of {known}; `robot-assistant monitor` records signals that it is told",
 )
-BLANKS = warning(
+BLANK_ROWS = warning(
     "CK482", "{count} of {total} rows lack joints and tell nothing", "record all joints"
 )
-BEYOND = error(
+RECORDED_OUTSIDE_LIMITS = error(
     "CK483",
     "{axis} is at {value:g} {unit} in the recording, and a {robot} has it between {low:g} and "
     "{high:g}",
     "take the recording of that arm, in degrees, or name its robot",
 )
-NO_TIMES = error(
+TIMES_NOT_ASCENDING = error(
     "CK484",
     "the seconds of the recording do not ascend, so that what was before a contact is not known",
     "record each time into a file of its own",
@@ -69,12 +71,12 @@ NOTHING_UNKNOWN = error(
     "`unknown` says what becomes of space that a chart does not know, and `{name}` has no chart",
     'write explored = "….npz" as well, or leave `unknown` out',
 )
-SAME_NAME = error(
+CHART_BODY_NAME = error(
     "CK491",
     "`{name}` is what the body is called that a chart of explored space gives the cell",
     "rename the one of the cell file",
 )
-OTHER_ROBOT = error(
+OTHER_HIDDEN_ROBOT = error(
     "CK487",
     "`{name}` is a {other} in {hidden}, and a {robot} in {cell}",
     "give the robot the same model in both cell files",
@@ -84,7 +86,7 @@ STANDS_ELSEWHERE = error(
     "the robots of {hidden} are not those of {cell}, or `{name}` stands elsewhere there",
     "give both cell files the same robots, at the same places",
 )
-THIN = warning(
+CELLS_TOO_LARGE = warning(
     "CK489",
     "cells of {size:g} mm are too large for `{name}`: where it has been is not all known to be "
     "free",
@@ -96,12 +98,12 @@ SKIN_IN_UNKNOWN = info(
     "it moves may be in it",
     "explore with smaller cells for a thinner skin, and move slowly at first",
 )
-MANY_WAYS = error(
+MANY_PATHS = error(
     "CK492",
     "the program may go several ways, so that nobody knows where it has been",
     "record the joints while it runs, with `robot-assistant monitor --log`, for `explore recorded`",
 )
-ONLY_HERE = error(
+CHART_ONLY_HERE = error(
     "CK493",
     "the chart of `{name}` tells of the space about where it stands, and of no other place",
     "leave `explored` out of the cell file, and explore where the robot is put",

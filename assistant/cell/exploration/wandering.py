@@ -10,20 +10,20 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.collision.continuous import Way, hits
+from assistant.cell.collision.continuous import JointPath, hits
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer, Touch, touch_of
-from assistant.cell.exploration.filling import STEP
+from assistant.cell.exploration.filling import STEP_IN_CELLS
 from assistant.cell.exploration.rules import NOT_CLEAR
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.robots import Robot
 
-TRIES: Final = 6
+TARGETS_PER_MOVE: Final = 6
 """Places that are drawn for each move; the one that tells most of new space is gone to."""
-BACK: Final = 2
+ROWS_BACK: Final = 2
 """Rows that it goes back from a contact."""
 
-Indicator = Callable[[Floats], tuple[int, Touch] | None]
+ContactIndicator = Callable[[Floats], tuple[int, Touch] | None]
 """Goes through rows (n, j) of joints in order: the first one with a contact, None for none."""
 
 
@@ -42,13 +42,13 @@ class Wandered:
 
 def wander(
     explorer: Explorer,
-    indicated: Indicator,
+    indicated: ContactIndicator,
     moves: int,
     *,
     seed: int = 0,
     start: Floats | None = None,
     within: Floats | None = None,
-    tries: int = TRIES,
+    tries: int = TARGETS_PER_MOVE,
 ) -> Wandered:
     """Straight moves of the joints to random places, each up to the first contact: a run each.
 
@@ -75,7 +75,7 @@ def wander(
         if touch is None:
             at = rows[-1]
         elif len(clear):
-            at = clear[max(len(clear) - 1 - BACK, 0)]
+            at = clear[max(len(clear) - 1 - ROWS_BACK, 0)]
     return Wandered(moves, contacts, placeless, new, at)
 
 
@@ -105,15 +105,15 @@ def way_to(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floa
     """Return rows of joints to a target, or to just before the first known contact."""
     step = target - at
     moved = float((np.abs(step) @ explorer.filler.lever()).max(initial=0.0))
-    count = int(np.ceil(moved / (STEP * explorer.filler.size))) + 1
+    count = int(np.ceil(moved / (STEP_IN_CELLS * explorer.filler.size))) + 1
     part = np.linspace(0.0, 1.0, count + 1)
-    found = hits(known, Way(np.stack([at, target])))
+    found = hits(known, JointPath(np.stack([at, target])))
     if found:
         part = part[part < found[0].at - 1.0 / count]
     return np.asarray(at + np.append(0.0, part[1:])[:, None] * step)
 
 
-def asked(touching: Callable[[Floats], Touch | None]) -> Indicator:
+def asked(touching: Callable[[Floats], Touch | None]) -> ContactIndicator:
     """What a callback tells that is asked at each row (j,): a key, a digital input, a camera."""
 
     def indicated(rows: Floats) -> tuple[int, Touch] | None:
@@ -126,7 +126,7 @@ def asked(touching: Callable[[Floats], Touch | None]) -> Indicator:
     return indicated
 
 
-def in_scene(hidden: Scene, placed: Placed) -> Indicator:
+def in_scene(hidden: Scene, placed: PlacedRobot) -> ContactIndicator:
     """What a scene tells that the explorer does not know; placed: the robot that moves in it."""
     model = Model(hidden)
 
@@ -135,7 +135,7 @@ def in_scene(hidden: Scene, placed: Placed) -> Indicator:
         if len(rows) and distance[0] <= 0.0:
             contact = model.contact(rows[0], int(pair[0]))
             return 0, Touch(contact.points[1])
-        found = hits(model, Way(rows))
+        found = hits(model, JointPath(rows))
         if not found:
             return None
         return int(np.ceil(found[0].at)), touch_of(model, found[0], placed)

@@ -11,13 +11,13 @@ from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-MOST: Final = 64
+MOST_GOALS: Final = 64
 """Ways that are tried, of those nearest to where the arm comes from."""
-SAME: Final = 1e-3
+SAME_JOINTS: Final = 1e-3
 """degrees (mm) by which two ways differ at least."""
 
 
-def held(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -> Floats:
+def goal_joints(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -> Floats:
     """(k, a) joints that hold the tip of a tool at a pose, inside the limits, the nearest first.
 
     pose: in the base of the robot. near: (a,) joints where the arm comes from. tool: the tip in
@@ -27,17 +27,17 @@ def held(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -> Float
     joints, valid = robot.ik([flange.position], [flange.quaternion])
     found: list[Floats] = []
     for row in joints[0][valid[0]]:
-        found += _turned(robot, row)
+        found += _with_whole_turns(robot, row)
     some = np.array(found).reshape(-1, len(robot.axes))
     order = np.argsort(np.linalg.norm((some - near) / robot.speeds, axis=1), kind="stable")
     out: list[Floats] = []
     for row in some[order]:
-        if all(np.abs(row - other).max() > SAME for other in out):
+        if all(np.abs(row - other).max() > SAME_JOINTS for other in out):
             out.append(row)
-    return np.array(out[:MOST]).reshape(-1, len(robot.axes))
+    return np.array(out[:MOST_GOALS]).reshape(-1, len(robot.axes))
 
 
-def _turned(robot: Robot, row: Floats) -> list[Floats]:
+def _with_whole_turns(robot: Robot, row: Floats) -> list[Floats]:
     """A row of joints with every whole turn of its axes that is inside the limits."""
     low, high = robot.limits.T
     turns = []

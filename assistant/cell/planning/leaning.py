@@ -15,36 +15,36 @@ import numpy as np
 from assistant.base.arrays import Floats, Truths, norms
 from assistant.cell.planning.space import Cone, Space
 
-INSIDE: Final = 10.0
+CONE_INSIDE: Final = 10.0
 """degrees that joints are brought inside the edge of a cone: moves between them bulge outwards."""
-ROUNDS: Final = 12
+CONE_ROUNDS: Final = 12
 """Of bringing joints into the cone."""
-FARTHEST: Final = 45.0
+MOST_TURN_A_ROUND: Final = 45.0
 """degrees that the tool is turned in a round."""
-EXACT: Final = 0.02
+CONE_TOLERANCE: Final = 0.02
 """degrees that joints which were brought into the cone may be off."""
-SMALL: Final = 0.01
+DIFFERENCE_STEP: Final = 0.01
 """degrees (mm) that joints are moved by to see how the tool turns."""
-WEAK: Final = 1e-2
+WEAKEST_TURN: Final = 1e-2
 """Of the strongest, how weakly joints may turn the tool to be used for it."""
-HALVED: Final = 7
+MOST_HALVINGS: Final = 7
 """Times that a move is halved until its parts stay in the cone."""
-LONGER: Final = 2.5
+MOST_DETOUR: Final = 2.5
 """Of a move, how long the two may be that lead by way of its middle in the cone."""
-RANGE: Final = 0.15
+LONGEST_STEP: Final = 0.15
 """Of the way from one corner of the limits to the other, the longest step towards a place."""
 
 
-DRAWN: Final = 64
+DRAWN_AT_ONCE: Final = 64
 """Joints that are drawn at random together."""
 
 
-class Leaning:
+class ConeMoves:
     """The cone of a space, and what is brought into it. low, high: (a,) of joints."""
 
     def __init__(self, space: Space, cone: Cone, low: Floats, high: Floats) -> None:
         self.space, self.cone, self.low, self.high = space, cone, low, high
-        self.inner = max(cone.angle - INSIDE, 0.0)
+        self.inner = max(cone.angle - CONE_INSIDE, 0.0)
         self.direction = np.array(cone.direction) / np.linalg.norm(cone.direction)
 
     def brought(self, rows: Floats) -> tuple[Floats, Truths]:
@@ -52,13 +52,17 @@ class Leaning:
         out = np.clip(rows, self.low, self.high)
         good = np.zeros(len(out), dtype=bool)
         some = np.arange(len(out))
-        for _ in range(ROUNDS):
+        for _ in range(CONE_ROUNDS):
             axes = self._axes(out[some])
             along = axes[:, 0] @ self.direction
             across = norms(np.cross(axes[:, 0], self.direction))
             off = np.degrees(np.arctan2(across, along)) - self.inner
-            good[some] = off <= EXACT
-            axes, off, some = axes[off > EXACT], off[off > EXACT], some[off > EXACT]
+            good[some] = off <= CONE_TOLERANCE
+            axes, off, some = (
+                axes[off > CONE_TOLERANCE],
+                off[off > CONE_TOLERANCE],
+                some[off > CONE_TOLERANCE],
+            )
             if not len(some):
                 break
             out[some] = np.clip(out[some] + self._back(axes, off), self.low, self.high)
@@ -67,7 +71,7 @@ class Leaning:
     def _axes(self, rows: Floats) -> Floats:
         """(n, a + 1, 3) the axis of the tool at joints (n, a), and with each of them moved."""
         n, a = rows.shape
-        near = rows[:, None] + SMALL * np.vstack([np.zeros(a), np.eye(a)])
+        near = rows[:, None] + DIFFERENCE_STEP * np.vstack([np.zeros(a), np.eye(a)])
         return self.cone.axes(self.space.tip(near.reshape(-1, a))[1]).reshape(n, a + 1, 3)
 
     def _back(self, axes: Floats, angles: Floats) -> Floats:
@@ -76,9 +80,15 @@ class Leaning:
         to = self.direction - (axis @ self.direction)[:, None] * axis
         flat = norms(to) < 1e-6  # upside down: any way round
         to[flat] = np.cross(axis[flat], np.eye(3)[np.abs(axis[flat]).argmin(axis=1)])
-        to *= (np.radians(np.minimum(angles, FARTHEST)) / np.maximum(norms(to), 1e-9))[:, None]
-        rates = (axes[:, 1:] - axis[:, None]).transpose(0, 2, 1) / SMALL * self.space.robot.speeds
-        motion = np.linalg.pinv(rates, rcond=WEAK) @ to[..., None]
+        to *= (np.radians(np.minimum(angles, MOST_TURN_A_ROUND)) / np.maximum(norms(to), 1e-9))[
+            :, None
+        ]
+        rates = (
+            (axes[:, 1:] - axis[:, None]).transpose(0, 2, 1)
+            / DIFFERENCE_STEP
+            * self.space.robot.speeds
+        )
+        motion = np.linalg.pinv(rates, rcond=WEAKEST_TURN) @ to[..., None]
         return np.asarray(motion[..., 0] * self.space.robot.speeds)
 
     def chain(self, start: Floats, end: Floats) -> Floats:
@@ -87,7 +97,7 @@ class Leaning:
         The start first. Where that cannot be, it ends before.
         """
         rows, proven = np.stack([start, end]), np.zeros(1, dtype=bool)
-        for _ in range(HALVED):
+        for _ in range(MOST_HALVINGS):
             proven[~proven] = self.space.upright(rows[:-1][~proven], rows[1:][~proven])
             open_ = np.flatnonzero(~proven)
             if not len(open_):
@@ -95,7 +105,7 @@ class Leaning:
             one, other = rows[open_], rows[open_ + 1]
             middle, good = self.brought((one + other) / 2.0)
             both = self.space.length(one, middle) + self.space.length(middle, other)
-            good &= both <= LONGER * self.space.length(one, other)
+            good &= both <= MOST_DETOUR * self.space.length(one, other)
             if not good.all():
                 bad = int(np.argmin(good))
                 rows, proven = rows[: open_[bad] + 1], proven[: open_[bad]]
@@ -114,7 +124,7 @@ class Leaning:
         return rows if free.all() else rows[: int(np.argmin(free)) + 1]
 
 
-class _Tree:
+class _ConeTree:
     """Joints (a,) with, for each, the number of the one before it; -1 for a root."""
 
     def __init__(self) -> None:
@@ -135,12 +145,12 @@ class _Tree:
         return out
 
 
-class Trees:
+class ConeTrees:
     """Two trees of moves in a cone, from joints (a,) and from goals (k, a)."""
 
-    def __init__(self, leaning: Leaning, start: Floats, goals: Floats) -> None:
+    def __init__(self, leaning: ConeMoves, start: Floats, goals: Floats) -> None:
         self.leaning, self.space = leaning, leaning.space
-        self.here, self.there = _Tree(), _Tree()
+        self.here, self.there = _ConeTree(), _ConeTree()
         self.goals = goals
         for tree, roots in ((self.here, start[None]), (self.there, goals)):
             for root in roots:
@@ -157,7 +167,7 @@ class Trees:
         """
         draw = np.random.default_rng(seed)
         low, high = self.leaning.low, self.leaning.high
-        reach = RANGE * float(self.space.length(low, high))
+        reach = LONGEST_STEP * float(self.space.length(low, high))
         for goal in range(len(self.there.rows)):
             if time.monotonic() > end:
                 return None
@@ -167,7 +177,9 @@ class Trees:
         drawn: list[Floats] = []
         while time.monotonic() < end:
             if not drawn:
-                some, good = self.leaning.brought(draw.uniform(low, high, (DRAWN, len(low))))
+                some, good = self.leaning.brought(
+                    draw.uniform(low, high, (DRAWN_AT_ONCE, len(low)))
+                )
                 drawn = list(some[good])
                 continue
             wanted = drawn.pop()
@@ -186,14 +198,14 @@ class Trees:
             one, other = other, one
         return None
 
-    def _extended(self, tree: _Tree, number: int, to: Floats) -> int | None:
+    def _extended(self, tree: _ConeTree, number: int, to: Floats) -> int | None:
         """Goes from a place of a tree towards joints (a,); the place there if they are reached."""
         rows = self.leaning.clear_chain(tree.rows[number], to)
         for row in rows[1:]:
             number = tree.add(row, number)
         return number if np.array_equal(rows[-1], to) else None
 
-    def _nearest(self, tree: _Tree, row: Floats) -> int:
+    def _nearest(self, tree: _ConeTree, row: Floats) -> int:
         return int(np.argmin(self.space.length(np.array(tree.rows), row)))
 
     def _whole(self, here: int, there: int) -> Floats:

@@ -12,19 +12,19 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Truths
-from assistant.cell.planning.moves import Route, looked_at
+from assistant.cell.planning.moves import Route, check_route
 from assistant.cell.planning.space import Space
 from assistant.robots.configurations import QUADRANTS
 
-PARTS: Final = 8
+JOINT_MOVE_PARTS: Final = 8
 """That a joint move is cut into, for lines."""
-MOST: Final = 32
+MOST_LINE_PARTS: Final = 32
 """Parts of a way of several moves, about."""
-SHORT: Final = 1.0
+SHORTEST_LINE: Final = 1.0
 """mm that the tip goes at least on a line that is worth one."""
 
 
-def direct(space: Space, start: Floats, goals: Floats) -> Floats | None:
+def goal_on_line(space: Space, start: Floats, goals: Floats) -> Floats | None:
     """The goal (a,), of goals (k, a) in order, to which a line from joints (a,) is free, if any."""
     for goal in goals:
         if line_is_clear(space, start, goal):
@@ -39,7 +39,7 @@ def with_lines(space: Space, rows: Floats) -> tuple[Floats, Truths]:
     From each place on a line goes as far as one is found that is clear; where none is, the joint
     move stays.
     """
-    parts = int(np.clip(MOST // (len(rows) - 1), 1, PARTS))
+    parts = int(np.clip(MOST_LINE_PARTS // (len(rows) - 1), 1, JOINT_MOVE_PARTS))
     moves = [_cut(space, one, other, parts) for one, other in pairwise(rows)]
     places = np.concatenate([rows[:1], *moves])
     move = np.repeat(np.arange(len(moves)), [len(part) for part in moves])  # to a place but one
@@ -88,8 +88,8 @@ def line_is_clear(space: Space, start: Floats, end: Floats) -> bool:
     """Whether the tip can go straight from joints (a,) to joints (a,), with margins and tilt."""
     rows = np.stack([start, end])
     tips, _ = space.tip(rows)
-    if np.linalg.norm(tips[1] - tips[0]) < SHORT:
+    if np.linalg.norm(tips[1] - tips[0]) < SHORTEST_LINE:
         return False
     # The first move stands still: it tells the branch and the turns that the line begins with.
     route = Route(space.robot, rows[[0, 0, 1]], np.zeros(2), np.array([False, True]), space.tool)
-    return looked_at(space, route).good
+    return check_route(space, route).good

@@ -26,9 +26,9 @@ from assistant.robots.robot import Robot
 from assistant.robots.timing import simulate
 from assistant.robots.timing.passed import stretches_of
 
-RADII: Final = (50.0, 20.0, 5.0)
+BLEND_RADII: Final = (50.0, 20.0, 5.0)
 """mm of blends, the largest that stays clear is taken."""
-TOOL: Final = "tool"
+TOOL_NAME: Final = "tool"
 
 
 def joint_target(robot: Robot, row: Floats) -> JointTarget:
@@ -39,13 +39,16 @@ def joint_target(robot: Robot, row: Floats) -> JointTarget:
     return JointTarget(tuple(values))
 
 
-def _stated(pose: Pose) -> Pose:
+def _rounded_pose(pose: Pose) -> Pose:
     """A pose in as many digits as are worth saying."""
-    position, turn = np.round(pose.position, DIGITS[0]), np.round(pose.quaternion, DIGITS[1])
+    position, turn = (
+        np.round(pose.position, POSE_DIGITS[0]),
+        np.round(pose.quaternion, POSE_DIGITS[1]),
+    )
     return Pose.of(position + 0.0, turn + 0.0)
 
 
-DIGITS: Final = (6, 12)
+POSE_DIGITS: Final = (6, 12)
 """Of positions in mm and of quaternions."""
 
 
@@ -77,7 +80,7 @@ class Route:
             motion = Motion(speed, Blend(float(radius)) if radius else FINE, tool)
             if linear:
                 stated = configuration_of(shapes[to]) if self.robot.arm.named else None
-                target = Target(_stated(Pose.of(p[to], q[to]) @ self.tip), stated)
+                target = Target(_rounded_pose(Pose.of(p[to], q[to]) @ self.tip), stated)
                 yield Move("linear", TargetValue(target), motion)
             else:
                 yield MoveJoints(JointValue(joint_target(self.robot, self.rows[to])), motion)
@@ -85,13 +88,13 @@ class Route:
     def program(self, name: str, speed: Speed = MAXIMUM_SPEED) -> Program:
         """A program of these moves only."""
         plain = self.tip == IDENTITY
-        statements = self.statements(speed, FLANGE if plain else TOOL)
-        tools = {} if plain else {TOOL: Tool(self.tip)}
+        statements = self.statements(speed, FLANGE if plain else TOOL_NAME)
+        tools = {} if plain else {TOOL_NAME: Tool(self.tip)}
         return Program(name, (Procedure("main", statements),), robot=self.robot.name, tools=tools)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class RouteCheck:
     """What a route meets as the controller goes it.
 
     driven: whether the arm goes all of it as its moves say: within reach and limits, in the branch
@@ -110,42 +113,42 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rounded:
+class RoundedCorners:
     """Radii (n - 1,) mm of blends, and what is seen with them."""
 
     radii: Floats
-    seen: Seen
+    seen: RouteCheck
 
 
-def rounded(space: Space, rows: Floats, linear: Truths) -> Rounded:
+def round_corners(space: Space, rows: Floats, linear: Truths) -> RoundedCorners:
     """The largest of `RADII` at each corner of a way with which it keeps its margins and tilt.
 
     rows: (n, a). linear: (n - 1,), see `Route`.
     """
-    sizes = np.append(RADII, 0.0)
+    sizes = np.append(BLEND_RADII, 0.0)
     tips, _ = space.tip(rows)
     room = norms(np.diff(tips, axis=0)) / 2.0  # a controller rounds no further than half a move
     room = np.minimum(room, np.append(room[1:], 0.0))
-    level = np.minimum((sizes[:-1] > room[:, None]).sum(axis=1), len(RADII) - 1)
-    level[-1] = len(RADII)
+    level = np.minimum((sizes[:-1] > room[:, None]).sum(axis=1), len(BLEND_RADII) - 1)
+    level[-1] = len(BLEND_RADII)
     while True:
         radii = sizes[level]
-        seen = looked_at(space, Route(space.robot, rows, radii, linear, space.tool))
+        seen = check_route(space, Route(space.robot, rows, radii, linear, space.tool))
         # A move is bent by the corner that it leads to and by the one that it comes from.
         corners = np.unique([c for m in seen.moves for c in (m - 1, m) if c >= 0])
-        corners = corners[level[corners] < len(RADII)] if len(corners) else corners
+        corners = corners[level[corners] < len(BLEND_RADII)] if len(corners) else corners
         if not len(corners):
-            return Rounded(radii, seen)
+            return RoundedCorners(radii, seen)
         level[corners.astype(np.intp)] += 1
 
 
-def looked_at(space: Space, route: Route) -> Seen:
+def check_route(space: Space, route: Route) -> RouteCheck:
     """What is met on a route."""
     solved = solve_program(route.program("way"), space.robot)
     usual = {one.code for one in space.robot.findings}
     bad = [f for f in solved.findings if f.severity is not Severity.INFO and f.code not in usual]
     if bad and route.linear.any():
-        return Seen(False, (), ())
+        return RouteCheck(False, (), ())
     found: list[Hit] = []
     numbers: set[int] = set()
     driven = True
@@ -153,18 +156,18 @@ def looked_at(space: Space, route: Route) -> Seen:
         way = stretches_of(passed.plan)
         ends = [piece.number for piece in passed.pieces]
         driven &= not len(passed.plan.course.knots.guessed)
-        driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < SAME)
+        driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < SAME_JOINTS)
         for hit in hits(space.model, space.way(way), space.margins):
             found.append(hit)
             at = min(int(hit.at), len(way.row) - 1)
             numbers.add(passed.piece_of(int(way.row[at]))[0].number - 1)
         if space.cone is not None:
-            upright = space.upright(way.joints[:-1], way.joints[1:], SLACK, way.slack)
+            upright = space.upright(way.joints[:-1], way.joints[1:], CORNER_TILT, way.slack)
             numbers |= {passed.piece_of(int(m))[0].number - 1 for m in way.row[~upright]}
-    return Seen(driven, tuple(found), tuple(sorted(numbers)))
+    return RouteCheck(driven, tuple(found), tuple(sorted(numbers)))
 
 
-SLACK: Final = 0.2
+CORNER_TILT: Final = 0.2
 """degrees by which a rounded corner may be tilted further than its cone."""
-SAME: Final = 1e-3
+SAME_JOINTS: Final = 1e-3
 """degrees (mm) by which joints may differ where a straight line ends, and be the same."""

@@ -17,27 +17,27 @@ from numpy.typing import ArrayLike
 from assistant.base.arrays import Floats, Truths, reals
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.continuous import RESOLUTION
-from assistant.cell.planning.goals import held
-from assistant.cell.planning.lines import direct, in_branch, with_lines
-from assistant.cell.planning.moves import Route, Seen, rounded
+from assistant.cell.planning.goals import goal_joints
+from assistant.cell.planning.lines import goal_on_line, in_branch, with_lines
+from assistant.cell.planning.moves import Route, RouteCheck, round_corners
 from assistant.cell.planning.rules import (
+    FEWER_LINES,
+    GOAL_NOT_REACHED,
     GOAL_TOUCHES,
     LESS_MARGIN,
-    NO_JOINTS,
-    NO_LINES,
-    NO_SENSE,
-    NO_WAY,
-    NOT_REACHED,
-    OUTSIDE,
+    NO_PATH,
+    PATH_OUTSIDE_LIMITS,
+    PATH_TILTED,
+    SENSELESS_VALUE,
     START_TOUCHES,
-    STOPS,
-    TILTED,
+    STOPS_AT_CORNERS,
+    WRONG_JOINT_COUNT,
 )
-from assistant.cell.planning.search import Searched, search
-from assistant.cell.planning.shortening import shortened
-from assistant.cell.planning.space import TILT, Cone, Space
+from assistant.cell.planning.search import SearchResult, search_path
+from assistant.cell.planning.shortening import shorten_path
+from assistant.cell.planning.space import TILT_TOLERANCE, Cone, Space
 from assistant.cell.rules import NO_ROBOT
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed
 from assistant.program.program import Program
@@ -150,7 +150,7 @@ def plan(
     if searched.rows is None:
         raise Refused(_no_way(space, goals, goal, searched.nearest, searched.seconds))
     near = in_branch(space, searched.rows[-1], goals) if linear else goals
-    rows = shortened(space, searched.rows, near, seed=seed)
+    rows = shorten_path(space, searched.rows, near, seed=seed)
     route, seen = _route(space, rows, linear)
     if seen.moves:  # nothing that `Space.clear` proves is hit: a guard, should that be wrong
         near = seen.hits[0].joints[space.columns] if seen.hits else begin
@@ -161,32 +161,32 @@ def plan(
 
 def _searched(
     space: Space, start: Floats, goals: Floats, linear: bool, seconds: float, seed: int
-) -> Searched:
+) -> SearchResult:
     """A way to one of goals (k, a); for lines first to those in the branch of the start."""
     rest = seconds
     if linear:
         near = in_branch(space, start, goals)
-        straight = direct(space, start, near)
+        straight = goal_on_line(space, start, near)
         if straight is not None:
-            return Searched(np.stack([start, straight]), straight, 0.0)
+            return SearchResult(np.stack([start, straight]), straight, 0.0)
         if 0 < len(near) < len(goals):
-            found = search(space, start, near, seconds=seconds / 2.0, seed=seed)
+            found = search_path(space, start, near, seconds=seconds / 2.0, seed=seed)
             if found.rows is not None:
                 return found
             rest = max(seconds - found.seconds, 0.0)
-    found = search(space, start, goals, seconds=rest, seed=seed)
+    found = search_path(space, start, goals, seconds=rest, seed=seed)
     return replace(found, seconds=found.seconds + seconds - rest)
 
 
-def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, Seen]:
+def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, RouteCheck]:
     """The moves through joints (n, a), and what is met on them nonetheless."""
     if linear:
         straight, lines = with_lines(space, rows)
-        done = rounded(space, straight, lines)
+        done = round_corners(space, straight, lines)
         if done.seen.good:
             return Route(space.robot, straight, done.radii, lines, space.tool), done.seen
     none = np.zeros(len(rows) - 1, dtype=bool)
-    done = rounded(space, rows, none)
+    done = round_corners(space, rows, none)
     return Route(space.robot, rows, done.radii, none, space.tool), done.seen
 
 
@@ -194,10 +194,10 @@ def _told(route: Route, linear: bool) -> Iterator[Diagnostic]:
     """What a way has less of than was asked for."""
     stops = int((route.radii[:-1] == 0.0).sum())
     if stops:
-        yield STOPS(count=stops, total=len(route.radii) - 1)
+        yield STOPS_AT_CORNERS(count=stops, total=len(route.radii) - 1)
     others = int((~route.linear).sum())
     if linear and others:
-        yield NO_LINES(count=others, total=len(route.linear))
+        yield FEWER_LINES(count=others, total=len(route.linear))
 
 
 def _sensible(
@@ -221,7 +221,7 @@ def _sensible(
         ]
     for what, value, good, wanted in asked:
         if not good:
-            raise Refused(NO_SENSE(what=what, value=value, wanted=wanted), exit_status=2)
+            raise Refused(SENSELESS_VALUE(what=what, value=value, wanted=wanted), exit_status=2)
 
 
 def _is_pose(pose: Pose) -> bool:
@@ -233,7 +233,7 @@ def _is_vector(values: tuple[float, ...]) -> bool:
     return bool(np.isfinite(values).all()) and float(np.square(values).sum()) > 0.0
 
 
-def _robot(robots: Sequence[Placed], name: str | None) -> Placed:
+def _robot(robots: Sequence[PlacedRobot], name: str | None) -> PlacedRobot:
     for placed in robots:
         if placed.name == name or (name is None and len(robots) == 1):
             return placed
@@ -246,20 +246,20 @@ def _joints(robot: Robot, values: ArrayLike, what: str, where: str) -> Floats:
     row = row[0] if row.ndim == 2 and len(row) == 1 else row
     if row.ndim != 1:
         raise Refused(
-            NO_JOINTS(what=what, given=row.size, robot=robot.title, wanted=len(robot.axes)),
+            WRONG_JOINT_COUNT(what=what, given=row.size, robot=robot.title, wanted=len(robot.axes)),
             exit_status=2,
         )
     given = int(np.isfinite(row).sum())
     if len(row) != len(robot.axes) or given != len(row):
         raise Refused(
-            NO_JOINTS(what=what, given=given, robot=robot.title, wanted=len(robot.axes)),
+            WRONG_JOINT_COUNT(what=what, given=given, robot=robot.title, wanted=len(robot.axes)),
             exit_status=2,
         )
     if not bool(robot.inside(row)):
         low, high = robot.limits.T
         axis = int(np.argmax(np.maximum(low - row, row - high)))
         raise Refused(
-            OUTSIDE(
+            PATH_OUTSIDE_LIMITS(
                 where=where,
                 axis=robot.axes[axis],
                 value=float(row[axis]),
@@ -285,8 +285,8 @@ def _start(space: Space, row: Floats) -> Iterator[Diagnostic]:
 
 def _upright(space: Space, row: Floats, where: str) -> None:
     tilt = float(space.tilt(row[None])[0])
-    if space.cone is not None and tilt > space.cone.angle + TILT:
-        raise Refused(TILTED(where=where, angle=tilt, most=space.cone.angle))
+    if space.cone is not None and tilt > space.cone.angle + TILT_TOLERANCE:
+        raise Refused(PATH_TILTED(where=where, angle=tilt, most=space.cone.angle))
 
 
 def _less(space: Space, row: Floats, distances: Floats, where: str) -> Iterator[Diagnostic]:
@@ -307,9 +307,9 @@ def _goals(
 ) -> tuple[Floats, tuple[Diagnostic, ...]]:
     """Joints (k, a) at the goal that are free; raises Refused if there are none."""
     if isinstance(goal, Pose):
-        goals = held(space.robot, goal, start, space.tool)
+        goals = goal_joints(space.robot, goal, start, space.tool)
         if not len(goals):
-            raise Refused(NOT_REACHED(robot=space.robot.title, goal=_shown(goal)))
+            raise Refused(GOAL_NOT_REACHED(robot=space.robot.title, goal=_shown(goal)))
     else:
         goals = _joints(space.robot, goal, "goal", "ends")[None]
     _upright(space, goals[0], "ends")
@@ -346,7 +346,7 @@ def _no_way(
     if found:
         contact = space.contact(found[0].joints, found[0].pair)
         what = f"`{contact.one}` and `{contact.other}` come too near to each other"
-    return NO_WAY(
+    return NO_PATH(
         goal=_shown(goal),
         seconds=seconds,
         apart=float(np.linalg.norm(tips[1:] - tips[0], axis=1).min()),

@@ -9,7 +9,7 @@ NO_PLANNER = error(
     "ways are planned by the library ompl, which is not installed",
     "install the extra: pip install 'robot-assistant[plan]'",
 )
-OUTSIDE = error(
+PATH_OUTSIDE_LIMITS = error(
     "CK441",
     "the way {where} with {axis} at {value:.6g} {unit}, which its limits of {low:g} to {high:g} "
     "leave out",
@@ -20,7 +20,7 @@ START_TOUCHES = error(
     "where the way begins `{one}` touches `{other}`, {deep:.3g} mm deep",
     "begin away from it; two that may touch stand under `allowed` of [world]",
 )
-NOT_REACHED = error(
+GOAL_NOT_REACHED = error(
     "CK443",
     "no branch of the {robot} reaches {goal} inside its limits",
     "move the goal, the body that it belongs to, or the base of the robot",
@@ -31,7 +31,7 @@ GOAL_TOUCHES = error(
     "arm there ({count})",
     "move the goal away from it; two that may touch stand under `allowed` of [world]",
 )
-NO_WAY = error(
+NO_PATH = error(
     "CK445",
     "no way to {goal} was found in {seconds:.3g} s; the nearest approach is {apart:.0f} mm away, "
     "with the joints at {joints}; from there {what}",
@@ -43,30 +43,30 @@ LESS_MARGIN = info(
     "it is that near where the way {where}",
     "move the target, or state a smaller margin in the cell file",
 )
-TILTED = error(
+PATH_TILTED = error(
     "CK447",
     "where the way {where}, the tool is tilted by {angle:.3g} degrees, which a cone of "
     "{most:g} degrees leaves out",
     "turn the tool there, or allow a wider cone",
 )
-STOPS = info(
+STOPS_AT_CORNERS = info(
     "CK448",
     "the way stops at {count} of its {total} corners: rounded, they would come too near to a body "
     "or tilt the tool too far",
     "nothing, or plan with a larger margin or cone",
 )
-NO_JOINTS = error(
+WRONG_JOINT_COUNT = error(
     "CK449",
     "{what} has {given} finite joints, the {robot} has {wanted}",
     "give a number for each axis",
 )
-NO_LINES = info(
+FEWER_LINES = info(
     "CK485",
     "{count} of the {total} moves of the way are joint moves: on straight lines there the arm "
     "would come too near to a body, leave its branch or its limits, or not move its tip at all",
     "nothing, or go by places between",
 )
-NO_SENSE = error(
+SENSELESS_VALUE = error(
     "CK486",
     "for the way {what} is {value}",
     "give {wanted}",

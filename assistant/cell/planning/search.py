@@ -18,18 +18,18 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.planning.leaning import Leaning, Trees
+from assistant.cell.planning.leaning import ConeMoves, ConeTrees
 from assistant.cell.planning.rules import NO_PLANNER
 from assistant.cell.planning.space import Space
 
-RANGE: Final = 0.15
+LONGEST_MOVE: Final = 0.15
 """Of the way from one corner of the limits to the other, the longest move of a tree."""
-BEYOND: Final = 360.0
+ENDLESS_AXIS_RANGE: Final = 360.0
 """degrees (mm) about start and goals, to which an axis without an end is held."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Searched:
+class SearchResult:
     """What a search found: rows (n, a) of joints from start to a goal, None if nothing.
 
     nearest: (a,) what came nearest to a goal of all that can be reached. seconds: it took.
@@ -40,9 +40,9 @@ class Searched:
     seconds: float
 
 
-def search(
+def search_path(
     space: Space, start: Floats, goals: Floats, *, seconds: float = 10.0, seed: int = 1
-) -> Searched:
+) -> SearchResult:
     """From joints (a,) to one of goals (k, a), which are free, in at most so many seconds.
 
     seed: of all that is random; one seed gives one way, unless the time ends the search.
@@ -53,38 +53,38 @@ def search(
     if len(straight):
         lengths = space.length(start, goals[straight])
         goal = goals[straight[int(np.argmin(lengths))]]
-        return Searched(np.stack([start, goal]), goal, time.monotonic() - begun)
-    trees: _Trees | Trees
+        return SearchResult(np.stack([start, goal]), goal, time.monotonic() - begun)
+    trees: _PlannerTrees | ConeTrees
     if space.cone is None:
-        trees = _Trees(space, start, goals)
+        trees = _PlannerTrees(space, start, goals)
     else:
-        low, high = bounds(space, start, goals)
-        trees = Trees(Leaning(space, space.cone, low, high), start, goals)
+        low, high = joint_bounds(space, start, goals)
+        trees = ConeTrees(ConeMoves(space, space.cone, low, high), start, goals)
     rows = trees.grow(begun + seconds, seed)
     nearest = rows[-1] if rows is not None else trees.nearest()
-    return Searched(rows, nearest, time.monotonic() - begun)
+    return SearchResult(rows, nearest, time.monotonic() - begun)
 
 
-def bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
+def joint_bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
     """(a,) the least and the largest joints that are gone through between joints (k, a)."""
     ends = np.vstack([goals, start])
     low, high = space.robot.limits.T
     return (
-        np.maximum(low, ends.min(axis=0) - BEYOND),
-        np.minimum(high, ends.max(axis=0) + BEYOND),
+        np.maximum(low, ends.min(axis=0) - ENDLESS_AXIS_RANGE),
+        np.minimum(high, ends.max(axis=0) + ENDLESS_AXIS_RANGE),
     )
 
 
-class _Trees:
+class _PlannerTrees:
     """The planner of OMPL, whose states are joints in seconds of their axes (`Space.weights`)."""
 
     def __init__(self, space: Space, start: Floats, goals: Floats) -> None:
         self.space, self.start, self.goals = space, start, goals
-        self.low, self.high = bounds(space, start, goals)
+        self.low, self.high = joint_bounds(space, start, goals)
         self.moves: list[tuple[Floats, Floats]] = []
 
     def grow(self, end: float, seed: int) -> Floats | None:
-        base, geometric, util = library()
+        base, geometric, util = planner_library()
         util.setLogLevel(util.LogLevel.LOG_NONE)  # its console output is no part of ours
         util.RNG.setSeed(seed)
         weights = self.space.weights
@@ -93,8 +93,8 @@ class _Trees:
         for axis, (low, high) in enumerate(
             zip(self.low * weights, self.high * weights, strict=True)
         ):
-            bounds.setLow(axis, float(low) - SLIGHT)
-            bounds.setHigh(axis, float(high) + SLIGHT)
+            bounds.setLow(axis, float(low) - BOUND_MARGIN)
+            bounds.setHigh(axis, float(high) + BOUND_MARGIN)
         room.setBounds(bounds)
         info = base.SpaceInformation(room)
         # Both hold the other: kept here, that they are let go of before the interpreter ends.
@@ -108,7 +108,7 @@ class _Trees:
             states.addState(self._state(info, goal))
         problem.setGoal(states)
         planner = geometric.RRTConnect(info)
-        planner.setRange(RANGE * float(np.linalg.norm((self.high - self.low) * weights)))
+        planner.setRange(LONGEST_MOVE * float(np.linalg.norm((self.high - self.low) * weights)))
         planner.setProblemDefinition(problem)
         planner.setup()
         planner.solve(base.PlannerTerminationCondition(lambda: time.monotonic() > end))
@@ -151,7 +151,7 @@ class _Trees:
     def _joints(self, state: Any) -> Floats:
         values = np.array([state[axis] for axis in range(len(self.start))]) / self.space.weights
         # Start and goals to the last bit, and nothing outside the limits by rounding.
-        return np.asarray(np.clip(np.round(values, DIGITS), self.low, self.high)) + 0.0
+        return np.asarray(np.clip(np.round(values, STATE_DIGITS), self.low, self.high)) + 0.0
 
     def _free(self, state: Any) -> bool:
         return bool(self.space.free(self._joints(state)[None])[0])
@@ -164,13 +164,13 @@ class _Trees:
         return clear
 
 
-SLIGHT: Final = 1e-9
+BOUND_MARGIN: Final = 1e-9
 """seconds by which the bounds are wider than the limits: start and goal may lie on them."""
-DIGITS: Final = 6
+STATE_DIGITS: Final = 6
 """Of joints in degrees and mm."""
 
 
-def library() -> tuple[Any, Any, Any]:
+def planner_library() -> tuple[Any, Any, Any]:
     """OMPL's modules of spaces, of planners and of itself; raises Refused without it."""
     try:
         import ompl.base  # type: ignore[import-untyped]

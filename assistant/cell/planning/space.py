@@ -16,9 +16,9 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
-from assistant.cell.collision.continuous import RESOLUTION, Hit, Way, hits
+from assistant.cell.collision.continuous import RESOLUTION, Hit, JointPath, hits
 from assistant.cell.collision.model import Contact, Model
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.timing.passed import Stretches
 
@@ -28,9 +28,9 @@ COARSEST: Final = 120.0
 """mm that anything moves in the parts that a move is cut into at first."""
 MOST_PARTS: Final = 64
 """Parts that a move is cut into at first, at most."""
-TURNED: Final = 10.0
+COARSEST_TURN: Final = 10.0
 """degrees that the tool turns in the parts that a move is cut into at first for its tilt."""
-TURN: Final = 0.05
+FINEST_TURN: Final = 0.05
 """degrees that the tool turns in the shortest part of a move whose tilt is looked at."""
 
 
@@ -69,7 +69,7 @@ class Space:
     def __init__(
         self,
         scene: Scene,
-        placed: Placed,
+        placed: PlacedRobot,
         *,
         others: Mapping[str, Floats] | None = None,
         margin: float | None = None,
@@ -132,13 +132,13 @@ class Space:
 
     def hits(self, rows: Floats) -> list[Hit]:
         """Where the way through joints (n, a) comes nearer than the margins, by `continuous`."""
-        return hits(self.model, Way(self.all_joints(rows)), self.margins)
+        return hits(self.model, JointPath(self.all_joints(rows)), self.margins)
 
     def free(self, rows: Floats) -> Truths:
         """(n,) whether the places of joints (n, a) are inside the limits, tilt and margins."""
         return np.asarray(self.robot.inside(rows) & self.clear(rows, rows))
 
-    def way(self, stretches: Stretches) -> Way:
+    def way(self, stretches: Stretches) -> JointPath:
         """The way of a plan of the robot, as `hits` takes it."""
         slack = np.zeros((len(stretches.slack), len(self._still)))
         slack[:, self.columns] = stretches.slack
@@ -147,7 +147,7 @@ class Space:
             joints, exact = stretches.between(stretch, part)
             return self.all_joints(joints), exact
 
-        return Way(self.all_joints(stretches.joints), slack, curve)
+        return JointPath(self.all_joints(stretches.joints), slack, curve)
 
     def clear(self, starts: Floats, ends: Floats, room: float = 0.0) -> Truths:
         """(n,) whether the straight moves from joints (n, a) to (n, a) keep margins and tilt.
@@ -158,8 +158,8 @@ class Space:
         out = np.ones(len(starts), dtype=bool)
         self.asked += len(starts)
         if self.cone is not None:
-            off = min(EDGE, self.cone.angle / 5.0) if room else 0.0
-            out = self.upright(starts, ends, TILT - off)
+            off = min(CONE_EDGE, self.cone.angle / 5.0) if room else 0.0
+            out = self.upright(starts, ends, TILT_TOLERANCE - off)
         if len(self.model):
             some = np.flatnonzero(out)
             out[some] = self.apart(starts[some], ends[some], room)
@@ -205,19 +205,19 @@ class Space:
         """
         if self.cone is None:
             return np.ones(len(starts), dtype=bool)
-        most = self.cone.angle + (TILT if beyond is None else beyond)
+        most = self.cone.angle + (TILT_TOLERANCE if beyond is None else beyond)
         off = np.zeros(len(starts)) if slack is None else slack @ self.turning
         out = np.ones(len(starts), dtype=bool)
         step = ends - starts
         whole = np.abs(step) @ self.turning
-        parts = np.clip(np.ceil(whole / TURNED), 1, MOST_PARTS).astype(np.intp)
+        parts = np.clip(np.ceil(whole / COARSEST_TURN), 1, MOST_PARTS).astype(np.intp)
         edge, half, middle = _halves(parts)
         while len(edge):
             tilt = self.tilt(starts[edge] + middle[:, None] * step[edge])
             turned = whole[edge] * half
             out[edge[tilt + off[edge] > most]] = False
             near = tilt + off[edge] + turned > most
-            out[edge[near & (turned <= TURN)]] = False
+            out[edge[near & (turned <= FINEST_TURN)]] = False
             again = np.flatnonzero(near & out[edge])
             edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
             middle = np.repeat(middle[again], 2) + half * np.tile([-1.0, 1.0], len(again))
@@ -232,7 +232,7 @@ def _halves(parts: Rows) -> tuple[Rows, Floats, Floats]:
     return edge, half, (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
 
 
-EDGE: Final = 1.0
+CONE_EDGE: Final = 1.0
 """degrees inside the edge of a cone, at most a fifth of it, that leave room for corners."""
-TILT: Final = 0.1
+TILT_TOLERANCE: Final = 0.1
 """degrees that a tool may be tilted beyond its cone: targets at its edge are rounded."""

@@ -15,7 +15,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.planning.space import Space
-from assistant.cell.reach.singularities import away
+from assistant.cell.reach.singularities import distance_from_singularity
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
@@ -25,14 +25,14 @@ ENOUGH_AWAY: Final = 0.1
 """See `singularities.away`: axis 5 of a wrist some 8 degrees from straight."""
 ENOUGH_CLEAR: Final = 50.0
 """mm beyond the margins."""
-TOGETHER: Final = 40_000
+POSES_AT_ONCE: Final = 40_000
 """Poses of the flange that are solved at once."""
-PAIRS: Final = 400_000
+PAIRS_AT_ONCE: Final = 400_000
 """Rows times pairs whose bounds are worked out at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class Postures:
     """How an arm is held at n places.
 
     joints: (n, a) of the best way; where it is only `touching`, of what would be it without bodies;
@@ -57,18 +57,18 @@ class Held:
         return np.asarray(self.turn >= 0)
 
     @staticmethod
-    def joined(parts: list[Held]) -> Held:
-        columns = (np.concatenate([getattr(p, name) for p in parts]) for name in Held.__slots__)
-        return Held(*columns)
+    def joined(parts: list[Postures]) -> Postures:
+        columns = (np.concatenate([getattr(p, name) for p in parts]) for name in Postures.__slots__)
+        return Postures(*columns)
 
 
-def held(
+def best_postures(
     robot: Robot,
     positions: Floats,
     quaternions: Floats,
     space: Space | None = None,
     tip: Pose = IDENTITY,
-) -> Held:
+) -> Postures:
     """The best ways to hold the tip of a tool at places.
 
     positions: (n, 3) mm of the tip, in the base of the robot. quaternions: (n, k, 4), of which one
@@ -78,18 +78,18 @@ def held(
     quaternions = np.asarray(quaternions, dtype=np.float64)
     if quaternions.ndim == 2:
         quaternions = np.broadcast_to(quaternions, (len(positions), *quaternions.shape))
-    size = max(TOGETHER // max(quaternions.shape[1], 1), 1)
+    size = max(POSES_AT_ONCE // max(quaternions.shape[1], 1), 1)
     parts = [
-        _held(robot, positions[i : i + size], quaternions[i : i + size], space, tip)
+        _best_postures(robot, positions[i : i + size], quaternions[i : i + size], space, tip)
         for i in range(0, max(len(positions), 1), size)
     ]
-    return Held.joined(parts)
+    return Postures.joined(parts)
 
 
-def _held(
+def _best_postures(
     robot: Robot, positions: Floats, quaternions: Floats, space: Space | None, tip: Pose
-) -> Held:
-    ways = _Ways(robot, positions, quaternions, tip)
+) -> Postures:
+    ways = _Candidates(robot, positions, quaternions, tip)
     n = len(positions)
     rows = np.arange(n)
     best, which, clear = np.full(n, -1.0), np.full(n, -1), np.full(n, np.nan)
@@ -119,10 +119,10 @@ def _held(
     room = np.where(none, np.nan, best)
     limits, away_, joints = chosen(ways.limits), chosen(ways.away), chosen(ways.joints)
     joints[touching] = ways.joints[touching, ways.order[touching, 0]]
-    return Held(joints, turn, room, limits, away_, clear, touching)
+    return Postures(joints, turn, room, limits, away_, clear, touching)
 
 
-class _Ways:
+class _Candidates:
     """All ways (n, k * b) to hold an arm at n places with k orientations in b branches.
 
     room: 0 to 1 without regard to bodies, -1 where there is none. order: from most to least of it.
@@ -138,7 +138,7 @@ class _Ways:
         valid = valid.reshape(n, -1)
         self.limits = np.where(valid, limit_shares(robot, self.joints), np.nan)
         self.away = np.full(valid.shape, np.nan)
-        self.away[valid] = away(robot, self.joints[valid], tip)
+        self.away[valid] = distance_from_singularity(robot, self.joints[valid], tip)
         least = np.minimum(self.limits / ENOUGH_LIMITS, self.away / ENOUGH_AWAY)
         self.room = np.where(valid, np.clip(least, 0.0, 1.0), -1.0)
         self.order = np.argsort(-self.room, axis=1, kind="stable")
@@ -153,7 +153,7 @@ def limit_shares(robot: Robot, joints: Floats) -> Floats:
     return np.asarray(np.maximum(near.min(axis=-1), 0.0))
 
 
-def nearest(space: Space, row: Floats) -> tuple[str, str]:
+def nearest_bodies(space: Space, row: Floats) -> tuple[str, str]:
     """The two bodies that keep least of their margin with the robot at joints (a,)."""
     model = space.model
     pair = int(np.argmin(space.distances(row) - space.margins))
@@ -168,7 +168,7 @@ def clearances(space: Space, rows: Floats, most: float = ENOUGH_CLEAR) -> Floats
     links are apart says nothing of the room about it.
     """
     own = _own(space)
-    size = max(PAIRS // max(len(space.model), 1), 1)
+    size = max(PAIRS_AT_ONCE // max(len(space.model), 1), 1)
     parts = [_clearances(space, own, rows[i : i + size], most) for i in range(0, len(rows), size)]
     return np.concatenate(parts) if parts else np.zeros(0)
 

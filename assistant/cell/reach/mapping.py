@@ -12,12 +12,12 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, evenly_spaced
 from assistant.cell.planning.space import Space
-from assistant.cell.reach.holding import Held, held, nearest
+from assistant.cell.reach.holding import Postures, best_postures, nearest_bodies
 from assistant.cell.reach.region import Directions
-from assistant.cell.scene import Placed, Scene
+from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose
 
-ASKED: Final = 200
+MOST_ASKED: Final = 200
 """Places at which it is told what is too near."""
 
 
@@ -50,7 +50,7 @@ class ReachMap:
 
 def reach_map(
     scene: Scene,
-    placed: Placed,
+    placed: PlacedRobot,
     points: Floats,
     directions: Directions,
     *,
@@ -67,10 +67,10 @@ def reach_map(
     space = Space(scene, placed, margin=margin, tool=tip) if bodies else None
     into = placed.base.inverse()
     there = rotations.rotate(np.array(into.quaternion), points) + np.array(into.position)
-    columns: list[Held] = []
+    columns: list[Postures] = []
     for quaternions in directions.quaternions:
         own = rotations.multiply(np.array(into.quaternion), quaternions)
-        columns.append(held(placed.robot, there, own, space, tip))
+        columns.append(best_postures(placed.robot, there, own, space, tip))
 
     def together(name: str) -> Floats:
         some = [getattr(column, name) for column in columns]
@@ -92,10 +92,10 @@ def reach_map(
     )
 
 
-def _in_the_way(space: Space | None, columns: Sequence[Held]) -> Mapping[tuple[str, str], int]:
+def _in_the_way(space: Space | None, columns: Sequence[Postures]) -> Mapping[tuple[str, str], int]:
     """Bodies that keep the arm from places, the most common first; places are taken evenly."""
     rows = np.concatenate([column.joints[column.touching] for column in columns])
     if space is None or not len(rows):
         return {}
-    some = evenly_spaced(len(rows), ASKED)
-    return dict(Counter(nearest(space, row) for row in rows[some]).most_common())
+    some = evenly_spaced(len(rows), MOST_ASKED)
+    return dict(Counter(nearest_bodies(space, row) for row in rows[some]).most_common())

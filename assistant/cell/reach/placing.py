@@ -12,17 +12,28 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.rules import ONLY_HERE
+from assistant.cell.exploration.rules import CHART_ONLY_HERE
 from assistant.cell.planning.space import Space
-from assistant.cell.reach.holding import ENOUGH_AWAY, ENOUGH_CLEAR, ENOUGH_LIMITS, Held, held
-from assistant.cell.reach.rules import IN_THE_WAY, NO_BODY, NO_TARGETS, TOO_MANY
-from assistant.cell.reach.standing import Depths, deeper, depths
-from assistant.cell.scene import OCCUPIED, UNKNOWN, Body, Placed, Scene
+from assistant.cell.reach.holding import (
+    ENOUGH_AWAY,
+    ENOUGH_CLEAR,
+    ENOUGH_LIMITS,
+    Postures,
+    best_postures,
+)
+from assistant.cell.reach.rules import (
+    NO_MOVABLE_BODY,
+    NO_TARGETS,
+    OVERLAPPING_PLACES,
+    TOO_MANY_POINTS,
+)
+from assistant.cell.reach.standing import OverlapDepths, deeper_overlap, overlap_depths
+from assistant.cell.scene import OCCUPIED_SUFFIX, UNKNOWN_SUFFIX, Body, PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose
 
-DIGITS: Final = 6
+OFFSET_DIGITS: Final = 6
 MOST_PLACES: Final = 20_000
 WORLD_ITSELF: Final = 0
 """The carrier that does not stand on any robot."""
@@ -98,7 +109,7 @@ class Places:
 
 def best_base(
     scene: Scene,
-    placed: Placed,
+    placed: PlacedRobot,
     offsets: Floats,
     goals: Sequence[Goals],
     *,
@@ -112,10 +123,13 @@ def best_base(
     too many places, or a robot that a chart keeps to space that was explored from where it stands.
     """
     at = scene.robots.index(placed)
-    if any(body.name in (placed.name + UNKNOWN, placed.name + OCCUPIED) for body in scene.bodies):
-        raise Refused(ONLY_HERE(name=placed.name), exit_status=2)
+    if any(
+        body.name in (placed.name + UNKNOWN_SUFFIX, placed.name + OCCUPIED_SUFFIX)
+        for body in scene.bodies
+    ):
+        raise Refused(CHART_ONLY_HERE(name=placed.name), exit_status=2)
 
-    def stands(offset: Floats) -> tuple[Scene, Placed, Pose, Pose]:
+    def stands(offset: Floats) -> tuple[Scene, PlacedRobot, Pose, Pose]:
         base = shifted(placed.base, offset)
         moved = replace(placed, base=base)
         robots = (*scene.robots[:at], moved, *scene.robots[at + 1 :])
@@ -125,7 +139,7 @@ def best_base(
     names = frozenset(
         body.name
         for body in scene.all_bodies()
-        if carried(scene, body, carriers)[0] == carriers.first[at]
+        if carrier_of(scene, body, carriers)[0] == carriers.first[at]
     )
     search = _Search(stands, names, scene, goals, bodies, margin)
     return search.places(offsets, f"`{placed.name}`")
@@ -133,7 +147,7 @@ def best_base(
 
 def best_place(
     scene: Scene,
-    placed: Placed,
+    placed: PlacedRobot,
     name: str,
     offsets: Floats,
     goals: Sequence[Goals],
@@ -147,9 +161,9 @@ def best_place(
     """
     body = standing_body(scene, name)
     carriers = Carriers(scene.robots)
-    parent = carried(scene, body, carriers)[1] @ body.pose.inverse()
+    parent = carrier_of(scene, body, carriers)[1] @ body.pose.inverse()
 
-    def stands(offset: Floats) -> tuple[Scene, Placed, Pose, Pose]:
+    def stands(offset: Floats) -> tuple[Scene, PlacedRobot, Pose, Pose]:
         pose = shifted(body.pose, offset)
         moved = replace(body, pose=pose)
         bodies = tuple(moved if one is body else one for one in scene.bodies)
@@ -160,7 +174,7 @@ def best_place(
     return _Search(stands, names, scene, goals, True, margin).places(offsets, f"`{name}`")
 
 
-Stands = Callable[[Floats], tuple[Scene, Placed, Pose, Pose]]
+SceneAtOffset = Callable[[Floats], tuple[Scene, PlacedRobot, Pose, Pose]]
 """An offset → the scene with it, the robot there, what is moved as the cell file states its pose,
 and by what targets are moved in the world.
 """
@@ -170,7 +184,7 @@ and by what targets are moved in the world.
 class _Search:
     """moved: names of the bodies that are moved, of those that stand in the world."""
 
-    stands: Stands
+    stands: SceneAtOffset
     moved: frozenset[str]
     scene: Scene
     goals: Sequence[Goals]
@@ -184,11 +198,13 @@ class _Search:
         poses = len(offsets) * sum(one.quaternions[..., 0].size for one in self.goals)
         if len(offsets) > MOST_PLACES:
             said = "places"
-            raise Refused(TOO_MANY(count=len(offsets), what=said, most=MOST_PLACES), exit_status=2)
+            raise Refused(
+                TOO_MANY_POINTS(count=len(offsets), what=said, most=MOST_PLACES), exit_status=2
+            )
         if poses > MOST_POSES:
             said = "places times targets times turns"
-            raise Refused(TOO_MANY(count=poses, what=said, most=MOST_POSES), exit_status=2)
-        before = depths(Model(self.scene), self.moved) if self.bodies else {}
+            raise Refused(TOO_MANY_POINTS(count=poses, what=said, most=MOST_POSES), exit_status=2)
+        before = overlap_depths(Model(self.scene), self.moved) if self.bodies else {}
         found, blocked = list[Place](), Counter[tuple[str, str]]()
         for offset in offsets:
             place = self._place(offset, before)
@@ -198,20 +214,20 @@ class _Search:
                 blocked[place] += 1
         count = len(offsets)
         said_ = [
-            IN_THE_WAY(count=times, total=count, one=one, other=other)
+            OVERLAPPING_PLACES(count=times, total=count, one=one, other=other)
             for (one, other), times in blocked.items()
         ]
         return Places(tuple(sorted(found, key=_merit)), total, tuple(said_))
 
-    def _place(self, offset: Floats, before: Depths) -> Place | tuple[str, str]:
+    def _place(self, offset: Floats, before: OverlapDepths) -> Place | tuple[str, str]:
         """A place, or the first two bodies of which one would stand in the other there."""
         scene, placed, pose, by = self.stands(offset)
         model = Model(scene) if self.bodies else None
         if model is not None:
-            inside = deeper(depths(model, self.moved), before)
+            inside = deeper_overlap(overlap_depths(model, self.moved), before)
             if inside is not None:
                 return inside
-        names, parts = list[str](), list[Held]()
+        names, parts = list[str](), list[Postures]()
         into = placed.base.inverse() @ by
         for one in self.goals:
             space = None
@@ -219,12 +235,12 @@ class _Search:
                 space = Space(scene, placed, margin=self.margin, tool=one.tip)
             here = one.moved(into)
             robot = placed.robot
-            parts.append(held(robot, here.positions, here.quaternions, space, one.tip))
+            parts.append(best_postures(robot, here.positions, here.quaternions, space, one.tip))
             names += one.names
-        return _place_of(offset, pose, names, Held.joined(parts))
+        return _place_of(offset, pose, names, Postures.joined(parts))
 
 
-def _place_of(offset: Floats, pose: Pose, names: Sequence[str], ways: Held) -> Place:
+def _place_of(offset: Floats, pose: Pose, names: Sequence[str], ways: Postures) -> Place:
     reached = ways.reached
     count = int(reached.sum())
     if not count:
@@ -243,21 +259,26 @@ def _merit(place: Place) -> tuple[float, ...]:
 
     Rounded, so that places that are alike do not depend on the last digits.
     """
-    far = round(float(np.linalg.norm(place.offset[:3])), DIGITS)
-    scarce = (-round(share, DIGITS) for share in place.shares)
-    last = (-round(place.mean, DIGITS), far, abs(float(place.offset[3])), *place.offset.tolist())
+    far = round(float(np.linalg.norm(place.offset[:3])), OFFSET_DIGITS)
+    scarce = (-round(share, OFFSET_DIGITS) for share in place.shares)
+    last = (
+        -round(place.mean, OFFSET_DIGITS),
+        far,
+        abs(float(place.offset[3])),
+        *place.offset.tolist(),
+    )
     return (-float(place.reached), *scarce, *last)
 
 
 def standing_body(scene: Scene, name: str) -> Body:
     """A body that stands in the world; raises Refused if there is none of that name."""
     carriers = Carriers(scene.robots)
-    still = [body for body in scene.bodies if carried(scene, body, carriers)[0] == WORLD_ITSELF]
+    still = [body for body in scene.bodies if carrier_of(scene, body, carriers)[0] == WORLD_ITSELF]
     for body in still:
         if body.name == name:
             return body
     names = ", ".join(f"`{body.name}`" for body in still) or "(none)"
-    raise Refused(NO_BODY(name=name, names=names), exit_status=2)
+    raise Refused(NO_MOVABLE_BODY(name=name, names=names), exit_status=2)
 
 
 def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns: int = 1) -> Goals:
@@ -268,17 +289,17 @@ def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns
     carriers = Carriers(scene.robots)
     names, poses = list[str](), list[Pose]()
     for body in scene.bodies:
-        number, pose = carried(scene, body, carriers)
+        number, pose = carrier_of(scene, body, carriers)
         if number != WORLD_ITSELF or (name is not None and name not in _below(scene, body)):
             continue
         names += [f"{body.name}.{one}" for one in body.locations]
         poses += [pose @ one for one in body.locations.values()]
     positions = np.array([pose.position for pose in poses]).reshape(-1, 3)
     quaternions = np.array([pose.quaternion for pose in poses]).reshape(-1, 4)
-    return Goals(tuple(names), positions, turned(quaternions, turns), tip)
+    return Goals(tuple(names), positions, turned_about_z(quaternions, turns), tip)
 
 
-def turned(quaternions: Floats, turns: int) -> Floats:
+def turned_about_z(quaternions: Floats, turns: int) -> Floats:
     """(n, 4) → (n, k, 4) the same turned about their z axes by k equal parts of a whole turn."""
     about = rotations.about([0.0, 0.0, 1.0], np.arange(turns) * (360.0 / turns))
     return rotations.multiply(quaternions[:, None], about[None])

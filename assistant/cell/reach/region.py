@@ -11,19 +11,19 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.reach.rules import NO_DIRECTION, NO_REGION, NO_TURNS, TOO_MANY
-from assistant.robots.arms.chain import onto_z
+from assistant.cell.reach.rules import NO_DIRECTION, NO_REGION, NO_TURNS, TOO_MANY_POINTS
+from assistant.robots.arms.chain import rotation_from_z
 
-MOST: Final = 200_000
+MOST_POINTS: Final = 200_000
 """Points, or places, that are looked at."""
 MOST_TURNS: Final = 360
-AROUND: Final = 8
+CONE_DIRECTIONS: Final = 8
 """Directions about the middle of a cone."""
-NAMED: Final = {"down": (0.0, 0.0, -1.0), "up": (0.0, 0.0, 1.0)}
+NAMED_DIRECTIONS: Final = {"down": (0.0, 0.0, -1.0), "up": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
+class NumberRange:
     """Numbers from low to high: low, low + step … as far as high. step 0: low alone."""
 
     low: float
@@ -41,7 +41,7 @@ class Range:
         return 1 if self.step == 0.0 else int((self.high - self.low) / self.step + 1e-9) + 1
 
 
-def range_of(text: str, what: str) -> Range:
+def parse_range(text: str, what: str) -> NumberRange:
     """`LOW:HIGH:STEP`, or one number; raises Refused."""
     parts = text.split(":")
     try:
@@ -49,24 +49,26 @@ def range_of(text: str, what: str) -> Range:
     except ValueError:
         numbers = []
     if len(numbers) == 1 and np.isfinite(numbers).all():
-        return Range(numbers[0], numbers[0], 0.0)
+        return NumberRange(numbers[0], numbers[0], 0.0)
     if len(numbers) == 3 and np.isfinite(numbers).all():
         low, high, step = numbers
         if high >= low and step > 0.0 and np.isfinite((high - low) / step):
-            if (high - low) / step > MOST:
+            if (high - low) / step > MOST_POINTS:
                 raise Refused(
-                    TOO_MANY(count=int((high - low) / step), what=f"steps of {what}", most=MOST),
+                    TOO_MANY_POINTS(
+                        count=int((high - low) / step), what=f"steps of {what}", most=MOST_POINTS
+                    ),
                     exit_status=2,
                 )
-            return Range(low, high, step)
+            return NumberRange(low, high, step)
     raise Refused(NO_REGION(what=f"no region with {what} = `{text}`"), exit_status=2)
 
 
-def grid(ranges: Sequence[Range]) -> Floats:
+def grid(ranges: Sequence[NumberRange]) -> Floats:
     """(n, c) the points of c ranges, the last one changing first. Raises Refused for too many."""
     count = int(np.prod([float(one.count) for one in ranges]))
-    if count > MOST:
-        raise Refused(TOO_MANY(count=count, what="points", most=MOST), exit_status=2)
+    if count > MOST_POINTS:
+        raise Refused(TOO_MANY_POINTS(count=count, what="points", most=MOST_POINTS), exit_status=2)
     axes = np.meshgrid(*(one.values() for one in ranges), indexing="ij")
     return np.stack([axis.reshape(-1) for axis in axes], axis=1)
 
@@ -80,13 +82,13 @@ class Directions:
     quaternions: Floats
 
 
-def directions_of(given: Sequence[str], turns: int) -> Directions:
+def parse_directions(given: Sequence[str], turns: int) -> Directions:
     """What is written for directions: `down`, `up`, `x,y,z`, or one of them with `/DEGREES`.
 
     turns: of the tool about each that are tried, from the shortest turn of the base's frame on.
     Raises Refused for what is none.
     """
-    turns_of(turns)
+    check_turns(turns)
     names, axes = [], []
     for text in given:
         for name, axis in _cone(text):
@@ -94,12 +96,12 @@ def directions_of(given: Sequence[str], turns: int) -> Directions:
             axes.append(axis)
     columns = np.array(axes).reshape(-1, 3)
     about = rotations.about([0.0, 0.0, 1.0], np.arange(turns) * (360.0 / turns))
-    onto = [onto_z((float(x), float(y), float(z))) for x, y, z in columns]
+    onto = [rotation_from_z((float(x), float(y), float(z))) for x, y, z in columns]
     turned = [rotations.canonical(rotations.multiply(np.array(one), about)) for one in onto]
     return Directions(tuple(names), columns, np.array(turned).reshape(len(columns), turns, 4))
 
 
-def turns_of(turns: int) -> None:
+def check_turns(turns: int) -> None:
     """Raises Refused for a number of turns that is none, or more than are tried."""
     if not 1 <= turns <= MOST_TURNS:
         raise Refused(NO_TURNS(count=turns, most=MOST_TURNS), exit_status=2)
@@ -115,17 +117,19 @@ def _cone(text: str) -> list[tuple[str, Floats]]:
     if not 0.0 < tilt <= 180.0:
         raise Refused(NO_DIRECTION(given=text), exit_status=2)
     x, y, z = axis.tolist()
-    onto = np.array(onto_z((x, y, z)))
-    around = np.arange(AROUND) * (360.0 / AROUND)
+    onto = np.array(rotation_from_z((x, y, z)))
+    around = np.arange(CONE_DIRECTIONS) * (360.0 / CONE_DIRECTIONS)
     sine, cosine = np.sin(np.radians(tilt)), np.cos(np.radians(tilt))
     a = np.radians(around)
-    circle = np.stack([sine * np.cos(a), sine * np.sin(a), np.full(AROUND, cosine)], axis=1)
+    circle = np.stack(
+        [sine * np.cos(a), sine * np.sin(a), np.full(CONE_DIRECTIONS, cosine)], axis=1
+    )
     names = [f"{middle}/{tilt:g}@{one:g}" for one in around]
     return [(middle, axis), *zip(names, rotations.rotate(onto, circle), strict=True)]
 
 
 def _axis(name: str, text: str) -> Floats:
-    found = NAMED.get(name.strip())
+    found = NAMED_DIRECTIONS.get(name.strip())
     axis = np.array(found) if found else _numbers(name, 3, text)
     length = float(np.linalg.norm(axis))
     if not length > 0.0:

@@ -9,7 +9,7 @@ NO_REGION = error(
     "the region is {what}",
     "state x, y and z as LOW:HIGH:STEP in mm, or as one number",
 )
-TOO_MANY = error(
+TOO_MANY_POINTS = error(
     "CK461",
     "{count:,} {what} are more than the {most:,} that are looked at",
     "take a larger step or cell, or a smaller range",
@@ -30,7 +30,7 @@ NO_TARGETS = error(
     "{what} has nothing that the tool goes to",
     "name a program with targets, or give bodies locations in the cell file",
 )
-NO_BODY = error(
+NO_MOVABLE_BODY = error(
     "CK465",
     "there is no body `{name}` that stands in the world and could stand elsewhere",
     "choose one of {names}",
@@ -41,7 +41,7 @@ NO_PLACE = error(
     "and not `{first}`",
     "take other ranges, fewer targets, or an arm that reaches farther",
 )
-IN_THE_WAY = info(
+OVERLAPPING_PLACES = info(
     "CK467",
     "at {count:,} of the {total:,} places `{one}` would stand in `{other}`; they are left out",
     "nothing; two that may touch stand under `allowed` of [world]",

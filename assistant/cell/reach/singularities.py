@@ -10,7 +10,7 @@ from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-TOGETHER: Final = 16384
+ROWS_AT_ONCE: Final = 16384
 """Rows that are computed at once."""
 
 
@@ -38,7 +38,7 @@ def jacobian(robot: Robot, joints: Floats, tip: Pose = IDENTITY) -> Floats:
     return out
 
 
-def away(robot: Robot, joints: Floats, tip: Pose = IDENTITY) -> Floats:
+def distance_from_singularity(robot: Robot, joints: Floats, tip: Pose = IDENTITY) -> Floats:
     """(n,) how far joints (n, a) are from a singularity: the least singular value of `jacobian`.
 
     0 in a singularity, where the tip cannot go some way however fast the axes turn. An arm of less
@@ -46,8 +46,8 @@ def away(robot: Robot, joints: Floats, tip: Pose = IDENTITY) -> Floats:
     """
     out = np.full(len(joints), np.nan)
     known = np.flatnonzero(np.isfinite(joints).all(axis=1))
-    for start in range(0, len(known), TOGETHER):
-        rows = known[start : start + TOGETHER]
+    for start in range(0, len(known), ROWS_AT_ONCE):
+        rows = known[start : start + ROWS_AT_ONCE]
         matrix = jacobian(robot, joints[rows], tip)
         out[rows] = np.linalg.svd(matrix, compute_uv=False).min(axis=1)
     return out

@@ -12,17 +12,17 @@ from assistant.base.arrays import Floats
 from assistant.cell.collision.continuous import RESOLUTION
 from assistant.cell.collision.distances import Distances
 from assistant.cell.collision.model import Item, Model
-from assistant.cell.exploration.depths import thinner
+from assistant.cell.exploration.depths import thinner_shape
 from assistant.cell.shapes import Mesh
 
-IN: Final = -1.0
+UNKNOWN_DEPTH: Final = -1.0
 """mm that stand for a depth that is not known."""
 
-Depths = dict[tuple[str, str], float]
+OverlapDepths = dict[tuple[str, str], float]
 """Names of what is moved and of what it stands in → mm that they are apart, below 0."""
 
 
-def depths(model: Model, moved: Container[str]) -> Depths:
+def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
     """How deep things of the world that are moved, by the names of their bodies, stand in others.
 
     Two that may touch by the scene are left out.
@@ -30,19 +30,19 @@ def depths(model: Model, moved: Container[str]) -> Depths:
     still = [item for item in model.items if not model.carriers.moved_by(item.carrier)]
     rows = np.concatenate([placed.robot.home for placed in model.scene.robots])[None]
     origins, turns = model.carriers.at(rows)
-    found: Depths = {}
+    found: OverlapDepths = {}
     for i, k in _pairs(model, still, moved):
         at = [(turns[0, j.carrier], origins[0, j.carrier]) for j in (still[i], still[k])]
         if _between_spheres(still[i], still[k], at) > 0.0:
             continue
-        apart = _apart(still[i], still[k], at)
+        apart = _item_distance(still[i], still[k], at)
         names = still[i].body.name, still[k].body.name
         if apart < found.get(names, 0.0):
             found[names] = apart
     return found
 
 
-def _apart(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
+def _item_distance(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
     """Mm between two items, below 0 by how deep they are in each other.
 
     Of a mesh only that there is contact is known: it is `IN` if something that is thinner by
@@ -63,12 +63,12 @@ def _apart(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
         return found
     if found <= 0.0 and not all(meshes):
         plain = meshes.index(False)
-        shapes[plain] = thinner(shapes[plain], RESOLUTION)
+        shapes[plain] = thinner_shape(shapes[plain], RESOLUTION)
         found = float(Distances(shapes).signed(first, second, *ends)[0])
-    return IN if found <= 0.0 else 0.0
+    return UNKNOWN_DEPTH if found <= 0.0 else 0.0
 
 
-def deeper(now: Depths, before: Depths) -> tuple[str, str] | None:
+def deeper_overlap(now: OverlapDepths, before: OverlapDepths) -> tuple[str, str] | None:
     """Two that are deeper in each other than before, None if there are none."""
     for names, apart in now.items():
         if apart < before.get(names, 0.0) - RESOLUTION:

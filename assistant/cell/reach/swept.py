@@ -16,27 +16,27 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Truths
 from assistant.base.diagnostics import Refused
-from assistant.cell.clearances import carrying, rows_of
-from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.exploration.depths import Depth, solid_of
-from assistant.cell.exploration.rules import NO_SIZE
-from assistant.cell.holding import Holding
-from assistant.cell.reach.rules import TOO_MANY
-from assistant.cell.scene import Part, Placed, Scene
+from assistant.cell.clearances import carried_stretches, rows_of
+from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.exploration.depths import DepthFunction, solid_depth
+from assistant.cell.exploration.rules import WRONG_CELL_SIZE
+from assistant.cell.holding import CarriedBodies
+from assistant.cell.reach.rules import TOO_MANY_POINTS
+from assistant.cell.scene import Part, PlacedRobot, Scene
 from assistant.cell.shapes import Convex, Mesh, extent
 from assistant.robots.timing import Simulation
 
-MOST: Final = 1 << 24
+MOST_CELLS: Final = 1 << 24
 """Cells of the box about all that is swept: a byte each for every body."""
-STEP: Final = 0.5
+STEP_IN_CELLS: Final = 0.5
 """Sizes of a cell that a part moves between two places at which it is looked at."""
-SURE: Final = 3.0**0.5 / 2.0
+HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
 """Sizes of a cell from its middle to its corners."""
-BEYOND: Final = 2.0 * SURE + STEP / 2.0
+BEYOND: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS / 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Swept:
+class SweptSpace:
     """Cells of `size` mm; the cell (0, 0, 0) begins in the origin of the world.
 
     cells: (n, 3), in order. bodies: by name, (n,) whether it sweeps each of them.
@@ -62,7 +62,7 @@ class _Places:
     """Where a part is looked at: (k, 3), (k, 3, 3) in the world, and mm (k,) that it is thicker."""
 
     body: str
-    depth: Depth
+    depth: DepthFunction
     low: Floats
     high: Floats
     origins: Floats
@@ -76,22 +76,26 @@ class _Places:
         return middle - half, middle + half
 
 
-def swept(simulation: Simulation, scene: Scene, placed: Placed, size: float) -> Swept:
+def swept_space(
+    simulation: Simulation, scene: Scene, placed: PlacedRobot, size: float
+) -> SweptSpace:
     """The cells that the links of a robot, and what it carries, sweep on all ways of a program.
 
     Other robots stand. Raises Refused for a size that is none, or for more cells than `MOST`.
     """
     if not (np.isfinite(size) and size > 0.0):
-        raise Refused(NO_SIZE(size=f"{size:g}"), exit_status=2)
+        raise Refused(WRONG_CELL_SIZE(size=f"{size:g}"), exit_status=2)
     found = list(_places(simulation, scene, placed, size))
     if not found:
-        return Swept(size, np.zeros((0, 3), dtype=np.int64), {})
+        return SweptSpace(size, np.zeros((0, 3), dtype=np.int64), {})
     bounds = [places.bounds() for places in found]
     low = np.floor(np.min([b[0].min(axis=0) for b in bounds], axis=0) / size)
     high = np.ceil(np.max([b[1].max(axis=0) for b in bounds], axis=0) / size)
     count = float(np.prod(high - low))
-    if count > MOST:
-        raise Refused(TOO_MANY(count=int(count), what="cells", most=MOST), exit_status=2)
+    if count > MOST_CELLS:
+        raise Refused(
+            TOO_MANY_POINTS(count=int(count), what="cells", most=MOST_CELLS), exit_status=2
+        )
     first, shape = low.astype(np.int64), tuple((high - low).astype(np.intp).tolist())
     marks: dict[str, Truths] = {}
     for places, (lowest, highest) in zip(found, bounds, strict=True):
@@ -100,7 +104,7 @@ def swept(simulation: Simulation, scene: Scene, placed: Placed, size: float) -> 
             _mark(mark, first, size, places, k, lowest[k], highest[k])
     every = np.any(list(marks.values()), axis=0)
     bodies = {name: mark[every] for name, mark in marks.items()}
-    return Swept(size, np.argwhere(every) + first, bodies)
+    return SweptSpace(size, np.argwhere(every) + first, bodies)
 
 
 def _mark(
@@ -115,25 +119,27 @@ def _mark(
     own = [turn[0, i] * x + turn[1, i] * y + turn[2, i] * z for i in range(3)]
     depth = places.depth(own[0], own[1], own[2])
     window = mark[start[0] : stop[0], start[1] : stop[1], start[2] : stop[2]]
-    window |= depth >= -(SURE * size + places.thicker[k])
+    window |= depth >= -(HALF_DIAGONAL * size + places.thicker[k])
 
 
-def _places(simulation: Simulation, scene: Scene, placed: Placed, size: float) -> Iterator[_Places]:
+def _places(
+    simulation: Simulation, scene: Scene, placed: PlacedRobot, size: float
+) -> Iterator[_Places]:
     at = scene.robots.index(placed)
     for passed in simulation.passed:
-        for holding, stretches in carrying(passed):
-            now = holding.scene_now() if isinstance(holding, Holding) else scene
+        for holding, stretches in carried_stretches(passed):
+            now = holding.scene_now() if isinstance(holding, CarriedBodies) else scene
             carriers = Carriers(now.robots)
             rows, slack = rows_of(now, now.robots[at], stretches)
             for body in now.all_bodies():
-                carrier, pose = carried(now, body, carriers)
+                carrier, pose = carrier_of(now, body, carriers)
                 moved = carriers.moved_by(carrier)
                 if not moved or moved[0] != carriers.columns[at].start:
                     continue
                 for part in body.parts:
                     turned = pose @ part.pose
                     lever = _lever(carriers, carriers.reaches(carrier, turned, part.shape))
-                    way, thicker = _looked(rows, slack, lever, STEP * size)
+                    way, thicker = _looked(rows, slack, lever, STEP_IN_CELLS * size)
                     origins, turns = carriers.at(way)
                     turn = turns[:, carrier]
                     yield _Places(
@@ -173,7 +179,7 @@ def _looked(rows: Floats, slack: Floats, lever: Floats, step: float) -> tuple[Fl
     return way, half + most
 
 
-def _solid(part: Part) -> tuple[Depth, Floats, Floats]:
+def _solid(part: Part) -> tuple[DepthFunction, Floats, Floats]:
     """How deep places are in a part, at least as deep as they are, and the box about it.
 
     A mesh counts as its convex hull; one that is flat as that box.
@@ -181,14 +187,14 @@ def _solid(part: Part) -> tuple[Depth, Floats, Floats]:
     shape = part.shape
     low, high = extent(shape)
     if not isinstance(shape, Mesh):
-        solid = solid_of(shape)
+        solid = solid_depth(shape)
         assert solid is not None  # only an open mesh has none
         return solid.depth, low, high
     low, high = low - shape.off, high + shape.off
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     if np.linalg.matrix_rank(shape.points - shape.points.mean(axis=0), tol=1e-6) < 3:
         return _in_box(middle, half), low, high
-    hull = solid_of(Convex(shape.points))
+    hull = solid_depth(Convex(shape.points))
     assert hull is not None
     depth = hull.depth
     return (lambda x, y, z: depth(x, y, z) + shape.off), low, high

@@ -9,19 +9,19 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.reach.placing import Goals, turned
-from assistant.cell.scene import Placed
+from assistant.cell.reach.placing import Goals, turned_about_z
+from assistant.cell.scene import PlacedRobot
 from assistant.program.geometry import Pose
 from assistant.program.statements import MoveJoints
 from assistant.robots.motion.run import Run
 from assistant.robots.solved_program import SolvedProgram
 
-ROUND: Final = 6
+TARGET_DIGITS: Final = 6
 """Digits by which two targets are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundTargets:
     """goals: those of each tip together. unknown: how many moves go to what only running the
     program tells.
     """
@@ -31,8 +31,8 @@ class Found:
 
 
 def targets_of(
-    solution: SolvedProgram, placed: Placed, turns: int = 1, *, carried: bool = True
-) -> Found:
+    solution: SolvedProgram, placed: PlacedRobot, turns: int = 1, *, carried: bool = True
+) -> FoundTargets:
     """Each target of a program once, reached or not, in the order of text.
 
     placed: the robot that runs it. turns: of the tool about its z axis of which one is enough.
@@ -49,14 +49,14 @@ def targets_of(
                 continue
             tip = run.mounting.tip(row)
             pose = placed.base @ Pose.of(positions[row], quaternions[row]) @ tip
-            key = tuple(round(value, ROUND) for value in (*pose.position, *pose.quaternion))
+            key = tuple(round(value, TARGET_DIGITS) for value in (*pose.position, *pose.quaternion))
             rows.setdefault(tip, {}).setdefault(key, (str(run.label(row)), pose))
     unknown = sum(
         leg.solved_run is None and not isinstance(leg.statement, MoveJoints)
         for legs in solution.legs.values()
         for leg in legs
     )
-    return Found(
+    return FoundTargets(
         tuple(_goals(tip, list(found.values()), turns) for tip, found in rows.items()), unknown
     )
 
@@ -70,4 +70,6 @@ def _in_the_arm(run: Run, row: int) -> bool:
 def _goals(tip: Pose, found: list[tuple[str, Pose]], turns: int) -> Goals:
     positions: Floats = np.array([pose.position for _, pose in found])
     quaternions = rotations.canonical([pose.quaternion for _, pose in found])
-    return Goals(tuple(name for name, _ in found), positions, turned(quaternions, turns), tip)
+    return Goals(
+        tuple(name for name, _ in found), positions, turned_about_z(quaternions, turns), tip
+    )

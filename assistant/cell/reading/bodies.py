@@ -10,8 +10,8 @@ from typing import Any
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading import meshes
 from assistant.cell.reading.drawings import Drawn, read_drawing
-from assistant.cell.reading.drawings.rules import TWICE
-from assistant.cell.reading.keys import BODY, PART, PARTS, PLACE, SHAPES
+from assistant.cell.reading.drawings.rules import BODY_TWICE
+from assistant.cell.reading.keys import BODY_KEYS, PART_KEYS, PARTS_KEY, PLACE_KEYS, SHAPE_KEYS
 from assistant.cell.rules import NO_SHAPE, SAME_BODY
 from assistant.cell.scene import WORLD, Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
@@ -19,7 +19,7 @@ from assistant.program.geometry import Pose, Vector
 from assistant.program.settings_tables import Table
 
 
-class Bodies:
+class BodyReader:
     """Reads them.
 
     folder: of the files that they name. found: takes what is to be said of these files.
@@ -34,13 +34,13 @@ class Bodies:
         for name, entry in top.table("bodies").named():
             other = seen.get(name.casefold())
             if other is not None:
-                rule = TWICE if other == name else SAME_BODY
+                rule = BODY_TWICE if other == name else SAME_BODY
                 entry.say(rule, name=name, other=other)
-            said = entry.read(BODY)
+            said = entry.read(BODY_KEYS)
             one = self._one(name, entry, said)
             if one is None:
                 continue
-            own = {k: pose_of(t.read(PLACE)) for k, t in entry.table("locations").named()}
+            own = {k: pose_of(t.read(PLACE_KEYS)) for k, t in entry.table("locations").named()}
             yield replace(
                 one,
                 pose=pose_of(said),
@@ -67,15 +67,15 @@ class Bodies:
 
     def _one(self, name: str, entry: Table, said: Mapping[str, Any]) -> Body | None:
         """A body with its shape, or with its parts."""
-        key = self._kind(name, entry, (*SHAPES, PARTS), said)
+        key = self._kind(name, entry, (*SHAPE_KEYS, PARTS_KEY), said)
         if key == "drawing":
             drawing = self.drawing(said)
             return None if drawing is None else drawing.as_one(name)
-        if key == PARTS:
-            found = [self._part(*named) for named in entry.table(PARTS).named()]
-            if said[PARTS] == {}:
+        if key == PARTS_KEY:
+            found = [self._part(*named) for named in entry.table(PARTS_KEY).named()]
+            if said[PARTS_KEY] == {}:
                 entry.say(
-                    NO_SHAPE, PARTS, name=name, what="no parts", cure="write some, or a shape"
+                    NO_SHAPE, PARTS_KEY, name=name, what="no parts", cure="write some, or a shape"
                 )
             parts = tuple(part for part in found if part is not None)
             return Body(name, parts) if parts and len(parts) == len(found) else None
@@ -83,8 +83,8 @@ class Bodies:
         return None if shape is None else Body(name, (Part(shape),))
 
     def _part(self, name: str, entry: Table) -> Part | None:
-        said = entry.read(PART)
-        key = self._kind(name, entry, tuple(key for key in SHAPES if key != "drawing"), said)
+        said = entry.read(PART_KEYS)
+        key = self._kind(name, entry, tuple(key for key in SHAPE_KEYS if key != "drawing"), said)
         shape = None if key is None else self._shape(name, key, entry, said)
         return None if shape is None else Part(shape, pose_of(said))
 

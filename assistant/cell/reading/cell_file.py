@@ -57,21 +57,21 @@ from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell import arms
 from assistant.cell.collision.carriers import Carriers
 from assistant.cell.exploration.known import mapped
-from assistant.cell.exploration.map_file import load
+from assistant.cell.exploration.map_file import load_map
 from assistant.cell.exploration.rules import NOTHING_UNKNOWN
-from assistant.cell.reading.bodies import Bodies, pose_of
-from assistant.cell.reading.keys import PLACE, ROBOT, WORLD
+from assistant.cell.reading.bodies import BodyReader, pose_of
+from assistant.cell.reading.keys import PLACE_KEYS, ROBOT_KEYS, WORLD_KEYS
 from assistant.cell.reading.links import drawn_links
 from assistant.cell.reading.rules import UNUSED_PACKAGE
 from assistant.cell.rules import (
-    CIRCLE,
+    CIRCULAR_PARENTS,
     LONELY_TOOL,
     NO_BODY,
     NO_PARENT,
     NO_ROBOT,
     NO_SHAPE,
 )
-from assistant.cell.scene import MARGIN, Body, Named, Placed, Scene
+from assistant.cell.scene import MARGIN, Body, PlacedRobot, RobotReference, Scene
 from assistant.cell.scene import WORLD as WORLD_FRAME
 from assistant.program import settings_tables
 from assistant.program.geometry import Frame
@@ -99,7 +99,7 @@ def parse_scene(
     source: SourceText, folder: FilePath, *, explored: bool = True
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
     """As `read_scene`, from a text; folder: of the files that it names."""
-    reader = _Reader(read_toml(source), folder)
+    reader = _CellReader(read_toml(source), folder)
     scene = reader.scene()
     if explored and not has_errors((*reader.top.page.findings, *reader.found)):
         scene = reader.explored(scene)
@@ -109,15 +109,15 @@ def parse_scene(
     return scene, found
 
 
-class _Reader:
+class _CellReader:
     def __init__(self, top: Table, folder: FilePath) -> None:
         self.top, self.folder = top, folder
         self.found: list[Diagnostic] = []
-        self.bodies = Bodies(folder, self.found)
+        self.bodies = BodyReader(folder, self.found)
         self.maps: dict[str, Mapping[str, Any]] = {}
 
     def scene(self) -> Scene:
-        world = self.top.table("world").read(WORLD)
+        world = self.top.table("world").read(WORLD_KEYS)
         drawn = tuple(self.drawn(world))
         bodies = (*drawn, *self.bodies.read(self.top, drawn))
         placed = []
@@ -159,7 +159,7 @@ class _Reader:
             if one.parent not in there:
                 entry.say(NO_PARENT, "parent", name=name, parent=said, known=known)
             elif _in_itself(scene, one):
-                entry.say(CIRCLE, "parent", name=name, parent=said)
+                entry.say(CIRCULAR_PARENTS, "parent", name=name, parent=said)
                 return
 
     def explored(self, scene: Scene) -> Scene:
@@ -167,7 +167,7 @@ class _Reader:
         for name, said in self.maps.items():
             blocked = said.get("unknown", "blocked") == "blocked"
             try:
-                occupancy = load(self.folder / said["explored"])
+                occupancy = load_map(self.folder / said["explored"])
                 scene, findings = mapped(scene, occupancy, name, blocked=blocked)
             except Refused as refused:
                 self.found += refused.findings
@@ -182,13 +182,13 @@ class _Reader:
         found = {}
         for name, entry in self.top.table("frames").named():
             quiet = Table(replace(entry.page, findings=[]), entry.path, entry.content)
-            said = quiet.read({**PLACE, "held": settings_tables.truth})
+            said = quiet.read({**PLACE_KEYS, "held": settings_tables.truth})
             if not said.get("held", False):
                 found[name] = Frame(pose_of(said))
         return found
 
-    def robot(self, name: str, entry: Table) -> tuple[Placed | None, str | None]:
-        said = entry.read(ROBOT)
+    def robot(self, name: str, entry: Table) -> tuple[PlacedRobot | None, str | None]:
+        said = entry.read(ROBOT_KEYS)
         if "robot" not in said:
             entry.say(NO_SHAPE, name=name, what="robot", cure='write robot = "…"')
             return None, None
@@ -206,10 +206,10 @@ class _Reader:
             self.maps[name] = said
         elif "unknown" in said:
             entry.say(NOTHING_UNKNOWN, "unknown", name=name)
-        placed = arms.placed(name, robot, pose_of(said), links)
+        placed = arms.place_robot(name, robot, pose_of(said), links)
         return replace(placed, named=self.named(said)), said.get("tool")
 
-    def named(self, said: Mapping[str, Any]) -> Named:
+    def named(self, said: Mapping[str, Any]) -> RobotReference:
         """What the file calls a robot, with whole paths."""
         file = self.folder / said["robot"]
         name = str(file.absolute()) if self.is_file(file) else said["robot"]
@@ -219,7 +219,7 @@ class _Reader:
         }
         chart = str((self.folder / said["explored"]).absolute()) if "explored" in said else ""
         capsules = said.get("links") == "capsules"
-        return Named(name, packages, capsules, chart, said.get("unknown", ""))
+        return RobotReference(name, packages, capsules, chart, said.get("unknown", ""))
 
     def is_file(self, file: FilePath) -> bool:
         # Systems refuse to look for names over 255 characters.

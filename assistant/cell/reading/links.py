@@ -9,18 +9,24 @@ from urllib.parse import unquote
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading import meshes
-from assistant.cell.reading.rules import BARE, NO_PACKAGE, NOT_HERE, STILL, UNUSED_PACKAGE
+from assistant.cell.reading.rules import (
+    FIXED_JOINTS,
+    NO_MESH_FILE,
+    NO_PACKAGE,
+    UNDRAWN_LINKS,
+    UNUSED_PACKAGE,
+)
 from assistant.cell.scene import Body, Part
 from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from assistant.program.geometry import Vector
 from assistant.robots.outlines import Outline, Outlines
 from assistant.robots.robot import Robot
 
-PACKAGE: Final = "package://"
-FILE: Final = "file://"
-NO_NAMES: Final = ("", ".", "..")
+PACKAGE_SCHEME: Final = "package://"
+FILE_SCHEME: Final = "file://"
+NO_PACKAGE_NAMES: Final = ("", ".", "..")
 """What is a folder everywhere, and no package."""
-UNIT: Final = "m"
+URDF_UNIT: Final = "m"
 """Of the meshes of a URDF that state none."""
 
 
@@ -45,10 +51,10 @@ def drawn_links(
     if "flange" in there and bare and bare[-1] == robot.axes[-1]:
         bare.pop()  # it moves with the last link
     if bare:
-        reader.found.append(BARE(name=name, links=", ".join(bare)))
+        reader.found.append(UNDRAWN_LINKS(name=name, links=", ".join(bare)))
     if robot.outlines.still:
         joints = ", ".join(f"`{joint}`" for joint in robot.outlines.still)
-        reader.found.append(STILL(name=name, joints=joints))
+        reader.found.append(FIXED_JOINTS(name=name, joints=joints))
     return bodies, tuple(reader.found)
 
 
@@ -88,7 +94,7 @@ class _Links:
             return None
         if (file, one.scale) not in self.read:
             try:
-                mesh, findings = meshes.read_mesh(file, UNIT, scale=one.scale)
+                mesh, findings = meshes.read_mesh(file, URDF_UNIT, scale=one.scale)
                 self.found += findings
                 self.read[file, one.scale] = mesh
             except Refused as refused:
@@ -99,19 +105,19 @@ class _Links:
     def file(self, one: Outline) -> FilePath | None:
         """Where a mesh is; None, and a finding, if nobody knows."""
         said, folder = one.file, FilePath(self.outlines.folder)
-        if said.startswith(FILE):
-            return folder / unquote(said[len(FILE) :])
-        if not said.startswith(PACKAGE):
+        if said.startswith(FILE_SCHEME):
+            return folder / unquote(said[len(FILE_SCHEME) :])
+        if not said.startswith(PACKAGE_SCHEME):
             if "://" not in said:
                 return folder / said
             if said not in self.missing:
-                self.wrong.append(NOT_HERE(link=one.link, file=said))
+                self.wrong.append(NO_MESH_FILE(link=one.link, file=said))
             self.missing.add(said)
             return None
-        package, _, rest = unquote(said[len(PACKAGE) :]).partition("/")
+        package, _, rest = unquote(said[len(PACKAGE_SCHEME) :]).partition("/")
         self.used.add(package)
         found = self.packages.get(package)
-        if found is None and package not in NO_NAMES:
+        if found is None and package not in NO_PACKAGE_NAMES:
             above = folder.resolve().parents
             found = next((up / package for up in above if (up / package).is_dir()), None)
         if found is None and package not in self.missing:

@@ -30,16 +30,16 @@ if TYPE_CHECKING:
 
 KINDS: Final = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".3mf": "3mf", ".glb": "glb",
                 ".gltf": "gltf"}  # fmt: skip
-STEP: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
+CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
 IN_METRES: Final = (".glb", ".gltf")
 """glTF's lengths are metres by its specification."""
 FARTHEST: Final = 1e7
 """mm of a coordinate: distances of larger ones would lose their last places."""
-LARGEST: Final = 1 << 30
+MOST_BYTES: Final = 1 << 30
 """Bytes of a file."""
 MOST_TRIANGLES: Final = 200_000
 """Above that a mesh is simplified."""
-MERGED: Final = 1e-6
+MERGE_DISTANCE: Final = 1e-6
 """mm; corners that near are one: STL states each corner of each triangle anew."""
 
 
@@ -54,15 +54,17 @@ def read_mesh(
     unit: of a file that states none. scale: of its coordinates; a negative one mirrors. Raises
     Unreadable for a file that is not there, Refused for one that is no mesh.
     """
-    trimesh = library()
+    trimesh = mesh_library()
     suffix, said = path.suffix.lower(), str(path)
     if suffix not in KINDS:
         known = ", ".join(sorted(kind[1:].upper() for kind in KINDS))
         cure = (
-            f"convert it to one of {known} in a CAD program" if suffix in STEP else f"use {known}"
+            f"convert it to one of {known} in a CAD program"
+            if suffix in CAD_SUFFIXES
+            else f"use {known}"
         )
         raise Refused(NO_MESH(path=said, reason=f"`{suffix}` is not read", cure=cure))
-    data = read_bytes(path, most=LARGEST)
+    data = read_bytes(path, most=MOST_BYTES)
     try:
         found = _loaded(trimesh, data, KINDS[suffix], path)
         points = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
@@ -82,7 +84,7 @@ def read_mesh(
         raise _no_mesh(said, f"a corner is more than {FARTHEST:g} mm away from its origin")
     if np.prod(scale) < 0.0:
         triangles = triangles[:, ::-1]
-    return cleaned(points, triangles, most, said, findings)
+    return cleaned_mesh(points, triangles, most, said, findings)
 
 
 def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:
@@ -106,7 +108,7 @@ def _no_mesh(path: str, reason: str) -> Refused:
     return Refused(NO_MESH(path=path, reason=reason, cure="export it again"))
 
 
-def library() -> ModuleType:
+def mesh_library() -> ModuleType:
     """trimesh; raises Refused, naming the extra, without it."""
     try:
         import trimesh
@@ -140,7 +142,7 @@ def _factor(
     return 1.0, [NO_UNIT(path=path, unit=UNITS["mm"][0])]
 
 
-def cleaned(
+def cleaned_mesh(
     points: Floats, triangles: Ints, most: int, path: str, findings: list[Diagnostic]
 ) -> tuple[Mesh, tuple[Diagnostic, ...]]:
     """A mesh of points (n, 3) mm and triangles (m, 3), and what is to be said of it.
@@ -150,12 +152,14 @@ def cleaned(
     """
     given, off = len(triangles), 0.0
     if given <= most:
-        points, triangles = _merged(points, triangles, MERGED)
+        points, triangles = _merged(points, triangles, MERGE_DISTANCE)
     else:
         # About three triangles for each square of a grid that a surface goes through.
-        cell = max(float(np.sqrt(3.0 * _areas(points, triangles).sum() / most)), 2.0 * MERGED)
+        cell = max(
+            float(np.sqrt(3.0 * _areas(points, triangles).sum() / most)), 2.0 * MERGE_DISTANCE
+        )
         while len((fewer := _merged(points, triangles, cell))[1]) > most:
-            cell *= COARSER
+            cell *= GRID_GROWTH
         points, triangles = fewer
         off = cell * float(np.sqrt(3.0))
     if off:
@@ -192,7 +196,7 @@ def _merged(points: Floats, triangles: Ints, cell: float) -> tuple[Floats, Ints]
     moved = places[triangles]
     a, b, c = moved.T
     kept = moved[(a != b) & (b != c) & (c != a)]
-    if cell > MERGED and len(kept):
+    if cell > MERGE_DISTANCE and len(kept):
         corners = np.sort(kept, axis=1)
         a, b, c = kept.T
         up = np.where(((a < b) & (b < c)) | ((b < c) & (c < a)) | ((c < a) & (a < b)), 1, -1)
@@ -211,7 +215,7 @@ def _distinct(rows: Ints) -> tuple[Ints, Ints]:
     Sorted by one number a row, ten times as fast as rows are; should two share one, as rows.
     """
     x, y, z = rows.astype(np.uint64).T
-    codes = (x * MIXED[0]) ^ (y * MIXED[1]) ^ (z * MIXED[2])
+    codes = (x * HASH_FACTORS[0]) ^ (y * HASH_FACTORS[1]) ^ (z * HASH_FACTORS[2])
     codes ^= codes >> np.uint64(29)
     _, first, places = np.unique(codes, return_index=True, return_inverse=True)
     if not (rows[first][places] == rows).all():
@@ -219,13 +223,13 @@ def _distinct(rows: Ints) -> tuple[Ints, Ints]:
     return first, places.reshape(-1)
 
 
-MIXED: Final = (
+HASH_FACTORS: Final = (
     np.uint64(0x9E3779B97F4A7C15),
     np.uint64(0xC2B2AE3D27D4EB4F),
     np.uint64(0x165667B19E3779F9),
 )
 """Odd numbers without pattern: different rows get different codes, but for one in 10¹² files."""
-COARSER: Final = 1.25
+GRID_GROWTH: Final = 1.25
 """By which a grid grows that leaves too many triangles."""
 
 

@@ -11,7 +11,7 @@ NO_PACKAGE: Final = error(
     "link `{link}` has a mesh in the package `{package}`, and no folder above the URDF holds it",
     'write packages = {{{package} = "FOLDER"}} to the robot, or links = "capsules"',
 )
-NOT_HERE: Final = error(
+NO_MESH_FILE: Final = error(
     "CK437",
     "link `{link}` has a mesh at `{file}`, which is no file",
     'copy it beside the URDF, or write links = "capsules" to the robot',
@@ -21,12 +21,12 @@ UNUSED_PACKAGE: Final = warning(
     "no link of the robot `{name}` has a mesh in the package `{package}`",
     "take it out, or correct its name",
 )
-STILL: Final = info(
+FIXED_JOINTS: Final = info(
     "CK439",
     "the joints {joints} of the robot `{name}` are no axes of its arm; what they carry stands as "
     "with them at 0",
 )
-BARE: Final = info(
+UNDRAWN_LINKS: Final = info(
     "CK419",
     "the URDF of the robot `{name}` draws nothing on {links}, so that nothing is looked for there",
     'draw them, or write links = "capsules" to the robot',

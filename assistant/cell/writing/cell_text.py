@@ -14,14 +14,14 @@ from typing import Any, Final
 from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.cell.arms import touching_links
-from assistant.cell.scene import MARGIN, WORLD, Body, Part, Placed, Scene
+from assistant.cell.scene import MARGIN, WORLD, Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Sphere
-from assistant.cell.writing.rules import NO_NAME, UNNAMED_ROBOT, WORKED_OUT
+from assistant.cell.writing.rules import CHART_BODY, UNNAMED_ROBOT, UNWRITABLE_NAME
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import IDENTIFIER
 from assistant.sources.cell import toml_value
 
-MESH: Final = ".obj"
+MESH_SUFFIX: Final = ".obj"
 
 
 def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
@@ -31,12 +31,12 @@ def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
     the scene, see `read_scene`. Raises Refused for a robot that is in no file, and for
     names that a cell file cannot hold.
     """
-    _named(scene)
+    _check_names(scene)
     files: dict[str, bytes] = {}
     world = list(_world(scene))
     parts = ["\n".join(["[world]", *world])] if world else []
     for frame, pose in scene.frames.items():
-        parts.append("\n".join([f"[frames.{frame}]", *_place(pose)]))
+        parts.append("\n".join([f"[frames.{frame}]", *_place_keys(pose)]))
     parts += ["\n".join(_robot(placed, folder)) for placed in scene.robots]
     for body in scene.bodies:
         parts.append("\n".join(_body(body, name, files)))
@@ -44,17 +44,17 @@ def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
     return {f"{name}.toml": text.encode(), **files}
 
 
-def _named(scene: Scene) -> None:
+def _check_names(scene: Scene) -> None:
     """Raises Refused for names and bodies that a cell file cannot hold."""
     names = [*scene.frames, *(placed.name for placed in scene.robots)]
     for body in scene.bodies:
         names += [body.name, *body.locations]
     wrong = [name for name in dict.fromkeys(names) if not IDENTIFIER.fullmatch(name)]
     if wrong:
-        raise Refused(*(NO_NAME(name=name) for name in wrong))
+        raise Refused(*(UNWRITABLE_NAME(name=name) for name in wrong))
     for body in scene.bodies:
         if any(getattr(part.shape, "within", None) is not None for part in body.parts):
-            raise Refused(WORKED_OUT(name=body.name))
+            raise Refused(CHART_BODY(name=body.name))
 
 
 def _allowed(scene: Scene) -> list[tuple[str, str]]:
@@ -72,7 +72,7 @@ def _world(scene: Scene) -> Iterator[str]:
         yield f"allowed = {toml_value(pairs)}"
 
 
-def _robot(placed: Placed, folder: FilePath) -> Iterator[str]:
+def _robot(placed: PlacedRobot, folder: FilePath) -> Iterator[str]:
     yield f"[robots.{placed.name}]"
     named = placed.named
     if named is None or named.robot in robots.names():
@@ -91,7 +91,7 @@ def _robot(placed: Placed, folder: FilePath) -> Iterator[str]:
         yield f"explored = {toml_value(_from(folder, named.explored))}"
         if named.unknown:
             yield f"unknown = {toml_value(named.unknown)}"
-    yield from _place(placed.base)
+    yield from _place_keys(placed.base)
 
 
 def _keyed(table: Mapping[str, str]) -> Iterator[tuple[str, str]]:
@@ -107,7 +107,7 @@ def _from(folder: FilePath, path: str) -> str:
         return FilePath(path).as_posix()
 
 
-def _place(pose: Pose) -> Iterator[str]:
+def _place_keys(pose: Pose) -> Iterator[str]:
     if pose.position != IDENTITY.position:
         yield f"position = {toml_value(pose.position)}"
     if pose.quaternion != IDENTITY.quaternion:
@@ -121,7 +121,7 @@ def _body(body: Body, name: str, files: dict[str, bytes]) -> Iterator[str]:
         yield from _shape(body.parts[0], f"{name}.{body.name}", files)
     if body.parent != WORLD:
         yield f"parent = {toml_value(body.parent)}"
-    yield from _place(body.pose)
+    yield from _place_keys(body.pose)
     if body.colour is not None:
         yield 'colour = "#{:02x}{:02x}{:02x}"'.format(*body.colour)
     if body.margin is not None:
@@ -132,10 +132,10 @@ def _body(body: Body, name: str, files: dict[str, bytes]) -> Iterator[str]:
     for number, part in enumerate(() if whole else body.parts, 1):
         yield f"\n[bodies.{body.name}.parts.p{number}]"
         yield from _shape(part, f"{name}.{body.name}.p{number}", files)
-        yield from _place(part.pose)
+        yield from _place_keys(part.pose)
     for key, pose in body.locations.items():
         yield f"\n[bodies.{body.name}.locations.{key}]"
-        yield from _place(pose)
+        yield from _place_keys(pose)
 
 
 def _shape(part: Part, file: str, files: dict[str, bytes]) -> Iterator[str]:
@@ -157,8 +157,8 @@ def _shape(part: Part, file: str, files: dict[str, bytes]) -> Iterator[str]:
 
 
 def _mesh(key: str, mesh: Mesh, file: str, files: dict[str, bytes]) -> Iterator[str]:
-    files[file + MESH] = _obj(mesh)
-    yield f"{key} = {toml_value(file + MESH)}"
+    files[file + MESH_SUFFIX] = _obj(mesh)
+    yield f"{key} = {toml_value(file + MESH_SUFFIX)}"
     yield 'unit = "mm"'
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.scene import FLANGE, Body, Colour, Scene
 from assistant.cell.surfaces import surface
 from assistant.program.geometry import IDENTITY, Pose
@@ -25,8 +25,8 @@ from assistant.program.geometry import IDENTITY, Pose
 GREY: Final[Colour] = (160, 165, 170)
 ORANGE: Final[Colour] = (230, 120, 40)
 """Of links that name no colour."""
-FLOATS, WORDS = 5126, 5125
-UPRIGHT: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
+GLTF_FLOAT, GLTF_UNSIGNED = 5126, 5125
+Z_TO_Y: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """A quarter turn about x that leads z to y, as glTF has it (x, y, z, w)."""
 
 
@@ -39,12 +39,12 @@ def gltf(scene: Scene, joints: Mapping[str, Floats] | None = None) -> bytes:
     carriers = Carriers(scene.robots)
     row = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]
     origins, turns = carriers.at(np.concatenate([np.zeros(0), *row])[None])
-    file = _File()
-    nodes = {0: file.node("cell", rotation=UPRIGHT, scale=[0.001] * 3)}
+    file = _GltfFile()
+    nodes = {0: file.node("cell", rotation=Z_TO_Y, scale=[0.001] * 3)}
     for placed, first in zip(scene.robots, carriers.first, strict=True):
         names, before = ("base", *placed.robot.axes, FLANGE), IDENTITY
         for i, name in enumerate(names):
-            local = pose = _pose(origins[0, first + i], turns[0, first + i])
+            local = pose = _node_pose(origins[0, first + i], turns[0, first + i])
             if i:
                 local = before.inverse() @ pose
             parent, before = nodes[first + i - 1 if i else 0], pose
@@ -54,12 +54,12 @@ def gltf(scene: Scene, joints: Mapping[str, Floats] | None = None) -> bytes:
     for body in scene.all_bodies():
         if not body.shown:
             continue
-        carrier, pose = carried(scene, body, carriers)
-        _add(file, body, pose, nodes[carrier], ORANGE if id(body) in links else GREY)
+        carrier, pose = carrier_of(scene, body, carriers)
+        _add_body(file, body, pose, nodes[carrier], ORANGE if id(body) in links else GREY)
     return file.bytes()
 
 
-def _add(file: _File, body: Body, pose: Pose, parent: int, usual: Colour) -> None:
+def _add_body(file: _GltfFile, body: Body, pose: Pose, parent: int, usual: Colour) -> None:
     """A node of a body; under it one of each part, its locations as nodes without a mesh."""
     node = file.posed(body.name, pose, parent)
     colour = body.colour or usual
@@ -71,12 +71,12 @@ def _add(file: _File, body: Body, pose: Pose, parent: int, usual: Colour) -> Non
         file.posed(f"{body.name} {name}", at, node)
 
 
-def _pose(origin: Floats, turn: Floats) -> Pose:
+def _node_pose(origin: Floats, turn: Floats) -> Pose:
     return Pose.of(origin, rotations.from_matrix(turn))
 
 
 @dataclass(slots=True)
-class _File:
+class _GltfFile:
     nodes: list[dict[str, Any]] = field(default_factory=list)
     meshes: list[dict[str, Any]] = field(default_factory=list)
     materials: dict[Colour, int] = field(default_factory=dict)
@@ -101,9 +101,9 @@ class _File:
         material = self.materials.setdefault(colour, len(self.materials))
         single = points.astype("<f4")
         low, high = single.min(axis=0).tolist(), single.max(axis=0).tolist()
-        where = self.accessor(single, FLOATS, "VEC3", len(points), min=low, max=high)
+        where = self.accessor(single, GLTF_FLOAT, "VEC3", len(points), min=low, max=high)
         corners = triangles.astype("<u4").reshape(-1)
-        indices = self.accessor(corners, WORDS, "SCALAR", len(corners))
+        indices = self.accessor(corners, GLTF_UNSIGNED, "SCALAR", len(corners))
         piece = {"attributes": {"POSITION": where}, "indices": indices, "material": material}
         self.meshes.append({"name": name, "primitives": [piece]})
         return len(self.meshes) - 1

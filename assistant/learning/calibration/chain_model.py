@@ -27,7 +27,7 @@ from assistant.learning.calibration.models import (
 )
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.robots.arms.chain import Along, Chain, Joint
+from assistant.robots.arms.chain import Chain, ChainPoses, Joint
 
 PARALLEL: Final = 0.1
 """Sine of the angle between two axes below which they count as parallel."""
@@ -119,7 +119,7 @@ class ChainModel:
     def zero(self, values: Floats) -> Floats:
         return np.asarray(self.robot.zero + values[: len(self.robot.axes)])
 
-    def _along(self, joints: Floats, values: Floats) -> Along:
+    def _along(self, joints: Floats, values: Floats) -> ChainPoses:
         robot = replace(self.robot, zero=self.zero(values))
         return self.chain(values).along(robot.chained(joints))
 

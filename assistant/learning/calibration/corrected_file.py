@@ -16,7 +16,7 @@ from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Scara, SixAxis
 from assistant.robots.arms.chain import METRE, Chain
-from assistant.robots.robot_file import LENGTHS, NAME
+from assistant.robots.robot_file import LENGTH_NAMES, ROBOT_NAME
 
 DIGITS: Final = 9
 """Decimals of mm and degrees; the flange of the file is that of the fit within 1e-6 mm."""
@@ -30,7 +30,9 @@ def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
     head = _head(done, stem)
     if isinstance(arm, SixAxis | FiveAxis | Scara):
         has = arm if isinstance(arm, Scara) else arm.lengths
-        lengths = {name: round(float(getattr(has, name)), DIGITS) for name in LENGTHS[arm.kind]}
+        lengths = {
+            name: round(float(getattr(has, name)), DIGITS) for name in LENGTH_NAMES[arm.kind]
+        }
         kind = [f"arm = {_text(arm.kind)}"]
         table = ["[lengths_mm]", *(f"{key} = {value}" for key, value in lengths.items()), ""]
         body = [*_axes(done.robot, done.robot.axes, zero), *_radii(done.robot, done.robot.axes)]
@@ -47,7 +49,7 @@ def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
 
 def _head(done: Calibration, stem: str) -> Iterator[str]:
     robot = done.robot
-    name = stem if NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated"
+    name = stem if ROBOT_NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated"
     count = int(done.fit.used.sum())
     how = f"calibrated by {count} poses of {done.measured.path or 'a program'}"
     left = f"{done.out.point:.3g} mm left in poses held out"

@@ -16,8 +16,8 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
 from assistant.robots import Robot
 from assistant.robots.arms import Arm, FiveAxis, Scara, SixAxis
-from assistant.robots.arms.chain import Along, Chain
-from assistant.robots.robot_file import LENGTHS
+from assistant.robots.arms.chain import Chain, ChainPoses
+from assistant.robots.robot_file import LENGTH_NAMES
 
 Unit = Literal["mm", "deg"]
 Estimate = Literal["zeros", "lengths", "chain"]
@@ -77,7 +77,7 @@ def spun(turns: Floats) -> Floats:
     return np.asarray(rotations.turns((1.0, 0.0, 0.0, 0.0), rotations.from_matrix(turns)))
 
 
-def of_zeros(found: Along, sliding: Truths) -> tuple[Floats, Floats]:
+def of_zeros(found: ChainPoses, sliding: Truths) -> tuple[Floats, Floats]:
     """Change of the flange by the zero of each axis: (n, 3, a) mm and (n, 3, a) radians."""
     axes, lever = found.axes, found.origins[:, -1:] - found.origins[:, :-1]
     degree = np.where(sliding, 0.0, np.radians(1.0))[:, None]
@@ -99,7 +99,7 @@ class LengthsModel:
         if not self.lengths or not isinstance(arm, SixAxis | FiveAxis | Scara):
             return ()
         fixed = ("a1", "a3") if isinstance(arm, FiveAxis) else ()
-        return tuple(name for name in LENGTHS[arm.kind] if name not in fixed)
+        return tuple(name for name in LENGTH_NAMES[arm.kind] if name not in fixed)
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -33,7 +33,7 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Along:
+class ChainPoses:
     """What n values of a chain of a joints lead to.
 
     origins: (n, a + 1, 3) mm of the joints and the flange. axes: (n, a, 3) unit vectors.
@@ -62,16 +62,16 @@ class Chain:
         """Of links with the ranges of their joints, radians or mm."""
         joints, tail = [], IDENTITY
         for link, (low, high) in zip(links, ranges, strict=True):
-            turn = Pose(quaternion=_about(2, link.theta))
+            turn = Pose(quaternion=_rotation_about_axis(2, link.theta))
             slide = Pose((0.0, 0.0, link.d))
             # An axis that slides does so behind its turn, one that turns before it.
             before = tail @ turn @ slide if link.sliding else tail @ turn
             joints.append(Joint(before, sliding=link.sliding, low=low, high=high))
             behind = IDENTITY if link.sliding else slide
-            tail = behind @ Pose((link.a, 0.0, 0.0), _about(0, link.alpha))
+            tail = behind @ Pose((link.a, 0.0, 0.0), _rotation_about_axis(0, link.alpha))
         return Chain(tuple(joints), tail)
 
-    def along(self, values: Floats) -> Along:
+    def along(self, values: Floats) -> ChainPoses:
         """Values (n, a) of the joints, radians or mm."""
         n, count = values.shape
         origins, axes = np.empty((n, count + 1, 3)), np.empty((n, count, 3))
@@ -92,7 +92,7 @@ class Chain:
             origins[:, i], frames[:, i] = p, turn
         origins[:, -1] = p + turn @ np.array(self.flange.position)
         frames[:, -1] = turn @ rotations.to_matrix(self.flange.quaternion)
-        return Along(origins, axes, frames)
+        return ChainPoses(origins, axes, frames)
 
     def elementary(self, zero: Floats | None = None, limits: Floats | None = None) -> Any:
         """The chain as elementary transforms of roboticstoolbox, in metres and radians.
@@ -100,12 +100,12 @@ class Chain:
         zero: (a,) of the chain where a joint is 0. limits: (a, 2) of the joints. Raises Refused,
         naming the extra, without roboticstoolbox.
         """
-        from assistant.robots.arms.toolbox import library
+        from assistant.robots.arms.toolbox import toolbox_library
 
-        rtb = library("an arm of kind `serial`")
+        rtb = toolbox_library("an arm of kind `serial`")
         parts, tail = [], IDENTITY
         for i, joint in enumerate(self.joints):
-            onto = Pose(quaternion=onto_z(joint.axis))
+            onto = Pose(quaternion=rotation_from_z(joint.axis))
             parts.append(rtb.ET.SE3(_in_metres(tail @ joint.pose @ onto)))
             turn = rtb.ET.tz if joint.sliding else rtb.ET.Rz
             if zero is not None and zero[i]:
@@ -127,7 +127,7 @@ class Chain:
         return tuple(out)
 
 
-def matrices(positions: Floats, quaternions: Floats) -> Floats:
+def pose_matrices(positions: Floats, quaternions: Floats) -> Floats:
     """Poses (n, 3) mm, (n, 4) as matrices (n, 4, 4), in metres."""
     out = np.tile(np.eye(4), (len(positions), 1, 1))
     out[:, :3, :3] = rotations.to_matrix(quaternions)
@@ -136,17 +136,17 @@ def matrices(positions: Floats, quaternions: Floats) -> Floats:
 
 
 def _in_metres(pose: Pose) -> Floats:
-    return np.asarray(matrices(np.array([pose.position]), np.array([pose.quaternion]))[0])
+    return np.asarray(pose_matrices(np.array([pose.position]), np.array([pose.quaternion]))[0])
 
 
-def _about(axis: int, angle: float) -> tuple[float, float, float, float]:
+def _rotation_about_axis(axis: int, angle: float) -> tuple[float, float, float, float]:
     """A rotation about X, Y or Z, radians."""
     unit = np.eye(3)[axis]
     w, x, y, z = rotations.canonical(rotations.about(unit, np.degrees(angle))).tolist()
     return (w, x, y, z)
 
 
-def onto_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
+def rotation_from_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
     """A rotation that takes Z to an axis."""
     x, y, z = axis
     if z < -1.0 + 1e-12:

@@ -25,7 +25,7 @@ from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, turn_between
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
 
-ON_AXIS: Final = 1e-6
+ON_AXIS_1: Final = 1e-6
 """mm; a point nearer to axis 1 has no azimuth of its own and gets 0."""
 
 
@@ -46,12 +46,12 @@ class FiveAxis(Arm):
         return self.lengths.reach
 
     def fk(self, joints: Floats) -> tuple[Floats, Floats]:
-        return fk(self.lengths, joints)
+        return five_axis_fk(self.lengths, joints)
 
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        return ik(self.lengths, positions, quaternions, branches)
+        return five_axis_ik(self.lengths, positions, quaternions, branches)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         """Flip is 1, which is FLG1 6 for the front, upper branch."""
@@ -97,11 +97,11 @@ def to_ab(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
     An orientation that the arm cannot take (see `miss`) gives those of the nearest plane.
     """
     azimuth = _azimuth(positions)
-    m = _in_plane(azimuth, quaternions)
+    m = _in_arm_plane(azimuth, quaternions)
     b = np.arctan2(m[:, 0, 2], m[:, 2, 2])
     roll = np.arctan2(m[:, 1, 0], m[:, 1, 1])
     a = roll + azimuth * np.cos(b)
-    return _wrapped(np.degrees(np.stack([a, b], axis=-1)))
+    return _wrapped_degrees(np.degrees(np.stack([a, b], axis=-1)))
 
 
 def from_ab(positions: ArrayLike, ab: ArrayLike) -> Floats:
@@ -111,16 +111,16 @@ def from_ab(positions: ArrayLike, ab: ArrayLike) -> Floats:
     return rotations.canonical(zyz(azimuth, b, a - azimuth * np.cos(b)))
 
 
-def miss(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
+def plane_miss(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
     """(n,) degrees by which the tool axis leaves the plane through axis 1 and the position.
 
     0 for a vertical tool, which lies in every plane.
     """
-    m = _in_plane(_azimuth(positions), quaternions)
+    m = _in_arm_plane(_azimuth(positions), quaternions)
     return np.asarray(np.degrees(np.abs(np.arcsin(np.clip(m[:, 1, 2], -1.0, 1.0)))))
 
 
-def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
+def five_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     """Chain angles (n, 5) in radians → flange positions (n, 3) mm, quaternions (n, 4)."""
     j1, j2, j3, j5, j6 = joints.T
     upper, fore, tilt = j2, j2 + j3, j2 + j3 + j5
@@ -135,7 +135,7 @@ def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     return positions, rotations.canonical(zyz(j1, tilt, j6))
 
 
-def ik(
+def five_axis_ik(
     lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Flange poses → chain angles (5, b, n) in radians and what keeps each from closing (b, n) mm.
@@ -145,8 +145,8 @@ def ik(
     the stretched or folded arm.
     The tool axis is taken into the plane of the arm; `miss` tells by how much.
     """
-    azimuth = _plane(positions, quaternions)
-    m = _in_plane(azimuth, quaternions)
+    azimuth = _arm_plane(positions, quaternions)
+    m = _in_arm_plane(azimuth, quaternions)
     tilt, roll = np.arctan2(m[:, 0, 2], m[:, 2, 2]), np.arctan2(m[:, 1, 0], m[:, 1, 1])
     r = np.hypot(positions[:, 0], positions[:, 1]) - lengths.d6 * np.sin(tilt)
     z = positions[:, 2] - lengths.d1 - lengths.d6 * np.cos(tilt)
@@ -173,26 +173,26 @@ def ik(
 
 def _azimuth(positions: ArrayLike) -> Floats:
     p = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
-    on_axis = np.hypot(p[:, 0], p[:, 1]) < ON_AXIS
+    on_axis = np.hypot(p[:, 0], p[:, 1]) < ON_AXIS_1
     return np.where(on_axis, 0.0, np.arctan2(p[:, 1], p[:, 0]))
 
 
-def _plane(positions: Floats, quaternions: Floats) -> Floats:
+def _arm_plane(positions: Floats, quaternions: Floats) -> Floats:
     """Azimuth of the arm's plane: that of the position, on axis 1 that of the tool axis."""
     x, y, _ = axis_z(quaternions)
     upright = np.hypot(x, y) < 1e-9
-    on_axis = np.hypot(positions[:, 0], positions[:, 1]) < ON_AXIS
+    on_axis = np.hypot(positions[:, 0], positions[:, 1]) < ON_AXIS_1
     return np.where(on_axis & ~upright, np.arctan2(y, x), _azimuth(positions))
 
 
-def _in_plane(azimuth: Floats, quaternions: ArrayLike) -> Floats:
+def _in_arm_plane(azimuth: Floats, quaternions: ArrayLike) -> Floats:
     """(n, 3, 3) rotations seen from the plane of the arm."""
     q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
     back = rotations.about((0.0, 0.0, 1.0) * np.ones((len(q), 1)), np.degrees(-azimuth))
     return rotations.to_matrix(rotations.multiply(back, q))
 
 
-def _wrapped(degrees: Floats) -> Floats:
+def _wrapped_degrees(degrees: Floats) -> Floats:
     """Into (-180, 180]; what is within 1e-9 of -180 is 180, whatever its rounding."""
     turned = degrees - 360.0 * np.round(degrees / 360.0)
     return np.minimum(np.where(turned <= -180.0 + 1e-9, turned + 360.0, turned), 180.0) + 0.0

@@ -13,9 +13,9 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused, error, info
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.chain import METRE, Joint
-from assistant.robots.arms.recognition import recognised
+from assistant.robots.arms.recognition import recognise_six_axis
 from assistant.robots.arms.serial import Serial
-from assistant.robots.programming import languages
+from assistant.robots.programming import programming_languages
 from assistant.robots.robot import Robot, usual_radii
 
 if TYPE_CHECKING:
@@ -33,9 +33,9 @@ ASSUMED: Final = info(
     "are assumed{rest}",
     "write a robot file with what you know better",
 )
-UNFIT: Final = re.compile(r"[^A-Za-z0-9_.-]+")
+NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 AXES: Final = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-AGREEING: Final = 1e-9
+FLANGES_AGREE: Final = 1e-9
 """m, and of a cosine, by which forward kinematics of both may differ."""
 MOST_AXES: Final = 32
 
@@ -47,7 +47,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
     with a spherical wrist get the closed form, other chains are solved numerically. Raises Refused
     for what is no chain of joints with limits, and for one that ours does not agree with.
     """
-    name = _name(getattr(arm, "name", ""))
+    name = _robot_name(getattr(arm, "name", ""))
 
     def refused(reason: str) -> Refused:
         return Refused(NO_CHAIN(name=name, reason=reason), exit_status=2)
@@ -64,7 +64,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
     if fast.shape != (count,) or not (fast > 0.0).all() or not np.isfinite(fast).all():
         raise refused(f"{count} speeds above 0 are wanted")
     chain = _serial(parts, qlim, *_ends(arm, ets, qlim))
-    known = recognised(chain) or chain
+    known = recognise_six_axis(chain) or chain
     made = _robot(arm, name, known, qlim, fast)
     _refuse_unlike(arm, made, qlim, refused)
     return made
@@ -73,7 +73,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
 def _ends(arm: Any, ets: Any, qlim: Floats) -> tuple[Floats, Floats]:
     """Base and tool as matrices, where the transforms do not have them: those of a DHRobot do."""
     middle = qlim.mean(axis=0)
-    if np.allclose(arm.fkine(middle).A, ets.fkine(middle).A, rtol=0.0, atol=AGREEING):
+    if np.allclose(arm.fkine(middle).A, ets.fkine(middle).A, rtol=0.0, atol=FLANGES_AGREE):
         return np.eye(4), np.eye(4)
     base, tool = (np.asarray(one.A, dtype=np.float64) for one in (arm.base, arm.tool))
     return base, tool
@@ -106,7 +106,7 @@ def _robot(arm: Any, name: str, known: Any, qlim: Floats, speeds: Floats) -> Rob
         title=str(arm.name) or name,
         maker=str(getattr(arm, "manufacturer", "")) or "unknown",
         controller="unknown",
-        languages=tuple(languages()),
+        languages=tuple(programming_languages()),
         arm=known,
         zero=np.zeros(count),
         limits=limits,
@@ -131,7 +131,7 @@ def _refuse_unlike(arm: Any, made: Robot, qlim: Floats, refused: Any) -> None:
     p, q = made.fk(values * np.where(made.sliding, METRE, np.degrees(1.0)))
     off = np.abs(theirs[:, :3, 3] - p / METRE).max()
     turned = np.abs(theirs[:, :3, :3] - rotations.to_matrix(q)).max()
-    if not max(off, turned) < AGREEING:
+    if not max(off, turned) < FLANGES_AGREE:
         raise refused("its forward kinematics is not that of its chain")
 
 
@@ -139,6 +139,6 @@ def _pose(matrix: Floats) -> Pose:
     return Pose.of(matrix[:3, 3] * METRE, rotations.from_matrix(matrix[:3, :3]))
 
 
-def _name(given: object) -> str:
+def _robot_name(given: object) -> str:
     """What a robot may be called, see `robot_file`."""
-    return UNFIT.sub("-", " ".join(str(given).split())).strip("-_.").lower()[:64] or "robot"
+    return NOT_IN_NAMES.sub("-", " ".join(str(given).split())).strip("-_.").lower()[:64] or "robot"

@@ -9,16 +9,16 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows
 
-Missing = Callable[[Floats, Rows], Floats]
+Residuals = Callable[[Floats, Rows], Floats]
 """Joints (m, s, a) of s tries for each of m searches, and which ones (m,) → what is missing
 (m, s, 6) to what is wanted."""
 
-STEP: Final = 1e-4
+DIFFERENCE_STEP: Final = 1e-4
 """degrees of an axis over which the change of a pose is taken."""
 
 
-def refined(
-    missing: Missing, joints: Floats, low: Floats, high: Floats, rounds: int, enough: float = 0.0
+def least_squares_joints(
+    missing: Residuals, joints: Floats, low: Floats, high: Floats, rounds: int, enough: float = 0.0
 ) -> tuple[Floats, Floats]:
     """Joints (k, a), each nearer to what is wanted, step by step, and their costs (k,).
 
@@ -27,13 +27,15 @@ def refined(
     joints = joints.copy()
     k, count = joints.shape
     own = np.arange(count)
-    here = _at(missing, joints, np.arange(k))
+    here = _residuals_at(missing, joints, np.arange(k))
     damping, active = np.full(k, 1e-3), np.arange(k)[_cost(here) > enough]
     for _ in range(rounds):
         if not len(active):
             break
         j, r, l, h = joints[active], here[active], low[active], high[active]  # noqa: E741
-        slope = (missing(j[:, None] + STEP * np.eye(count), active) - r[:, None]) / STEP
+        slope = (
+            missing(j[:, None] + DIFFERENCE_STEP * np.eye(count), active) - r[:, None]
+        ) / DIFFERENCE_STEP
         pull = -np.einsum("kai,ki->ka", slope, r)
         fixed = ((j <= l) & (pull < 0.0)) | ((j >= h) & (pull > 0.0))
         slope[fixed] = 0.0
@@ -44,7 +46,7 @@ def refined(
         normal[:, own, own] += np.where(fixed, 1.0, held)
         step = np.linalg.solve(normal, pull[..., None])[..., 0]
         tried = np.clip(j + step, l, h)
-        there = _at(missing, tried, active)
+        there = _residuals_at(missing, tried, active)
         gain = _cost(r) - _cost(there)
         better = gain > 0.0
         done = better & (gain < 1e-6 * _cost(r)) | (damping[active] > 1e9) | fixed.all(axis=1)
@@ -56,7 +58,7 @@ def refined(
     return joints, _cost(here)
 
 
-def _at(missing: Missing, joints: Floats, which: Rows) -> Floats:
+def _residuals_at(missing: Residuals, joints: Floats, which: Rows) -> Floats:
     return missing(joints[:, None], which)[:, 0]
 
 

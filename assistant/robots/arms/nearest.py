@@ -12,7 +12,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab, to_ab
-from assistant.robots.arms.least_squares import refined
+from assistant.robots.arms.least_squares import least_squares_joints
 
 if TYPE_CHECKING:
     from assistant.robots.robot import Robot
@@ -23,27 +23,27 @@ POSITION_FIRST: Final = ((1.0, 60), (0.03, 20))
 then the last steps, where the position comes first, then the orientation."""
 ORIENTATION_FIRST: Final = ((1e3, 30), (1e5, 30))
 """The same for an orientation that is kept, the position going where that can be taken."""
-KEPT: Final = 0.01
+ORIENTATION_KEPT: Final = 0.01
 """degrees within which an orientation counts as kept."""
 STARTS: Final = (4000, 8)
 """Joint angles that are tried as further starts, the same for every pose, and how many are kept."""
 RINGS: Final = (100, 30)
 """Directions, the same for every pose, and distances in which the wanted orientation is tried."""
 
-GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
+ROUNDING_GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
 """mm about the rounded position in which one is looked for that is not just out of reach."""
 
 
-def told(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool) -> str:
+def nearest_pose_text(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool) -> str:
     """What `nearest` finds as a message says it, rounded so that the arm takes it.
 
     In the way of the maker: X Y Z A B C of Mitsubishi (X Y Z A B with five axes), else position
     and quaternion. keep: see `nearest`.
     """
-    pose = nearest(robot, wanted, tip, keep=keep)
+    pose = find_nearest_pose(robot, wanted, tip, keep=keep)
     if robot.counts == "quadrants":
         quaternion = np.round(pose.quaternion, 6) + 0.0
-        place = _taken(robot, pose, tip, quaternion)
+        place = _reachable_position(robot, pose, tip, quaternion)
         numbers = ", ".join(f"{value:.2f}" for value in place)
         parts = ", ".join(f"{value:.6f}".rstrip("0").rstrip(".") for value in quaternion)
         return f"[{numbers}] [{parts}] (mm in its base)"
@@ -51,14 +51,14 @@ def told(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool) -> str:
     angles = to_ab([pose.position], q)[0] if robot.five_axis else rotations.to_euler(q[0])[::-1]
     angles = np.round(angles, 2) + 0.0
     angles[angles == -180.0] = 180.0
-    values = [*_taken(robot, pose, tip, angles), *angles]
+    values = [*_reachable_position(robot, pose, tip, angles), *angles]
     numbers = ", ".join(
         f"{name} {value:.2f}" for name, value in zip("XYZABC", values, strict=False)
     )
     return f"{numbers} (mm and degrees in its base)"
 
 
-def _taken(robot: Robot, pose: Pose, tip: Pose, orientation: Floats) -> Floats:
+def _reachable_position(robot: Robot, pose: Pose, tip: Pose, orientation: Floats) -> Floats:
     """The position (3,) of two decimals, nearest to a pose's, that the arm takes with what is
     written of the orientation: a quaternion, A B C or A B.
     """
@@ -66,7 +66,7 @@ def _taken(robot: Robot, pose: Pose, tip: Pose, orientation: Floats) -> Floats:
     if not robot.arm.named:  # without a closed form: too slow to try
         return rounded
     steps = np.array(list(itertools.product((0, -1, 1, -2, 2), repeat=3)))
-    for grid in GRIDS:
+    for grid in ROUNDING_GRIDS:
         tried = np.round(rounded + grid * steps[: len(steps) if grid else 1], 2)
         if len(orientation) == 4:
             q = np.tile(orientation / np.linalg.norm(orientation), (len(tried), 1))
@@ -84,7 +84,7 @@ def _taken(robot: Robot, pose: Pose, tip: Pose, orientation: Floats) -> Floats:
     return rounded
 
 
-def nearest(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool = False) -> Pose:
+def find_nearest_pose(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool = False) -> Pose:
     """The tip's pose in the robot's base, within reach and limits, nearest to the wanted one.
 
     tip: of the tool on the flange. keep: the orientation stays where some position allows it,
@@ -93,14 +93,14 @@ def nearest(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool = False) -> Pos
     and from the best of many others.
     """
     if keep and len(robot.axes) >= 6:
-        pose = _nearest(robot, wanted, tip, ORIENTATION_FIRST)
+        pose = _find_nearest_pose(robot, wanted, tip, ORIENTATION_FIRST)
         turned = rotations.angle_between(np.array(pose.quaternion), np.array(wanted.quaternion))
-        if float(turned) < KEPT:
+        if float(turned) < ORIENTATION_KEPT:
             return Pose(pose.position, wanted.quaternion)
-    return _nearest(robot, wanted, tip, POSITION_FIRST)
+    return _find_nearest_pose(robot, wanted, tip, POSITION_FIRST)
 
 
-def _nearest(
+def _find_nearest_pose(
     robot: Robot, wanted: Pose, tip: Pose, stages: tuple[tuple[float, int], tuple[float, int]]
 ) -> Pose:
     (lever, rounds), (last_lever, last_rounds) = stages
@@ -174,4 +174,4 @@ def _refined(search: _Search, joints: Floats, rounds: int) -> Floats:
     def missing(tried: Floats, _: Rows) -> Floats:
         return search.missing(tried.reshape(-1, joints.shape[1])).reshape(*tried.shape[:2], -1)
 
-    return refined(missing, joints, low, high, rounds)[0]
+    return least_squares_joints(missing, joints, low, high, rounds)[0]

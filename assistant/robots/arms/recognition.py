@@ -19,23 +19,23 @@ from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 
-MEETING: Final = 1e-6
+AXES_MEET: Final = 1e-6
 """mm between the axes of a wrist, and what a cosine may be off."""
-ROUNDING: Final = 1e-12
+QUATERNION_ROUNDING: Final = 1e-12
 """Of a quaternion; what is below has come out of arithmetic."""
-AGREEING: Final = 1e-9
+KINEMATICS_AGREE: Final = 1e-9
 """By which forward kinematics of both may differ: in part of the reach, and radians."""
-TRIALS: Final = 50
+TRIAL_JOINTS: Final = 50
 
 
-def recognised(chain: Serial) -> Placed | None:
+def recognise_six_axis(chain: Serial) -> Placed | None:
     """The chain in closed form, None if it is no arm of six axes with a spherical wrist."""
     if len(chain.joints) != len(SixAxis.axes) or chain.sliding.any():
         return None
-    found = [_read(chain, side) for side in (1, -1)]
+    found = [_read_arm(chain, side) for side in (1, -1)]
     arms = [arm for arm in found if arm is not None and _agree(arm, chain)]
     # Of the two ways to look at axis 2 the one that has axis 1 where the file has it.
-    return min(arms, key=lambda arm: abs(_wrapped(arm.zeros[0])), default=None)
+    return min(arms, key=lambda arm: abs(_wrapped_radians(arm.zeros[0])), default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class _Plane:
         return float(vector @ self.forward), float(vector @ self.up)
 
 
-def _read(chain: Serial, side: int) -> Placed | None:
+def _read_arm(chain: Serial, side: int) -> Placed | None:
     """side: whether axis 2 counts to the side that its own direction names."""
     origins, axes, flange = chain.at_zero()
     one, two, three, four, five, six = axes
@@ -63,12 +63,12 @@ def _read(chain: Serial, side: int) -> Placed | None:
         five @ six,
         np.linalg.norm(np.cross(two, three)),
     ]
-    if wrist is None or np.abs(across).max() > MEETING:
+    if wrist is None or np.abs(across).max() > AXES_MEET:
         return None
-    up = one if one[2] > -MEETING else -one
+    up = one if one[2] > -AXES_MEET else -one
     normal = two * side
     plane = _Plane(_foot(origins[0], up), np.cross(normal, up), normal, up)
-    if abs((wrist - plane.origin) @ normal) > MEETING:
+    if abs((wrist - plane.origin) @ normal) > AXES_MEET:
         return None
     a1, d1 = plane.of(origins[1] - plane.origin)
     r3, z3 = plane.of(origins[2] - origins[1])
@@ -79,16 +79,16 @@ def _read(chain: Serial, side: int) -> Placed | None:
     d4 = rw * np.sin(fore) + zw * np.cos(fore)
     a3 = rw * np.cos(fore) - zw * np.sin(fore)
     a2 = float(np.hypot(r3, z3))
-    if min(a2, d4) < MEETING:
+    if min(a2, d4) < AXES_MEET:
         return None
     along = plane.forward * np.sin(fore) + up * np.cos(fore)
     ahead = plane.forward * np.cos(fore) - up * np.sin(fore)
-    bend = 1 if five @ normal >= -MEETING else -1
+    bend = 1 if five @ normal >= -AXES_MEET else -1
     roll = float(np.arctan2(-bend * (five @ ahead), bend * (five @ normal)))
     hand = 1 if six @ along > 0.0 else -1
     d6 = float((flange.position - wrist) @ six) * hand
     # The closed form has axes 4 and 6 in line at 0 of axis 5, and both turn the same way.
-    if np.linalg.norm(np.cross(six, along)) > MEETING or hand != sense:
+    if np.linalg.norm(np.cross(six, along)) > AXES_MEET or hand != sense:
         return None
     arm = SixAxis(Lengths(d1, a1, a2, float(a3), float(d4), d6))
     turn = _between(plane)
@@ -104,7 +104,7 @@ def _turned_to_base(
 ) -> Placed:
     """With the base's axes those of the file where only a turn about axis 1 is between them."""
     w, x, y, z = base.quaternion
-    if abs(x) < ROUNDING and abs(y) < ROUNDING:
+    if abs(x) < QUATERNION_ROUNDING and abs(y) < QUATERNION_ROUNDING:
         zeros = (2.0 * float(np.arctan2(z, w)), *zeros[1:])
         base = Pose(base.position)
     return Placed(arm, senses, zeros, base, IDENTITY, chain)
@@ -116,23 +116,26 @@ def _flanged(arm: Placed, flange: Pose) -> Placed:
     p, q = arm.fk(zero)
     rest = Pose.of(p[0], q[0]).inverse() @ flange
     w, x, y, z = rest.quaternion
-    if max(abs(x), abs(y)) < ROUNDING and np.abs(rest.position).max() < 1000.0 * ROUNDING:
+    if (
+        max(abs(x), abs(y)) < QUATERNION_ROUNDING
+        and np.abs(rest.position).max() < 1000.0 * QUATERNION_ROUNDING
+    ):
         last = 2.0 * float(np.arctan2(z, w))
         return Placed(arm.arm, arm.senses, (*arm.zeros[:5], last), arm.base, IDENTITY, arm.chain)
     return Placed(arm.arm, arm.senses, arm.zeros, arm.base, rest, arm.chain)
 
 
 def _agree(arm: Placed, chain: Serial) -> bool:
-    joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (TRIALS, len(chain.joints)))
+    joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (TRIAL_JOINTS, len(chain.joints)))
     (p, q), (there, turned) = arm.fk(joints), chain.fk(joints)
-    near = np.abs(p - there).max() < AGREEING * max(chain.reach, 1.0)
+    near = np.abs(p - there).max() < KINEMATICS_AGREE * max(chain.reach, 1.0)
     return bool(near and _close(q, turned))
 
 
 def _close(left: Floats, right: Floats) -> bool:
     """Whether quaternions are the same within `AGREEING`, their signs aside."""
     same = np.where(np.einsum("ij,ij->i", left, right)[:, None] < 0.0, -right, right)
-    return bool(np.abs(left - same).max() < AGREEING)
+    return bool(np.abs(left - same).max() < KINEMATICS_AGREE)
 
 
 def _meeting(origins: Floats, axes: Floats) -> Floats | None:
@@ -140,11 +143,11 @@ def _meeting(origins: Floats, axes: Floats) -> Floats | None:
     # Least squares of the distances: (1 - z zᵀ) (x - o) = 0 for each axis.
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
-    if np.linalg.cond(total) > 1.0 / MEETING:
+    if np.linalg.cond(total) > 1.0 / AXES_MEET:
         return None
     point = np.linalg.solve(total, np.einsum("kij,kj->i", across, origins))
     off = np.einsum("kij,kj->ki", across, point - origins)
-    return point if np.abs(off).max() < MEETING else None
+    return point if np.abs(off).max() < AXES_MEET else None
 
 
 def _foot(origin: Floats, up: Floats) -> Floats:
@@ -157,5 +160,5 @@ def _between(plane: _Plane) -> Floats:
     return np.asarray(rotations.from_matrix(matrix[None])[0])
 
 
-def _wrapped(angle: float) -> float:
+def _wrapped_radians(angle: float) -> float:
     return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))

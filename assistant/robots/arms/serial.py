@@ -24,7 +24,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import CLOSING, Arm, Link, turn_between
-from assistant.robots.arms.chain import METRE, Along, Chain, Joint, matrices
+from assistant.robots.arms.chain import METRE, Chain, ChainPoses, Joint, pose_matrices
 
 SIGNS: Final = 3
 STARTS: Final = (16384, 5)
@@ -130,7 +130,7 @@ class Serial(Arm):
         return {}
 
     def _all(self, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
-        n, poses = len(positions), matrices(positions, quaternions)
+        n, poses = len(positions), pose_matrices(positions, quaternions)
         best = np.tile(self._middle, (self.branches, n, 1))
         rank = np.full((self.branches, n), _Rank.NONE, dtype=np.int64)
         for branch in range(self.branches):
@@ -153,7 +153,7 @@ class Serial(Arm):
         """Joints (m, a) taken along poses (m, s, 3) and (m, s, 4) → (m, s, a) and excess (m, s)."""
         m, s, _ = positions.shape
         p, q = positions.reshape(-1, 3), quaternions.reshape(-1, 4)
-        poses = matrices(p, q).reshape(m, s, 4, 4)
+        poses = pose_matrices(p, q).reshape(m, s, 4, 4)
         out = np.empty((m, s, len(self.joints)))
         here = joints
         for k in range(s):
@@ -196,7 +196,7 @@ class Serial(Arm):
         third = first + 2 < len(axes) and parallel(first) and parallel(first + 1)
         return first, first + 2 if third else None
 
-    def _shape(self, found: Along) -> NDArray[np.int8]:
+    def _shape(self, found: ChainPoses) -> NDArray[np.int8]:
         return np.asarray(self._signs(found.origins, found.axes) < -PARALLEL, dtype=np.int8)
 
     def _signs(self, origins: Floats, axes: Floats) -> Floats:
@@ -322,7 +322,7 @@ class Serial(Arm):
         return starts + self._wound(found - starts)
 
 
-def _off(found: Along, positions: Floats, quaternions: Floats) -> Floats:
+def _off(found: ChainPoses, positions: Floats, quaternions: Floats) -> Floats:
     """(n,) 0 where joints lead to the poses, else mm or, if more, degrees."""
     off = np.linalg.norm(found.origins[:, -1] - positions, axis=1)
     off = np.maximum(off, turn_between(rotations.from_matrix(found.turns), quaternions))

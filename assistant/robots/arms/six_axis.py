@@ -19,9 +19,9 @@ from assistant.robots.arms.arm import BOUNDARY, Arm, Link
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
 
-BRANCHES: Final = 8
+SIX_AXIS_BRANCHES: Final = 8
 """Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
-IN_LINE: Final = 1e-8
+WRIST_IN_LINE: Final = 1e-8
 """Sine of axis 5 below which arithmetic gives axes 4 and 6 more error each than it gives axis 5."""
 
 
@@ -33,7 +33,7 @@ class SixAxis(Arm):
     kind: ClassVar[str] = "six-axis"
     spherical: ClassVar[bool] = True
     axes: ClassVar[tuple[str, ...]] = ("J1", "J2", "J3", "J4", "J5", "J6")
-    branches: ClassVar[int] = BRANCHES
+    branches: ClassVar[int] = SIX_AXIS_BRANCHES
     # Axis 5 instead of 4 and 6, which mean nothing by themselves where it is 0.
     compared: ClassVar[tuple[int, ...]] = (0, 1, 2, 4)
 
@@ -42,12 +42,12 @@ class SixAxis(Arm):
         return self.lengths.reach
 
     def fk(self, joints: Floats) -> tuple[Floats, Floats]:
-        return fk(self.lengths, joints)
+        return six_axis_fk(self.lengths, joints)
 
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        return ik(self.lengths, positions, quaternions, branches)
+        return six_axis_ik(self.lengths, positions, quaternions, branches)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         back, lower = self.lengths.sides(joints)
@@ -86,7 +86,7 @@ class SixAxis(Arm):
         )
 
 
-def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
+def six_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     """Chain angles (n, 6) in radians → flange positions (n, 3) mm, quaternions (n, 4)."""
     j1, j2, j3, j4, j5, j6 = joints.T
     fore = j2 + j3
@@ -107,7 +107,7 @@ def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     return positions, quaternions
 
 
-def ik(
+def six_axis_ik(
     lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Flange poses → chain angles (6, b, n) in radians and what keeps each from closing (b, n) mm.
@@ -156,7 +156,7 @@ def ik(
             across = zu * c - zz * s
             along = zu * s + zz * c
             sine = np.hypot(across, zv)
-            in_line = sine < IN_LINE
+            in_line = sine < WRIST_IN_LINE
             j4 = np.where(in_line, 0.0, np.arctan2(zv, across))
             j5 = np.arctan2(sine, along)
             turn = np.arctan2(yu * s + yz * c, -(xu * s + xz * c))

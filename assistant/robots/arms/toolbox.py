@@ -30,11 +30,11 @@ COUPLED: Final = error(
     "a robot of roboticstoolbox has no joint that turns with another, as J3 of {robot} does",
     "take the robot without `coupling`, and add its share of J2 to J3",
 )
-METRE: Final = 1000.0
+TOOLBOX_METRE: Final = 1000.0
 """mm."""
 
 
-def library(purpose: str) -> Any:
+def toolbox_library(purpose: str) -> Any:
     """The module `roboticstoolbox`; raises Refused, naming the extra, if it is missing."""
     try:
         with warnings.catch_warnings():
@@ -49,9 +49,9 @@ def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     """See `Robot.to_rtb`."""
     if robot.coupling:
         raise Refused(COUPLED(robot=robot.name))
-    toolbox = library("a robot of roboticstoolbox")
-    zero = np.where(robot.sliding, robot.zero / METRE, np.radians(robot.zero))
-    limits = robot.limits * np.where(robot.sliding, 1.0 / METRE, np.radians(1.0))[:, None]
+    toolbox = toolbox_library("a robot of roboticstoolbox")
+    zero = np.where(robot.sliding, robot.zero / TOOLBOX_METRE, np.radians(robot.zero))
+    limits = robot.limits * np.where(robot.sliding, 1.0 / TOOLBOX_METRE, np.radians(1.0))[:, None]
     links = robot.arm.links()
     if not links:
         arm = robot.arm.chain if isinstance(robot.arm, Placed) else robot.arm
@@ -60,7 +60,7 @@ def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
         return toolbox.Robot(arm.chain.elementary(zero, limits), **name)
     rows = []
     for link, at, qlim in zip(links, zero, limits, strict=True):
-        a, d = link.a / METRE, link.d / METRE
+        a, d = link.a / TOOLBOX_METRE, link.d / TOOLBOX_METRE
         if link.sliding:
             row = toolbox.PrismaticDH(
                 theta=link.theta, a=a, alpha=link.alpha, offset=d + at, qlim=qlim

@@ -17,20 +17,20 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Singles, Truths
 
-CHANGE: Final = 0.5
+BRANCH_CHANGE_COST: Final = 0.5
 """Seconds of joint travel that a change of branch at a joint move must save to be worth it."""
-BREAK: Final = 1e6
+BROKEN_CHAIN_COST: Final = 1e6
 """What a change of branch where no joint move allows it counts: more than any path takes."""
-BLOCK: Final = 16384
+CHAINS_AT_ONCE: Final = 16384
 """Chains that are looked at together."""
-FEW: Final = 64
+FEW_CHAINS: Final = 64
 """Chains up to which one after the other is faster than side by side."""
-MANY: Final = 12
+MANY_BRANCHES: Final = 12
 """Branches from which on it is so for any number of chains."""
 
 
 @dataclass(frozen=True, slots=True)
-class Costs:
+class BranchCosts:
     """What branches cost, in seconds.
 
     first: (b,) to the first chain from where the arm is. chains: (b, c) within each chain.
@@ -52,7 +52,9 @@ class Branches(NamedTuple):
     broken: Rows
 
 
-def choose(allowed: Truths, starts: Rows, costs: Callable[[Rows], Costs]) -> Branches:
+def choose_branches(
+    allowed: Truths, starts: Rows, costs: Callable[[Rows], BranchCosts]
+) -> Branches:
     """Branches for a path.
 
     allowed: (b, n) which branches a row can have. starts: (c,) first rows of the chains,
@@ -73,9 +75,9 @@ def choose(allowed: Truths, starts: Rows, costs: Callable[[Rows], Costs]) -> Bra
     if (by_chain.sum(axis=0) == 1).all():
         way = by_chain.argmax(axis=0)
     else:
-        change = np.full(len(used), CHANGE)
-        change[~np.isin(used, starts, assume_unique=True)] = BREAK
-        way = cheapest(by_chain, costs(used), change)
+        change = np.full(len(used), BRANCH_CHANGE_COST)
+        change[~np.isin(used, starts, assume_unique=True)] = BROKEN_CHAIN_COST
+        way = cheapest_branches(by_chain, costs(used), change)
     chosen = np.repeat(way, np.diff(np.append(used, n)))
     broken = np.empty(0, np.intp)
     if failing.any():
@@ -88,7 +90,7 @@ def choose(allowed: Truths, starts: Rows, costs: Callable[[Rows], Costs]) -> Bra
     return Branches(chosen, broken)
 
 
-def cheapest(possible: Truths, costs: Costs, change: Floats | None = None) -> Rows:
+def cheapest_branches(possible: Truths, costs: BranchCosts, change: Floats | None = None) -> Rows:
     """(c,) the branch of each chain with the smallest sum of costs.
 
     possible: (b, c). change: (c,) what a branch other than that of the chain before costs
@@ -100,7 +102,7 @@ def cheapest(possible: Truths, costs: Costs, change: Floats | None = None) -> Ro
     costs_so_far = np.where(possible[:, 0], costs.first + costs.chains[:, 0], np.inf)
     back: list[NDArray[np.uint16]] = []
     for block in _blocks(branches, count):
-        steps = _steps(block, possible, costs, change)
+        steps = _chain_steps(block, possible, costs, change)
         starts = _starts(steps, costs_so_far)
         pointers, ends = _followed(steps, starts)
         back.append(pointers)
@@ -117,17 +119,19 @@ def cheapest(possible: Truths, costs: Costs, change: Floats | None = None) -> Ro
 
 def _blocks(branches: int, count: int) -> Iterator[Rows]:
     """The chains but the first, which nothing leads to within the path."""
-    size = max(BLOCK // max(branches // 8, 1) ** 2, 1)
+    size = max(CHAINS_AT_ONCE // max(branches // 8, 1) ** 2, 1)
     for start in range(1, count, size):
         yield np.arange(start, min(start + size, count))
 
 
-def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats | None) -> Singles:
+def _chain_steps(
+    block: Rows, possible: Truths, costs: BranchCosts, change: Floats | None
+) -> Singles:
     """(steps, b, b, sections) what leads from one chain to the next; what is filled up costs
     nothing and leads nowhere else.
     """
     branches, m = len(possible), len(block)
-    sections = 1 if m <= FEW or branches > MANY else int(np.sqrt(m))
+    sections = 1 if m <= FEW_CHAINS or branches > MANY_BRANCHES else int(np.sqrt(m))
     length = -(-m // sections)
     order = np.arange(sections * length).reshape(sections, length).T
     filled = order >= m

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Singles, Truths
 from assistant.program.motion import UNSTATED, Kind
-from assistant.robots.branches.cheapest import Costs, choose
-from assistant.robots.branches.costs import BARRED, Stated, Travel, travel_of
-from assistant.robots.branches.row_reach import Survey
+from assistant.robots.branches.cheapest import BranchCosts, choose_branches
+from assistant.robots.branches.costs import BARRED_COST, JointTravel, StatedTurns, joint_travel
+from assistant.robots.branches.row_reach import RowSurvey
 from assistant.robots.configurations import BACK
-from assistant.robots.motion.between_targets import really_crossed
+from assistant.robots.motion.between_targets import confirmed_crossings
 from assistant.robots.motion.run import Run, continued
-from assistant.robots.motion.wrist import clearances, crossings, sheets
+from assistant.robots.motion.wrist import connected_branches, crossings, least_bends
 from assistant.robots.robot import Robot
 
 
@@ -45,13 +45,13 @@ class Choices:
     starts: Rows
     bound: Truths
     same: Truths
-    travel: Travel
+    travel: JointTravel
     sheet: Rows | None
     crossed: Truths | None
     barred: set[tuple[int, int]] = field(default_factory=set)
 
     def best(self) -> Choice:
-        return self._choice(*choose(self.bound, self.starts, self._costs))
+        return self._choice(*choose_branches(self.bound, self.starts, self._costs))
 
     def quickest(self, said: NDArray[np.integer]) -> Choice | None:
         """The best choice where joint moves take as long as the whole turns that there are ask
@@ -71,7 +71,7 @@ class Choices:
         lengths = np.diff(np.append(self.starts, bound.shape[1]))
         return self._choice(np.repeat(found.branches, lengths), np.empty(0, np.intp))
 
-    def _stated(self, said: NDArray[np.integer]) -> list[Stated]:
+    def _stated(self, said: NDArray[np.integer]) -> list[StatedTurns]:
         """Of each winding axis the whole turns that rows state."""
         robot = self.travel.robot
         row = np.flatnonzero(said[:, BACK] != UNSTATED)
@@ -103,25 +103,25 @@ class Choices:
             self.barred.add((int(way), int(row)))
         return len(self.barred) > before
 
-    def _costs(self, starts: Rows) -> Costs:
+    def _costs(self, starts: Rows) -> BranchCosts:
         costs = self.travel.costs(starts)
         for way, row in self.barred:
-            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += BARRED
+            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += BARRED_COST
         return costs
 
 
-def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -> Choices:
+def choices(run: Run, robot: Robot, survey: RowSurvey, every: Singles, own: Rows) -> Choices:
     """every: (a, b, n) joints, taken over. own: (n,) the branch that a row has to keep, or -1."""
     kept = own >= 0
     bound = survey.allowed & ~kept
     bound[own[kept], np.flatnonzero(kept)] = True
     sheet = crossed = clear = None
     if survey.bends is not None:
-        crossed, clear = crossings(survey.bends, run.kinds), clearances(survey.bends, run.kinds)
-        crossed = really_crossed(run, robot, survey.bends, crossed)
+        crossed, clear = crossings(survey.bends, run.kinds), least_bends(survey.bends, run.kinds)
+        crossed = confirmed_crossings(run, robot, survey.bends, crossed)
         survey.bends = None  # room for what comes
         if crossed.any():
-            sheet = sheets(crossed)
+            sheet = connected_branches(crossed)
             bound = np.take_along_axis(bound, sheet, axis=0)
     same = np.ones(robot.branches, bool)
     if continued(run):
@@ -130,7 +130,7 @@ def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -
         bound[:, 0] &= same
     starts = chain_starts(run)
     solved = np.asarray(survey.allowed.any(axis=0))
-    travel = travel_of(run, robot, every, solved, starts, sheet, clear, crossed)
+    travel = joint_travel(run, robot, every, solved, starts, sheet, clear, crossed)
     return Choices(starts, bound, same, travel, sheet, crossed)
 
 

@@ -16,46 +16,46 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Rows, Singles, Truths
 from assistant.program.motion import Kind
-from assistant.robots.branches.cheapest import CHANGE, Costs
-from assistant.robots.branches.quickest import Chains
-from assistant.robots.branches.turns import CLEARANCE
+from assistant.robots.branches.cheapest import BRANCH_CHANGE_COST, BranchCosts
+from assistant.robots.branches.quickest import BranchChains
+from assistant.robots.branches.turns import LIMIT_CLEARANCE
 from assistant.robots.motion.run import Run
 from assistant.robots.robot import CHUNK, Robot
 
-NEAR: Final = 10.0
+NEAR_SINGULARITY: Final = 10.0
 """degrees of axis 5, or of the elbow from stretched or folded, within which a linear or circular
 move is near the singularity there. (The singularity over axis 1 is the same in all branches.)"""
-SINGULAR: Final = 20.0
+SINGULARITY_COST: Final = 20.0
 """Seconds of joint travel that a chain may make instead of touching a singularity; less with the
 square of the distance: a quarter at half of `NEAR`."""
-THROUGH: Final = 1e3
+WRIST_SINGULARITY_COST: Final = 1e3
 """Seconds instead of going straight through the wrist singularity, where a controller may stop."""
-WOUND: Final = 1e5
+WINDING_COST: Final = 1e5
 """Seconds instead of winding an axis back within a linear or circular move, which is no way."""
-BARRED: Final = 10.0 * WOUND
+BARRED_COST: Final = 10.0 * WINDING_COST
 """Seconds instead of a way that a closer look has ruled out: of what winds back by its ends alone
 the way may still be one."""
-STRAIGHT: Final = 1e-4
+WRIST_STRAIGHT: Final = 1e-4
 """degrees of axis 5 below which axis 4 stays where it was before."""
-ROUNDING: Final = 1e-3
+SINGLE_PRECISION: Final = 1e-3
 """degrees; the columns are of single precision."""
-PART: Final = 512
+JOINT_MOVES_AT_ONCE: Final = 512
 """Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
-ALIKE: Final = (4, 2, 2, 1, 1, 1)
+BRANCHES_ALIKE: Final = (4, 2, 2, 1, 1, 1)
 """Of an arm with a spherical wrist, how many branches in a row have the same angle of each axis."""
-FREE: Final = 540.0
+FREE_RANGE: Final = 540.0
 """degrees between the limits of an axis from which on it can go the short way round between any
 two angles within half a turn of its middle: one of the two can be wound towards the other."""
-TURN: Final = np.float32(1.0 / 360.0)
+TURNS_PER_DEGREE: Final = np.float32(1.0 / 360.0)
 
 _Windings = tuple[NDArray[np.int8], NDArray[np.int8]]
-Stated = tuple[Rows, Rows, Ints]
+StatedTurns = tuple[Rows, Rows, Ints]
 """Turns of an axis (k,) that rows state: their branches (k,), the rows (k,), and the turns beyond
 what `Travel.joints` say there."""
 
 
 @dataclass(frozen=True, slots=True)
-class Travel:
+class JointTravel:
     """The rows of a path in every branch.
 
     joints: (a, b, n), axes 1, 4 and 6 without a break within a chain. steps: (b, n) seconds from
@@ -72,7 +72,7 @@ class Travel:
     bent: Singles | None
     crossed: Truths | None
 
-    def costs(self, starts: Rows) -> Costs:
+    def costs(self, starts: Rows) -> BranchCosts:
         """Costs of the chains with these first rows."""
         count = len(self.run)
         chains = np.zeros((self.robot.branches, len(starts)))
@@ -84,26 +84,26 @@ class Travel:
         moved[0] |= bool(self.run.kinds[0] != Kind.JOINT)
         if self.bent is not None and moved.any():
             least = np.minimum.reduceat(self.bent, starts, axis=1)
-            near = np.repeat(np.clip(1.0 - least / NEAR, 0.0, 1.0), 2, axis=0)
-            chains += np.where(moved, SINGULAR * near * near, 0.0)
+            near = np.repeat(np.clip(1.0 - least / NEAR_SINGULARITY, 0.0, 1.0), 2, axis=0)
+            chains += np.where(moved, SINGULARITY_COST * near * near, 0.0)
         if self.crossed is not None:
             often = np.add.reduceat(self.crossed, starts, axis=1, dtype=np.float64)
-            chains += np.repeat(THROUGH * often, 2, axis=0)
+            chains += np.repeat(WRIST_SINGULARITY_COST * often, 2, axis=0)
         windings: dict[int, _Windings | None] = {}
         for axis in self.robot.winding():
             span = np.ptp(self.robot.limits[axis])
-            if len(starts) == count and span >= FREE:
+            if len(starts) == count and span >= FREE_RANGE:
                 windings[axis] = None
             elif len(starts) < count or span >= 360.0:
                 least_turns, most = self._windings(axis, starts)
                 stuck = most < least_turns
-                chains += np.where(stuck, WOUND, 0.0)
+                chains += np.where(stuck, WINDING_COST, 0.0)
                 if span >= 360.0:
                     windings[axis] = np.where(stuck, 0, least_turns), np.where(stuck, 0, most)
-        ways = _Ways(self, starts, np.append(starts[1:], count) - 1, windings)
-        return Costs(ways.first(), chains, ways.between)
+        ways = _ChainMoves(self, starts, np.append(starts[1:], count) - 1, windings)
+        return BranchCosts(ways.first(), chains, ways.between)
 
-    def chains(self, starts: Rows, within: Floats, stated: Sequence[Stated]) -> Chains:
+    def chains(self, starts: Rows, within: Floats, stated: Sequence[StatedTurns]) -> BranchChains:
         """The chains with these first rows, of (b, c) seconds, infinite where one is not possible.
 
         stated: of each winding axis.
@@ -111,7 +111,7 @@ class Travel:
         least, most = [], []
         for axis, (branch, row, turns) in zip(self.robot.winding(), stated, strict=True):
             fewest, greatest = (each.astype(np.int64) for each in self._windings(axis, starts))
-            clear = self._windings(axis, starts, CLEARANCE)
+            clear = self._windings(axis, starts, LIMIT_CLEARANCE)
             fewest, greatest = (
                 np.where(clear[0] <= clear[1], *each)
                 for each in zip(clear, (fewest, greatest), strict=True)
@@ -126,9 +126,9 @@ class Travel:
         ends = np.append(starts[1:], len(self.run)) - 1
         firsts, lasts = self.joints[:, :, starts], self.joints[:, :, ends]
         opened = np.stack(least), np.stack(most)
-        return Chains(self.run, self.robot, firsts, lasts, *opened, within)
+        return BranchChains(self.run, self.robot, firsts, lasts, *opened, within)
 
-    def _windings(self, axis: int, starts: Rows, inside: float = -ROUNDING) -> _Windings:
+    def _windings(self, axis: int, starts: Rows, inside: float = -SINGLE_PRECISION) -> _Windings:
         """(b, c) the least and the greatest turns that all rows of a chain may be wound by, so
         many degrees inside the limits.
         """
@@ -144,14 +144,14 @@ class Travel:
 
 
 @dataclass(frozen=True, slots=True)
-class _Ways:
+class _ChainMoves:
     """Joint moves between chains.
 
     firsts, lasts: (c,) rows. windings: axis → least and most turns; None for one that can always
     go the short way round.
     """
 
-    travel: Travel
+    travel: JointTravel
     firsts: Rows
     lasts: Rows
     windings: dict[int, _Windings | None]
@@ -164,22 +164,24 @@ class _Ways:
             angles = self.travel.joints[axis, :, self.firsts[0]]
             off = angles - before[axis]
             if axis in self.windings:
-                low, high = robot.limits[axis] + (-ROUNDING, ROUNDING)
+                low, high = robot.limits[axis] + (-SINGLE_PRECISION, SINGLE_PRECISION)
                 shifts = self.windings[axis] or _shifts(
                     (low, high), angles[:, None], angles[:, None]
                 )
                 least, most = (turns[:, 0] for turns in shifts)
                 off = off + 360.0 * np.clip(np.rint(-off / 360.0), least, most)
             seconds = np.maximum(seconds, np.abs(off) / speed)
-        seconds[np.arange(robot.branches) != robot.branch_of(robot.configuration(before))] += CHANGE
+        seconds[np.arange(robot.branches) != robot.branch_of(robot.configuration(before))] += (
+            BRANCH_CHANGE_COST
+        )
         return seconds
 
     def between(self, chains: Rows) -> Singles:
         """(b, b, m) seconds from the chain before to each of m chains."""
         branches = self.travel.robot.branches
         out = np.zeros((branches, branches, len(chains)), dtype=np.float32)
-        for start in range(0, len(chains), PART):
-            part = slice(start, start + PART)
+        for start in range(0, len(chains), JOINT_MOVES_AT_ONCE):
+            part = slice(start, start + JOINT_MOVES_AT_ONCE)
             for axis in range(len(self.travel.robot.axes)):
                 self._axis(axis, chains[part], out[:, :, part])
         return out
@@ -187,7 +189,7 @@ class _Ways:
     def _axis(self, axis: int, chains: Rows, out: Singles) -> None:
         """Raises what `between` gives to the seconds of one axis."""
         joints, speed = self.travel.joints[axis], self.travel.robot.speeds[axis]
-        alike = ALIKE[axis] if self.travel.robot.arm.spherical else 1
+        alike = BRANCHES_ALIKE[axis] if self.travel.robot.arm.spherical else 1
         unit = np.float32(360.0 if axis in self.windings else speed)
         last = joints[::alike, self.lasts[chains - 1]] / unit
         first = joints[::alike, self.firsts[chains]] / unit
@@ -210,8 +212,8 @@ class _Ways:
 def _shifts(limits: tuple[float, float], lows: Singles, highs: Singles) -> tuple[Singles, Singles]:
     """The least and the greatest whole turns by which lows to highs are within limits, degrees."""
     low, high = limits
-    least = np.ceil(np.float32(low / 360.0) - lows * TURN)
-    most = np.floor(np.float32(high / 360.0) - highs * TURN)
+    least = np.ceil(np.float32(low / 360.0) - lows * TURNS_PER_DEGREE)
+    most = np.floor(np.float32(high / 360.0) - highs * TURNS_PER_DEGREE)
     return np.clip(least, -100.0, 100.0), np.clip(most, -100.0, 100.0)
 
 
@@ -220,7 +222,7 @@ def _apart(of: NDArray[np.int8], to: NDArray[np.int8]) -> Singles:
     return np.asarray(of.astype(np.float32)[:, None] - to.astype(np.float32)[None])
 
 
-def travel_of(
+def joint_travel(
     run: Run,
     robot: Robot,
     joints: Singles,
@@ -229,7 +231,7 @@ def travel_of(
     sheet: Rows | None,
     clear: Singles | None,
     crossed: Truths | None,
-) -> Travel:
+) -> JointTravel:
     """Travel along a run.
 
     joints: (a, b, n) of all branches, each axis nearest to the middle of its range; taken over
@@ -250,7 +252,7 @@ def travel_of(
         if elbow is not None:
             np.minimum(bent, elbow, out=bent)
         bent[:, ~solved] = 90.0
-    return Travel(run, robot, joints, steps, bent, crossed)
+    return JointTravel(run, robot, joints, steps, bent, crossed)
 
 
 def _held(solved: Truths, starts: Rows) -> Rows:
@@ -309,7 +311,7 @@ def _straighten(joints: Singles, before: Singles, rolls: np.float32) -> None:
 
     joints: (6, b, m). before: (6, b, 1), the row before these.
     """
-    in_line = np.abs(joints[4]) < STRAIGHT
+    in_line = np.abs(joints[4]) < WRIST_STRAIGHT
     for branch in np.flatnonzero(in_line.any(axis=1)):
         rows = in_line[branch]
         last = np.maximum.accumulate(np.where(rows, -1, np.arange(len(rows))))[rows]
@@ -330,6 +332,6 @@ def _elbow(robot: Robot, joints: Singles) -> Singles | None:
     # So much for each degree of a joint, whatever its zero, its sense and the coupling.
     slopes = np.degrees(tried[1:] - tried[0])
     bend = np.full_like(joints[0, ::2], np.degrees(tried[0]))
-    for axis in np.flatnonzero(np.abs(slopes) > ROUNDING):
+    for axis in np.flatnonzero(np.abs(slopes) > SINGLE_PRECISION):
         bend += np.float32(slopes[axis]) * joints[axis, ::2]
     return np.asarray(np.abs(bend - 180.0 * np.rint(bend / 180.0)), dtype=np.float32)

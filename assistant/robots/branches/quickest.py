@@ -20,21 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Singles, Truths
-from assistant.robots.branches.cheapest import BREAK, CHANGE, Costs, cheapest
-from assistant.robots.branches.turns import Open
+from assistant.robots.branches.cheapest import (
+    BRANCH_CHANGE_COST,
+    BROKEN_CHAIN_COST,
+    BranchCosts,
+    cheapest_branches,
+)
+from assistant.robots.branches.turns import OpenTurns
 from assistant.robots.motion.run import Run, continued
 from assistant.robots.robot import CHUNK, Robot
 
-Turns = NDArray[np.int64]
+TurnCounts = NDArray[np.int64]
 
-OTHERS: Final = 1e-4
+OTHER_AXES_SHARE: Final = 1e-4
 """Share of the time of every axis that counts beside that of the slowest: of ways that take the
 same time the one on which the others turn the least."""
-SAVED: Final = 1e-6
+LEAST_SAVING: Final = 1e-6
 """Seconds by which a joint move is quicker that is worth a look: no rounding."""
 MOST_STATES: Final = 256
 """States of a chain up to which they are looked at one by one."""
-PAIRS: Final = 32768
+STATE_PAIRS_AT_ONCE: Final = 32768
 """Pairs of states whose joint moves are computed at once: they stay in the cache."""
 
 
@@ -54,11 +59,11 @@ def may_be_quicker(run: Run, robot: Robot, joints: Floats, starts: Rows) -> bool
     turning &= np.ptp(robot.limits, axis=1) >= 360.0
     short = np.where(turning, robot.wound(step), step)
     seconds, least = ((np.abs(each) / robot.speeds).max(axis=1) for each in (step, short))
-    return bool((seconds > least + SAVED).any())
+    return bool((seconds > least + LEAST_SAVING).any())
 
 
 def quickest_turns(
-    run: Run, robot: Robot, joints: Floats, starts: Rows, turns: Sequence[Open]
+    run: Run, robot: Robot, joints: Floats, starts: Rows, turns: Sequence[OpenTurns]
 ) -> Floats | None:
     """Joints (n, a) deg in their branches, with the turns of the winding axes with which the
     joint moves take the least time; None if that is too much to look at.
@@ -73,7 +78,7 @@ def quickest_turns(
     least, most = (np.stack([each[i] for each in turns])[:, None] for i in range(2))
     firsts, lasts = (unwound[rows].T[:, None] for rows in (starts, ends))
     within = np.zeros((1, len(starts)))
-    found = Chains(run, robot, firsts, lasts, least, most, within).quickest()
+    found = BranchChains(run, robot, firsts, lasts, least, most, within).quickest()
     if found is None:
         return None
     for axis, each, count in zip(winding, turns, found.turns, strict=True):
@@ -85,11 +90,11 @@ class Quickest(NamedTuple):
     """branches: (c,) of each chain. turns: (w, c) that each winding axis is wound by there."""
 
     branches: Rows
-    turns: Turns
+    turns: TurnCounts
 
 
 @dataclass(frozen=True, slots=True)
-class Chains:
+class BranchChains:
     """c chains of a run in b branches.
 
     firsts, lasts: (a, b, c) deg at their first and last rows, each axis unwound within the chain.
@@ -101,8 +106,8 @@ class Chains:
     robot: Robot
     firsts: NDArray[np.floating]
     lasts: NDArray[np.floating]
-    least: Turns
-    most: Turns
+    least: TurnCounts
+    most: TurnCounts
     within: Floats
 
     def quickest(self) -> Quickest | None:
@@ -110,7 +115,9 @@ class Chains:
         states = _states_of(self)
         if states is None:
             return None
-        way = cheapest(states.there, Costs(states.start(), states.within(), states.between))
+        way = cheapest_branches(
+            states.there, BranchCosts(states.start(), states.within(), states.between)
+        )
         chain = np.arange(len(way))
         return Quickest(
             states.branches[way, chain].astype(np.intp),
@@ -118,7 +125,7 @@ class Chains:
         )
 
 
-def _states_of(chains: Chains) -> _States | None:
+def _states_of(chains: BranchChains) -> _States | None:
     widths = chains.most - chains.least + 1
     widths[:, ~np.isfinite(chains.within)] = 0
     slots = widths.max(axis=(1, 2))
@@ -137,13 +144,13 @@ def _states_of(chains: Chains) -> _States | None:
     if count > MOST_STATES:
         return None
     branches, turns, there = (
-        np.concatenate([_filled(each, count) for each in column], axis=-1)
+        np.concatenate([_padded_states(each, count) for each in column], axis=-1)
         for column in zip(*found, strict=True)
     )
     return _States(chains, branches.astype(np.uint8), turns.astype(np.int8), there.astype(bool))
 
 
-def _filled(states: Turns | Rows | Truths, count: int) -> NDArray[np.int8]:
+def _padded_states(states: TurnCounts | Rows | Truths, count: int) -> NDArray[np.int8]:
     """(..., s, m) states with more that are none, `count` of them."""
     out = np.zeros((*states.shape[:-2], count, states.shape[-1]), dtype=np.int8)
     out[..., : states.shape[-2], :] = states
@@ -154,7 +161,7 @@ def _filled(states: Turns | Rows | Truths, count: int) -> NDArray[np.int8]:
 class _States:
     """branches: (s, c). turns: (w, s, c). there: (s, c) False for what is no state."""
 
-    chains: Chains
+    chains: BranchChains
     branches: NDArray[np.uint8]
     turns: NDArray[np.int8]
     there: Truths
@@ -168,12 +175,12 @@ class _States:
         run, robot = self.chains.run, self.chains.robot
         step = np.abs(self._joints(self.chains.firsts, np.arange(1))[:, :, 0].T - run.before)
         each = step / robot.speeds
-        seconds = np.asarray(each.max(axis=1) + OTHERS * each.sum(axis=1))
+        seconds = np.asarray(each.max(axis=1) + OTHER_AXES_SHARE * each.sum(axis=1))
         if self._branched:
             own = robot.branch_of(robot.configuration(run.before))
-            seconds += np.where(self.branches[:, 0] == own, 0.0, CHANGE)
+            seconds += np.where(self.branches[:, 0] == own, 0.0, BRANCH_CHANGE_COST)
         if continued(run):  # no joint move: wound back it would be broken
-            seconds += BREAK * (step[:, list(robot.winding())] > 180.0).any(axis=1)
+            seconds += BROKEN_CHAIN_COST * (step[:, list(robot.winding())] > 180.0).any(axis=1)
         return seconds
 
     def between(self, chains: Rows) -> Singles:
@@ -181,7 +188,7 @@ class _States:
         states = len(self.branches)
         out = np.empty((states, states, len(chains)), dtype=np.float32)
         unit = (1.0 / self.chains.robot.speeds).astype(np.float32)[:, None, None]
-        for part in _parts(len(chains), max(PAIRS // states**2, 1)):
+        for part in _parts(len(chains), max(STATE_PAIRS_AT_ONCE // states**2, 1)):
             here = chains[part]
             slowest = np.zeros((states, states, len(here)), dtype=np.float32)
             every = np.zeros_like(slowest)
@@ -192,11 +199,11 @@ class _States:
                 np.abs(step, out=step)
                 np.maximum(slowest, step, out=slowest)
                 every += step
-            every *= np.float32(OTHERS)
+            every *= np.float32(OTHER_AXES_SHARE)
             slowest += every
             if self._branched:
                 other = self.branches[:, None, here - 1] != self.branches[None, :, here]
-                slowest += np.float32(CHANGE) * other
+                slowest += np.float32(BRANCH_CHANGE_COST) * other
             out[:, :, part] = slowest
         return out
 

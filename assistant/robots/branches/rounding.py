@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from assistant.robots.robot import Robot
 
 
-MILLIMETRES: Final = (2, 3, 4)
+POSITION_DECIMALS: Final = (2, 3, 4)
 """Decimals of positions. A position of fewer is no coarser one: 300 is written for 300.00."""
-QUATERNIONS: Final = (4, 5, 6, 7)
+QUATERNION_DECIMALS: Final = (4, 5, 6, 7)
 """Decimals of quaternions."""
-LEAST_QUATERNION: Final = 1e-6
+TYPED_QUATERNION_UNIT: Final = 1e-6
 """Unit of a quaternion of fewer decimals, which is typed (0.5, 0.7071) and no less meant."""
-ANGLES: Final = (2, 3, 4)
-SAME: Final = 1e-3
+ANGLE_DECIMALS: Final = (2, 3, 4)
+SAME_DECIMAL: Final = 1e-3
 """Of the last decimal, within which a number counts as printed with so many."""
 
 
@@ -38,15 +38,17 @@ def roundings(robot: Robot, positions: Floats, quaternions: Floats) -> Floats:
     `CLOSING`, which is all for numbers of more decimals.
     """
     out = np.empty((len(positions), 2))
-    out[:, 0] = 0.5 * np.sqrt(3.0) * _unit(MILLIMETRES, positions)
+    out[:, 0] = 0.5 * np.sqrt(3.0) * _unit(POSITION_DECIMALS, positions)
     if robot.counts == "quadrants":
         # Half a unit of four parts, and a turn moves the unit quaternion by half its angle.
-        unit = np.minimum(_unit(QUATERNIONS, quaternions, scaled=True), LEAST_QUATERNION)
+        unit = np.minimum(
+            _unit(QUATERNION_DECIMALS, quaternions, scaled=True), TYPED_QUATERNION_UNIT
+        )
         out[:, 1] = np.degrees(2.0) * unit
     else:
         angles = to_ab(positions, quaternions) if robot.five_axis else to_euler(quaternions)
         # Two of the three axes may lie in line, where their rounding adds up.
-        out[:, 1] = 0.5 * np.sqrt(5.0) * _unit(ANGLES, angles)
+        out[:, 1] = 0.5 * np.sqrt(5.0) * _unit(ANGLE_DECIMALS, angles)
     if robot.five_axis:  # whose tool lies in the plane from axis 1 through the position
         away = np.maximum(np.hypot(positions[:, 0], positions[:, 1]), CLOSING)
         out[:, 1] += np.degrees(np.minimum(out[:, 0] / away, 1.0))
@@ -71,5 +73,5 @@ def _unit(decimals: tuple[int, ...], values: Floats, *, scaled: bool = False) ->
                 with np.errstate(invalid="ignore", divide="ignore"):
                     stretched = units * ((np.round(longest) + other) / longest)
                 off = np.fmin(off, max_abs(stretched - np.round(stretched)))
-        out[rows[off < SAME]] = 10.0**-places
+        out[rows[off < SAME_DECIMAL]] = 10.0**-places
     return out

@@ -14,9 +14,14 @@ from assistant.program.geometry import Pose
 from assistant.program.motion import Kind
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
-from assistant.robots.branches.rounded_rows import SHORT, Slack, straighten, take
+from assistant.robots.branches.rounded_rows import (
+    MOST_BEYOND_REACH,
+    RoundingTolerance,
+    straighten_wrists,
+    take_rounded_rows,
+)
 from assistant.robots.motion.run import Run
-from assistant.robots.motion.wrist import PAIRS, directions
+from assistant.robots.motion.wrist import WRIST_PAIRS, directions
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 
 MOST_NEAREST: Final = 3
@@ -46,7 +51,7 @@ class _Worst:
 
 
 @dataclass(slots=True)
-class Cures:
+class NearestPoseCures:
     """The nearest poses that a robot can take, which take long to find, for the first findings.
 
     left: poses that are still looked for. told: pose, tip and whether the orientation is kept →
@@ -59,7 +64,7 @@ class Cures:
 
     def nearest(self, run: Run, row: int, *, keep: bool = False) -> str:
         """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
-        from assistant.robots.arms.nearest import told
+        from assistant.robots.arms.nearest import nearest_pose_text
 
         tip = run.mounting.tip(row)
         p, q = run.flange(np.array([row]))
@@ -69,12 +74,12 @@ class Cures:
             if not self.left:
                 return ""
             self.left -= 1
-            self.told[key] = told(self.robot, wanted, tip, keep=keep)
+            self.told[key] = nearest_pose_text(self.robot, wanted, tip, keep=keep)
         return f"; the nearest pose that it can take is {self.told[key]}"
 
 
 @dataclass(slots=True)
-class Survey:
+class RowSurvey:
     """What a first look at every row says.
 
     allowed: (b, n) branches inside reach and limits. bends: see `wrist.directions`; None for
@@ -83,13 +88,13 @@ class Survey:
 
     allowed: Truths
     bends: Singles | None = None
-    slack: Slack = field(default_factory=Slack)
+    slack: RoundingTolerance = field(default_factory=RoundingTolerance)
     no_number: list[Rows] = field(default_factory=list)
     reach: _Worst = field(default_factory=_Worst)
     plane: _Worst = field(default_factory=_Worst)
     limits: _Worst = field(default_factory=_Worst)
 
-    def findings(self, run: Run, robot: Robot, cures: Cures) -> list[Diagnostic]:
+    def findings(self, run: Run, robot: Robot, cures: NearestPoseCures) -> list[Diagnostic]:
         out = []
         if self.no_number:
             out.append(rules.NO_NUMBER(about=run.what(np.concatenate(self.no_number))))
@@ -111,7 +116,7 @@ class Survey:
                 rules.OUT_OF_REACH(
                     about=run.what(self.reach.all()),
                     robot=robot.title,
-                    worst=distance(self.reach.value),
+                    worst=distance_text(self.reach.value),
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
                     cure=(cure if far else "move the work piece away from the arm")
@@ -161,23 +166,23 @@ class Survey:
         return out
 
 
-def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, Singles]:
+def survey_rows(run: Run, robot: Robot, own: Rows) -> tuple[RowSurvey, Singles]:
     """A survey, and the joints (a, b, n) of every branch; of one not allowed they mean nothing.
 
     own: (n,) the branch that a row states, or -1.
     """
     shape = (robot.branches, len(run))
     every = np.empty((len(robot.axes), *shape), dtype=np.float32)
-    survey = Survey(np.zeros(shape, dtype=bool))
+    survey = RowSurvey(np.zeros(shape, dtype=bool))
     if robot.arm.spherical and (run.kinds != Kind.JOINT).any():
-        survey.bends = np.zeros((PAIRS, 2, len(run)), dtype=np.float32)
+        survey.bends = np.zeros((WRIST_PAIRS, 2, len(run)), dtype=np.float32)
     low, high = (limit[:, None, None] for limit in robot.limits.T)
     for start in range(0, len(run), CHUNK):
         rows = slice(start, min(start + CHUNK, len(run)))
         p, q, finite = finite_poses(run, rows)
         joints, excess = robot.solve(p, q)
         if robot.arm.spherical:
-            straighten(run, robot, joints, start)
+            straighten_wrists(run, robot, joints, start)
         beyond = low - joints
         np.maximum(beyond, joints - high, out=beyond)
         reached = excess < CLOSING / 2.0
@@ -185,8 +190,10 @@ def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, Singles]:
         missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
         allowed &= missed <= MISS_TOLERANCE
         if robot.arm.named:
-            able = (excess < SHORT) & finite & (missed <= MISS_TOLERANCE)
-            take(run, robot, survey.slack, own[rows], start, (p, q, joints), able, allowed)
+            able = (excess < MOST_BEYOND_REACH) & finite & (missed <= MISS_TOLERANCE)
+            take_rounded_rows(
+                run, robot, survey.slack, own[rows], start, (p, q, joints), able, allowed
+            )
         survey.allowed[:, rows] = allowed
         every[:, :, rows] = joints
         if survey.bends is not None:
@@ -221,7 +228,7 @@ def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, Singles]:
     return survey, every
 
 
-def distance(millimetres: float) -> str:
+def distance_text(millimetres: float) -> str:
     """A distance that is not 0, in as many decimals as show it."""
     return f"{millimetres:.1f}" if millimetres >= 0.1 else f"{millimetres:.2g}"
 

@@ -19,23 +19,28 @@ from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.branches.choice import Choice, Choices, chain_starts, choices
 from assistant.robots.branches.quickest import may_be_quicker, quickest_turns
-from assistant.robots.branches.rounded_rows import Slack, straighten
-from assistant.robots.branches.row_reach import Cures, finite_poses, survey_of
-from assistant.robots.branches.turns import FREE, filled, open_turns, turn
-from assistant.robots.branches.within_rounding import split
+from assistant.robots.branches.rounded_rows import RoundingTolerance, straighten_wrists
+from assistant.robots.branches.row_reach import NearestPoseCures, finite_poses, survey_rows
+from assistant.robots.branches.turns import (
+    TURNS_NOT_STATED,
+    add_whole_turns,
+    filled_forward,
+    open_turns,
+)
+from assistant.robots.branches.within_rounding import split_wrist_roll
 from assistant.robots.configurations import BACK, QUADRANTS
-from assistant.robots.motion.between_targets import ways
+from assistant.robots.motion.between_targets import motion_between_targets
 from assistant.robots.motion.run import Run, continued
-from assistant.robots.motion.ways import Ways
+from assistant.robots.motion.ways import MotionBetweenTargets
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 
-LOOKED_AT: Final = 20_000
+MOST_ROWS_RETRIED: Final = 20_000
 """Rows of a run up to which other branches are tried, where one fails between the rows or turns
 have to be longer than they could be."""
 
 
 @dataclass(frozen=True, slots=True)
-class Solved:
+class RunSolution:
     """joints: (n, a) deg, NaN where there are none. configurations: (n, 6), as stated, else
     those of the joints, UNSTATED where there are none.
     """
@@ -45,7 +50,9 @@ class Solved:
     findings: tuple[Diagnostic, ...]
 
 
-def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) -> Solved:
+def solve_run(
+    run: Run, robot: Robot, cures: NearestPoseCures, theirs: Truths | None = None
+) -> RunSolution:
     """Chooses the configurations that a run of at least one move leaves open.
 
     What cannot be done is reported; of rows that state their branches themselves a change
@@ -54,15 +61,15 @@ def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) ->
     """
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
     own = np.where(stated, robot.branch_of(run.configurations), -1)
-    survey, every = survey_of(run, robot, own)
+    survey, every = survey_rows(run, robot, own)
     kept = stated & survey.allowed[own, np.arange(len(run))]
     plan = choices(run, robot, survey, every, np.where(kept, own, -1))
     first, slack = plan.best(), survey.slack
-    others = plan if len(run) <= LOOKED_AT else None
+    others = plan if len(run) <= MOST_ROWS_RETRIED else None
     del every, plan  # of long runs the largest columns
     report = survey.findings(run, robot, cures)
     said = np.where(kept[:, None], run.configurations, UNSTATED)
-    given = _Given(said, slack, look=not report)
+    given = _RunProblem(said, slack, look=not report)
     done = _best(run, robot, first, others, given)
     report += done.findings
     joints, broken = done.joints, done.choice.broken
@@ -86,11 +93,11 @@ def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) ->
             low, high = robot.limits[axis]
             name = robot.axes[axis]
             report.append(rules.WOUND_UP(about=run.what(rows), axis=name, low=low, high=high))
-    return Solved(joints, configurations, tuple(report))
+    return RunSolution(joints, configurations, tuple(report))
 
 
 @dataclass(frozen=True, slots=True)
-class _Tried:
+class _Attempt:
     """A choice of branches with what a closer look at it shows.
 
     joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows
@@ -108,7 +115,7 @@ class _Tried:
 
 
 @dataclass(frozen=True, slots=True)
-class _Given:
+class _RunProblem:
     """What every choice of branches is tried with.
 
     said: (n, 6) configurations that rows state and can have, else UNSTATED. slack: see `Survey`.
@@ -116,24 +123,26 @@ class _Given:
     """
 
     said: NDArray[np.integer]
-    slack: Slack
+    slack: RoundingTolerance
     look: bool
 
 
-def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given: _Given) -> _Tried:
+def _best(
+    run: Run, robot: Robot, choice: Choice, others: Choices | None, given: _RunProblem
+) -> _Attempt:
     """The choice with the fewest rows to which there is no way, the cheapest of these.
 
     A choice knows the rows, not what is between them: what turns out to be no way is ruled out
     and the next choice out of others tried. Nor does it know what whole turns cost, which counts
     where joint moves are not all as short as they could be.
     """
-    best = last = _tried(run, robot, choice, given)
+    best = last = _attempt(run, robot, choice, given)
     for _ in range(robot.branches):
         if others is None or not len(last.bad) or len(last.choice.broken):
             break
         if not others.bar(last.choice, last.bad):
             break
-        last = _tried(run, robot, others.best(), given)
+        last = _attempt(run, robot, others.best(), given)
         if len(last.bad) < len(best.bad) and not len(last.choice.broken):
             best = last
     if others is None or len(best.bad) or len(best.choice.broken) or not best.longer:
@@ -141,12 +150,12 @@ def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given:
     quickest = others.quickest(given.said)
     if quickest is None or np.array_equal(quickest.branches, best.choice.branches):
         return best
-    last = _tried(run, robot, quickest, given)
+    last = _attempt(run, robot, quickest, given)
     worse = len(last.bad) or len(last.choice.broken) or last.findings
     return best if worse else last
 
 
-def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
+def _attempt(run: Run, robot: Robot, choice: Choice, given: _RunProblem) -> _Attempt:
     findings: list[Diagnostic] = []
     joints, straight = _joints(run, robot, choice.branches, given.slack)
     lost = np.flatnonzero((choice.branches >= 0) & any_of(np.isnan(joints)))
@@ -155,7 +164,7 @@ def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
         findings.append(rules.NOT_CLOSED(about=run.what(lost), robot=robot.title, where=where))
     way = None
     if given.look and not findings and not len(choice.broken):
-        way = ways(run, robot, joints, choice.branches)
+        way = motion_between_targets(run, robot, joints, choice.branches)
     joints, unmet, off = _turned(run, robot, joints, straight, given.said, way)
     bad = np.empty(0, np.intp)
     if way is not None:
@@ -168,10 +177,12 @@ def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
         wound.append((axis, np.setdiff1d(rows, choice.broken)))
     bad = np.unique(np.concatenate([bad, *(rows for _, rows in wound)]))
     longer = may_be_quicker(run, robot, joints, chain_starts(run))
-    return _Tried(choice, joints, wound, off, bad, longer, tuple(findings))
+    return _Attempt(choice, joints, wound, off, bad, longer, tuple(findings))
 
 
-def _joints(run: Run, robot: Robot, branch: Rows, slack: Slack) -> tuple[Floats, Truths]:
+def _joints(
+    run: Run, robot: Robot, branch: Rows, slack: RoundingTolerance
+) -> tuple[Floats, Truths]:
     """(n, a) deg of the chosen branch, each axis nearest to the middle of its range, but for rows
     that are settled otherwise; and in which rows (n,) the wrist is straight.
     """
@@ -190,7 +201,7 @@ def _joints(run: Run, robot: Robot, branch: Rows, slack: Slack) -> tuple[Floats,
         joints = np.ascontiguousarray(found[:, at, np.arange(len(p))].T)
         joints[~(solved & robot.closes(joints, p, q))] = np.nan
         if robot.arm.spherical:
-            line[rows] = straighten(run, robot, joints.T[:, None], start)[0]
+            line[rows] = straighten_wrists(run, robot, joints.T[:, None], start)[0]
         out[rows] = joints
     slack.put(out, branch)
     return out, line
@@ -202,7 +213,7 @@ def _turned(
     joints: Floats,
     straight: Truths,
     said: NDArray[np.integer],
-    way: Ways | None,
+    way: MotionBetweenTargets | None,
 ) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
     """Joints with their whole turns.
 
@@ -231,11 +242,11 @@ def _turned(
         if wanted is not None:
             whole = np.round((wanted[:, axis] - angles) / 360.0)
             turns = np.where(free, 0.0, whole).astype(np.int64)
-            turns[free] = FREE
+            turns[free] = TURNS_NOT_STATED
         low, high = (float(limit) for limit in robot.limits[axis])
         near = float(run.before[axis])
         moving = way.of(axis, len(out)) if way is not None and len(way.rows) else None
-        result = turn(angles, (low, high), starts, near, turns, moving)
+        result = add_whole_turns(angles, (low, high), starts, near, turns, moving)
         out[:, axis] = result.angles
         wound.append((axis, result.broken))
         options.append((angles, (low, high), starts, turns, moving))
@@ -253,14 +264,14 @@ def _hold(
     """
     four = np.where(straight, np.nan, joints[:, 3])
     rows = np.flatnonzero(straight)
-    held = filled(four)[rows] if np.isfinite(four).any() else np.full(len(rows), before)
+    held = filled_forward(four)[rows] if np.isfinite(four).any() else np.full(len(rows), before)
     stated = said[rows, BACK] != UNSTATED
     low, high = (np.tile(limit, (len(rows), 1)) for limit in robot.limits.T)
     if stated.any():
         low[stated], high[stated] = robot.ranges(said[rows[stated]])
     roll = joints[rows, 3] + robot.arm.rolls * joints[rows, 5]
     new = joints[rows].copy()
-    new[:, 3], new[:, 5] = split(roll, held, (low, high), robot.arm.rolls)
+    new[:, 3], new[:, 5] = split_wrist_roll(roll, held, (low, high), robot.arm.rolls)
     inside = ((new >= low - LIMIT_TOLERANCE) & (new <= high + LIMIT_TOLERANCE))[:, 3::2].all(axis=1)
     for axis in (3, 5):
         middle = float(robot.limits[axis].mean())

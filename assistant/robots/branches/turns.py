@@ -16,7 +16,7 @@ from assistant.base.arrays import Floats, Ints, Rows, Truths
 
 
 @dataclass(frozen=True, slots=True)
-class Turned:
+class TurnedAxis:
     """angles: (n,) deg inside the limits where that can be. broken: rows before which the
     axis would have to be wound back although the move does not allow it.
     """
@@ -26,7 +26,7 @@ class Turned:
 
 
 @dataclass(frozen=True, slots=True)
-class OnTheWay:
+class AxisBetweenTargets:
     """What one axis does on the way to each of n rows; see `between.Ways`."""
 
     winding: Ints
@@ -34,14 +34,14 @@ class OnTheWay:
     above: Floats
 
 
-def turn(
+def add_whole_turns(
     angles: Floats,
     limits: tuple[float, float],
     starts: Rows,
     near: float,
     stated: Ints | None = None,
-    way: OnTheWay | None = None,
-) -> Turned:
+    way: AxisBetweenTargets | None = None,
+) -> TurnedAxis:
     """Adds whole turns to angles (n,) deg, so that chains are unbroken and inside the limits.
 
     angles: nearest to the middle of the limits; NaN where there is no solution.
@@ -51,13 +51,13 @@ def turn(
     """
     wrapped = _filled_by_chain(angles, starts)
     if not len(wrapped):
-        return Turned(angles.copy(), np.empty(0, np.intp))
-    step = _steps(wrapped, way)
+        return TurnedAxis(angles.copy(), np.empty(0, np.intp))
+    step = _turn_steps(wrapped, way)
     turns = np.cumsum(step)
     whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated, way)
     first = round((near - wrapped[0]) / 360.0)
     if whole.possible[0] and (whole.clear or len(starts) == 1):
-        return Turned(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
+        return TurnedAxis(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
     failing = ~chains.possible
     broken = np.empty(0, np.intp)
@@ -71,10 +71,10 @@ def turn(
     if failing.any():
         unmet = np.flatnonzero(np.diff(count, prepend=count[0]) != step)
         broken = np.setdiff1d(unmet, starts)
-    return Turned(out, broken)
+    return TurnedAxis(out, broken)
 
 
-class Open(NamedTuple):
+class OpenTurns(NamedTuple):
     """least, most: (c,) turns that a chain may be wound by; the first is more where none are.
     within: (n,) turns of a row beyond those of its chain. of_row: (n,) chain of each row.
     """
@@ -90,26 +90,26 @@ def open_turns(
     limits: tuple[float, float],
     starts: Rows,
     stated: Ints | None = None,
-    way: OnTheWay | None = None,
-) -> Open:
+    way: AxisBetweenTargets | None = None,
+) -> OpenTurns:
     """What there is to choose from; the same as `turn` chooses from."""
     wrapped = _filled_by_chain(angles, starts)
-    turns = np.cumsum(_steps(wrapped, way))
+    turns = np.cumsum(_turn_steps(wrapped, way))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
     within = turns - turns[starts][chains.of_row]
-    return Open(chains.least, chains.most, within, chains.of_row)
+    return OpenTurns(chains.least, chains.most, within, chains.of_row)
 
 
-CLEARANCE: Final = 1.0
+LIMIT_CLEARANCE: Final = 1.0
 """degrees that an axis keeps from its limits where another count of turns can: a controller
 reads a target rounded, and near a singularity that turns the wrist."""
-ROUNDING: Final = 1e-6
+LIMIT_ROUNDING: Final = 1e-6
 """degrees by which an angle may pass a limit."""
-FREE: Final = np.iinfo(np.int64).min
+TURNS_NOT_STATED: Final = np.iinfo(np.int64).min
 """In `stated`: the row says nothing of its turns."""
 
 
-def filled(angles: Floats) -> Floats:
+def filled_forward(angles: Floats) -> Floats:
     """NaN rows take the value of the row before, leading ones that of the first after; else 0."""
     known = np.isfinite(angles)
     if known.all():
@@ -120,7 +120,7 @@ def filled(angles: Floats) -> Floats:
     return np.asarray(angles[np.where(last < 0, known.argmax(), last)])
 
 
-def _steps(wrapped: Floats, way: OnTheWay | None) -> Ints:
+def _turn_steps(wrapped: Floats, way: AxisBetweenTargets | None) -> Ints:
     """(n,) by how many turns each row is beyond the one before, going to it the short way."""
     step = np.zeros(len(wrapped), dtype=np.int64)
     step[1:] = -np.round(np.diff(wrapped) / 360.0)
@@ -136,7 +136,7 @@ def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
     """
     known = np.isfinite(angles)
     if known.all() or not known.any():
-        return filled(angles)
+        return filled_forward(angles)
     row, n = np.arange(len(angles)), len(angles)
     last = np.maximum.accumulate(np.where(known, row, -1))
     following = np.minimum.accumulate(np.where(known, row, n)[::-1])[::-1]
@@ -146,7 +146,7 @@ def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
 
 
 @dataclass(frozen=True, slots=True)
-class _Chains:
+class _AxisChains:
     """starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at the starts.
     least, most: (c,) turns with which every row of the chain is inside, and clear of the limits if
     it is so with any; the first is more where there are none. clear: whether all of them are that.
@@ -200,8 +200,8 @@ def _by_chain(
     starts: Rows,
     limits: tuple[float, float],
     stated: Ints | None,
-    way: OnTheWay | None,
-) -> _Chains:
+    way: AxisBetweenTargets | None,
+) -> _AxisChains:
     low, high = limits
     n, middle = len(wrapped), (low + high) / 2.0
     of_row = np.zeros(n, dtype=np.intp)
@@ -220,24 +220,28 @@ def _by_chain(
     highest = int(np.floor((high - middle + 180.0) / 360.0))
     fewest, greatest = np.full(len(starts), lowest), np.full(len(starts), highest)
     if stated is not None:
-        wanted = np.where(stated == FREE, 0, stated - relative)
-        smallest = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
-        largest = np.maximum.reduceat(np.where(stated == FREE, -(1 << 40), wanted), starts)
+        wanted = np.where(stated == TURNS_NOT_STATED, 0, stated - relative)
+        smallest = np.minimum.reduceat(
+            np.where(stated == TURNS_NOT_STATED, 1 << 40, wanted), starts
+        )
+        largest = np.maximum.reduceat(
+            np.where(stated == TURNS_NOT_STATED, -(1 << 40), wanted), starts
+        )
         # All that a chain states has to be the same.
         fewest, greatest = np.maximum(fewest, largest), np.minimum(greatest, smallest)
     # From the best to what has to do: clear of the limits, inside them, inside at the rows alone.
     least, most = np.ones(len(starts), np.int64), np.zeros(len(starts), np.int64)
     clear = False
     for bottom, top, inside in (
-        (least_on_way, most_on_way, CLEARANCE),
-        (least_on_way, most_on_way, -ROUNDING),
-        (lows, highs, -ROUNDING),
+        (least_on_way, most_on_way, LIMIT_CLEARANCE),
+        (least_on_way, most_on_way, -LIMIT_ROUNDING),
+        (lows, highs, -LIMIT_ROUNDING),
     ):
         # A chain without any solution (NaN) allows everything.
         first = np.fmax(np.ceil((low + inside - bottom) / 360.0), fewest).astype(np.int64)
         last = np.fmin(np.floor((high - inside - top) / 360.0), greatest).astype(np.int64)
         open_ = least > most
         least, most = np.where(open_, first, least), np.where(open_, last, most)
-        if inside == CLEARANCE:
+        if inside == LIMIT_CLEARANCE:
             clear = bool((first <= last).all())
-    return _Chains(starts, of_row, turns[starts], least, most, clear, lowest, highest)
+    return _AxisChains(starts, of_row, turns[starts], least, most, clear, lowest, highest)

@@ -15,37 +15,37 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
-from assistant.robots.arms.least_squares import refined
+from assistant.robots.arms.least_squares import least_squares_joints
 
 if TYPE_CHECKING:
     from assistant.robots.robot import Robot
 
 
-MET: Final = 2.0
+MET_COST: Final = 2.0
 """Cost of joints that meet a target: the squares of what is missing of the position and of the
 orientation, each as a share of its rounding. What was meant costs no more, and what is missed by
 more than one and a half times its rounding costs more."""
-ROUNDS: Final = 60
-CLOSE: Final = 3.0
+MOST_STEPS: Final = 60
+MOST_SHIFT: Final = 3.0
 """degrees or mm that rounding moves an axis by at most, but for axes 4 and 6 beside a straight
 wrist, whose axis 5 is within so many degrees of it."""
-PLAY: Final = 0.2
+MOST_REGULAR_SHIFT: Final = 0.2
 """degrees or mm that rounding moves an axis by at most away from every singularity."""
-LEVER: Final = 200.0
+REGULAR_LEVER: Final = 200.0
 """mm of the wrist from axis 1 from which on it counts as away from that singularity."""
-MEETING: Final = 1e-3
+BRANCHES_MEET: Final = 1e-3
 """Sine of axis 5 or of the elbow, or of the wrist from axis 1 in `LEVER`, up to which it is open
 in which of two branches an arm is.
 """
 OVER_AXIS: Final = 1.0
 """mm of the wrist from axis 1 within which rounding may turn axis 1 by any angle."""
-AROUND: Final = 2.0 * np.pi * np.arange(48) / 48.0
+DIRECTIONS_AROUND: Final = 2.0 * np.pi * np.arange(48) / 48.0
 """Directions in which poses beside a printed one are tried there, at half and at all of its
 rounding by turns."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class RoundedPoses:
     """Poses of the flange (k, 3), (k, 4) with what they may be off.
 
     arms: (k, 3) mm from the flange to the tip. rounding: (k, 2) mm of the tip and degrees.
@@ -56,8 +56,8 @@ class Wanted:
     arms: Floats
     rounding: Floats
 
-    def of(self, rows: Rows) -> Wanted:
-        return Wanted(
+    def of(self, rows: Rows) -> RoundedPoses:
+        return RoundedPoses(
             self.positions[rows], self.quaternions[rows], self.arms[rows], self.rounding[rows]
         )
 
@@ -66,7 +66,7 @@ class Wanted:
         """(k,) degrees or mm that rounding moves an axis by at most away from singularities."""
         place, turn = self.rounding.T
         place = place + np.radians(turn) * norms(self.arms)
-        return np.asarray(5.0 * (turn + np.degrees(place / LEVER)))
+        return np.asarray(5.0 * (turn + np.degrees(place / REGULAR_LEVER)))
 
     def missing(self, robot: Robot, joints: Floats, which: Rows) -> Floats:
         """(m, s, 6) of joints (m, s, a) deg: what is missing in shares of the rounding."""
@@ -80,8 +80,12 @@ class Wanted:
         return out.reshape(len(which), tries, 6)
 
 
-def settled(
-    robot: Robot, wanted: Wanted, branches: Rows, joints: Floats, limits: tuple[Floats, Floats]
+def joints_within_rounding(
+    robot: Robot,
+    wanted: RoundedPoses,
+    branches: Rows,
+    joints: Floats,
+    limits: tuple[Floats, Floats],
 ) -> tuple[Floats, Truths]:
     """Joints (k, a) deg between limits (k, a) each that meet k poses, and whether they do (k,).
 
@@ -90,13 +94,13 @@ def settled(
     low, high = _bent(robot, joints, limits) if robot.arm.spherical else limits
     out, met = joints.copy(), np.zeros(len(joints), dtype=bool)
     rows = np.flatnonzero((low <= high).all(axis=1) & np.isfinite(joints).all(axis=1))
-    _settle(robot, wanted, rows, (joints[rows], low, high), (out, met))
+    _store_found(robot, wanted, rows, (joints[rows], low, high), (out, met))
     met &= _same_branch(robot, out, branches)
     if robot.arm.spherical:
         rows = rows[~met[rows]]
-        line = rows[np.abs(joints[rows, 4]) < CLOSE]
+        line = rows[np.abs(joints[rows, 4]) < MOST_SHIFT]
         rolled = _rolled(robot, joints, low, high)[line]
-        _settle(robot, wanted, line, (rolled, low, high), (out, met))
+        _store_found(robot, wanted, line, (rolled, low, high), (out, met))
         met &= _same_branch(robot, out, branches)
         rows = rows[~met[rows]]
         over = _over_axis(robot, joints[rows])
@@ -104,14 +108,14 @@ def settled(
         if not len(rows):
             return out, met
         beside = _beside(robot, wanted.of(rows), branches[rows], (low[rows], high[rows]))
-        _settle(robot, wanted, rows, (beside, low, high), (out, met))
+        _store_found(robot, wanted, rows, (beside, low, high), (out, met))
         met &= _same_branch(robot, out, branches)
     return out, met
 
 
-def _settle(
+def _store_found(
     robot: Robot,
-    wanted: Wanted,
+    wanted: RoundedPoses,
     rows: Rows,
     given: tuple[Floats, Floats, Floats],
     into: tuple[Floats, Truths],
@@ -122,7 +126,7 @@ def _settle(
     """
     joints, low, high = given
     low, high = low[rows], high[rows]
-    start = placed(robot, joints, low, high)
+    start = placed_within(robot, joints, low, high)
     near = _near(robot, wanted.of(rows), start, joints)
     rows, start, low, high = rows[near], start[near], low[near], high[near]
     here = wanted.of(rows)
@@ -130,8 +134,8 @@ def _settle(
     def missing(tried: Floats, which: Rows) -> Floats:
         return here.missing(robot, tried, which)
 
-    found, cost = refined(missing, start, low, high, ROUNDS, MET / 4.0)
-    good = cost <= MET
+    found, cost = least_squares_joints(missing, start, low, high, MOST_STEPS, MET_COST / 4.0)
+    good = cost <= MET_COST
     into[0][rows[good]] = found[good]
     into[1][rows[good]] = True
 
@@ -157,11 +161,11 @@ def _rolled(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
     return out
 
 
-def _near(robot: Robot, wanted: Wanted, start: Floats, joints: Floats) -> Truths:
+def _near(robot: Robot, wanted: RoundedPoses, start: Floats, joints: Floats) -> Truths:
     """(k,) whether rounding may be what puts joints (k, a) away from start (k, a)."""
     off = np.abs(robot.wound(start - joints))
     if robot.arm.spherical:
-        off[np.abs(start[:, 4]) < CLOSE, 3::2] = 0.0
+        off[np.abs(start[:, 4]) < MOST_SHIFT, 3::2] = 0.0
     near = off.max(axis=1) <= wanted.play * looseness(robot, joints)
     return np.asarray(near | _over_axis(robot, joints))
 
@@ -175,11 +179,11 @@ def _same_branch(robot: Robot, joints: Floats, branches: Rows) -> Truths:
         elbow, ahead = robot.arm.elbow(chain), robot.arm.wrist(chain)
         meet = np.zeros(len(rest), dtype=bool)
         if robot.arm.spherical:
-            meet |= np.abs(np.sin(chain[:, 4])) < MEETING
+            meet |= np.abs(np.sin(chain[:, 4])) < BRANCHES_MEET
         if elbow is not None:
-            meet |= np.abs(np.sin(elbow)) < MEETING
+            meet |= np.abs(np.sin(elbow)) < BRANCHES_MEET
         if ahead is not None:
-            meet |= np.abs(ahead) < MEETING * LEVER
+            meet |= np.abs(ahead) < BRANCHES_MEET * REGULAR_LEVER
         same[rest] = meet
     return same
 
@@ -196,7 +200,7 @@ def looseness(robot: Robot, joints: Floats) -> Floats:
     if elbow is not None:
         firm *= np.abs(np.sin(elbow))
     if ahead is not None:
-        firm *= np.minimum(np.abs(ahead) / LEVER, 1.0)
+        firm *= np.minimum(np.abs(ahead) / REGULAR_LEVER, 1.0)
     return np.asarray(1.0 / np.maximum(firm, 1e-9))
 
 
@@ -208,7 +212,7 @@ def _over_axis(robot: Robot, joints: Floats) -> Truths:
     return np.asarray(np.abs(ahead) < OVER_AXIS)
 
 
-def placed(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
+def placed_within(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
     """Joints (k, a) put between low and high (k, a): by whole turns, then axes 4 and 6 of a
     straight wrist together, then each by itself.
     """
@@ -218,8 +222,8 @@ def placed(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
         out[:, axis] += 360.0 * np.round((middle[:, axis] - out[:, axis]) / 360.0)
     if robot.arm.spherical:
         off = (out < low) | (out > high)
-        rows = np.flatnonzero((np.abs(out[:, 4]) < CLOSE) & (off[:, 3] | off[:, 5]))
-        out[rows, 3], out[rows, 5] = split(
+        rows = np.flatnonzero((np.abs(out[:, 4]) < MOST_SHIFT) & (off[:, 3] | off[:, 5]))
+        out[rows, 3], out[rows, 5] = split_wrist_roll(
             out[rows, 3] + robot.arm.rolls * out[rows, 5],
             out[rows, 3],
             (low[rows], high[rows]),
@@ -228,7 +232,7 @@ def placed(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
     return np.clip(out, low, high)
 
 
-def split(
+def split_wrist_roll(
     roll: Floats, held: Floats, limits: tuple[Floats, Floats], rolls: float
 ) -> tuple[Floats, Floats]:
     """Axes 4 and 6 (k,) deg in line that turn the tool by `roll` (k,) together, axis 4 as near to
@@ -253,18 +257,22 @@ def split(
     return four, rolls * (whole - four)
 
 
-def _beside(robot: Robot, wanted: Wanted, branches: Rows, limits: tuple[Floats, Floats]) -> Floats:
+def _beside(
+    robot: Robot, wanted: RoundedPoses, branches: Rows, limits: tuple[Floats, Floats]
+) -> Floats:
     """(k, a) the joints of a pose beside each of k whose wrist is over axis 1, those of several
     that meet it best between the limits.
     """
-    k, many = len(branches), len(AROUND)
+    k, many = len(branches), len(DIRECTIONS_AROUND)
     far = wanted.rounding[:, :1] * np.where(np.arange(many) % 2, 0.5, 1.0)
-    off = np.stack([far * np.cos(AROUND), far * np.sin(AROUND), 0.0 * far], axis=-1)
+    off = np.stack(
+        [far * np.cos(DIRECTIONS_AROUND), far * np.sin(DIRECTIONS_AROUND), 0.0 * far], axis=-1
+    )
     p = wanted.positions[:, None] + off
     found, _ = robot.solve(p.reshape(-1, 3), np.repeat(wanted.quaternions, many, axis=0))
     each = np.repeat(branches, many)
     joints = found[:, each, np.arange(k * many)].T
     low, high = (np.repeat(limit, many, axis=0) for limit in limits)
-    tried = placed(robot, joints, low, high).reshape(k, many, -1)
+    tried = placed_within(robot, joints, low, high).reshape(k, many, -1)
     costs = (wanted.missing(robot, tried, np.arange(k)) ** 2).sum(axis=2)
     return np.asarray(tried[np.arange(k), costs.argmin(axis=1)])

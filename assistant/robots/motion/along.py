@@ -22,7 +22,7 @@ Poses = tuple[Floats, Floats]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ToolWays:
+class ToolPaths:
     """k ways of a tool, on which it goes and turns evenly.
 
     starts, ends: (k, 3), (k, 4). rows: (k,) what they are called in arcs. arcs: those that are

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 
-class Turns:
+class TurnSampling:
     """`on_the_way`: how often the axes turn between targets, within reach and limits or not.
 
     Every program asks this of all its moves, so that most are answered by their ends.
@@ -42,7 +42,7 @@ class Turns:
     """Parts between the poses beside a peak, where an axis turns back near to a limit."""
 
 
-class Peaks:
+class PeakSampling:
     """`checks.extremes`: how fast the axes would have to be, and how near a singularity is.
 
     A finding tells the worst place, which beside a singularity is short; so there are more places
@@ -71,7 +71,7 @@ class Peaks:
     """By how much that has to find it faster to be done once more."""
 
 
-class Times:
+class TimeSampling:
     """`timing.knots`: how long a move takes, with the joints linear from knot to knot."""
 
     APART: Final = 10.0
@@ -86,7 +86,7 @@ class Times:
     """Parabolas of a corner at least; odd, so that its moves meet in the middle of one."""
 
 
-class Drawn:
+class DrawingSampling:
     """`report.track`: pictures, in which nobody sees less than a few degrees of an arc."""
 
     ARC: Final = 24

@@ -12,12 +12,17 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of, norms
 from assistant.program.geometry import Pose
 from assistant.program.motion import Kind
-from assistant.robots.motion.along import ToolWays, flange_along, joints_along
+from assistant.robots.motion.along import ToolPaths, flange_along, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
-from assistant.robots.motion.densities import Turns
+from assistant.robots.motion.densities import TurnSampling
 from assistant.robots.motion.run import Run, continued
-from assistant.robots.motion.ways import Ways
-from assistant.robots.motion.wrist import bends_to, perhaps_past, swept, through
+from assistant.robots.motion.ways import MotionBetweenTargets
+from assistant.robots.motion.wrist import (
+    bends_to,
+    may_pass_through,
+    passes_through,
+    steps_without_singularity,
+)
 from assistant.robots.robot import CHUNK, Robot
 
 JUMP: Final = 1.0
@@ -25,7 +30,7 @@ JUMP: Final = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class SampledJoints:
     """Joints on the ways to k rows, both ends included.
 
     joints: (k, p, a) deg. turned: (k, p, a) by how much they have turned since the start,
@@ -38,33 +43,35 @@ class Way:
     excess: Floats
     spherical: bool
 
-    def of(self, some: Truths) -> Way:
-        return Way(self.joints[some], self.turned[some], self.excess[some], self.spherical)
+    def of(self, some: Truths) -> SampledJoints:
+        return SampledJoints(
+            self.joints[some], self.turned[some], self.excess[some], self.spherical
+        )
 
     def leaps(self) -> Truths:
         """(k, p - 1) between which poses an axis goes so far that it may have gone round, or the
         wrist so far that it may not have gone through its singularity, but past it.
         """
-        out = np.asarray((np.abs(np.diff(self.turned, axis=1)) > Turns.LEAP).any(axis=2))
+        out = np.asarray((np.abs(np.diff(self.turned, axis=1)) > TurnSampling.LEAP).any(axis=2))
         if self.spherical:
-            out |= perhaps_past(bends_to(self.joints[..., 3], self.joints[..., 4]))
+            out |= may_pass_through(bends_to(self.joints[..., 3], self.joints[..., 4]))
         return out
 
     def doubtful(self, robot: Robot) -> Truths:
         """(k,) whether poses so far apart may hide a turn, a peak or the end of reach."""
         steps = np.abs(np.diff(self.turned, axis=1))
         out = np.asarray(self.leaps().any(axis=1))
-        margin = steps.max(axis=1)[:, None] + Turns.NEAR
+        margin = steps.max(axis=1)[:, None] + TurnSampling.NEAR
         for limit in robot.limits.T:
             out |= (np.abs(robot.wound(self.joints - limit)) < margin).any(axis=(1, 2))
         k, places, axes = self.joints.shape
         elbow = robot.arm.elbow(robot.chained(self.joints.reshape(-1, axes)))
         if elbow is not None:
-            out |= (np.abs(np.sin(elbow)) < Turns.STRETCHED).reshape(k, places).any(axis=1)
+            out |= (np.abs(np.sin(elbow)) < TurnSampling.STRETCHED).reshape(k, places).any(axis=1)
         return out
 
 
-class Look:
+class MoveSampler:
     """The moves of a run, each from where the one before ends.
 
     start: where the tool is before the run, in the frame of the first row; None if the run does
@@ -94,24 +101,24 @@ class Look:
         wide = np.zeros(len(self.joints), dtype=bool)
         with np.errstate(invalid="ignore"):
             step = np.abs(self.robot.wound(np.diff(self.joints, axis=0)))
-            wide[1:] = any_of(step > Turns.WIDE) & all_of(np.isfinite(step))
+            wide[1:] = any_of(step > TurnSampling.WIDE) & all_of(np.isfinite(step))
             first = self.robot.wound(self.joints[0] - self.run.before)
-            wide[0] = (np.abs(first) > Turns.WIDE).any()
+            wide[0] = (np.abs(first) > TurnSampling.WIDE).any()
             wide |= self.long()
         linear = wide & (self.run.kinds == Kind.LINEAR)
-        samples = np.where(linear, Turns.SAMPLES[1], 0)
+        samples = np.where(linear, TurnSampling.SAMPLES[1], 0)
         if self.arcs is not None:
-            parts = np.sqrt(self.arcs.bulges / Turns.BULGE)
-            enough = np.searchsorted(Turns.SAMPLES + 1, parts)
-            least = Turns.SAMPLES[np.minimum(enough, len(Turns.SAMPLES) - 1)]
+            parts = np.sqrt(self.arcs.bulges / TurnSampling.BULGE)
+            enough = np.searchsorted(TurnSampling.SAMPLES + 1, parts)
+            least = TurnSampling.SAMPLES[np.minimum(enough, len(TurnSampling.SAMPLES) - 1)]
             least[parts < 1.0] = 0
             samples[self.arcs.rows] = np.where(
-                wide[self.arcs.rows], np.maximum(least, Turns.SAMPLES[1]), least
+                wide[self.arcs.rows], np.maximum(least, TurnSampling.SAMPLES[1]), least
             )
         known = self.same & (branch >= 0)
         known[1:] &= branch[1:] == branch[:-1]
         chosen = np.flatnonzero(known & (samples > 0))
-        for count in Turns.SAMPLES.tolist():
+        for count in TurnSampling.SAMPLES.tolist():
             some = chosen[samples[chosen] == count]
             many = max(CHUNK // count, 1)
             for one in np.unique(branch[some]):
@@ -125,19 +132,19 @@ class Look:
         for start in range(1, len(out), CHUNK):
             rows = slice(start - 1, min(start + CHUNK, len(out)))
             p, _ = self.run.targets(rows)
-            out[start : rows.stop] = norms(np.diff(p, axis=0)) > Turns.LONG
+            out[start : rows.stop] = norms(np.diff(p, axis=0)) > TurnSampling.LONG
         if self.start is not None:
             p, _ = self.run.targets(slice(0, 1))
-            out[0] = np.linalg.norm(p[0] - self.start.position) > Turns.LONG
+            out[0] = np.linalg.norm(p[0] - self.start.position) > TurnSampling.LONG
         return out
 
     def far(self, rows: Rows) -> Truths:
         """(m,) which of some rows the tool goes or turns far to."""
         (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
         turn = rotations.angle_between(q0, q1)
-        return np.asarray((norms(p1 - p0) > Turns.LONG) | (turn > Turns.WIDE))
+        return np.asarray((norms(p1 - p0) > TurnSampling.LONG) | (turn > TurnSampling.WIDE))
 
-    def seen(self, rows: Rows, way: Way) -> Ways:
+    def seen(self, rows: Rows, way: SampledJoints) -> MotionBetweenTargets:
         """What the ways to some rows (k,) come to."""
         end = way.turned[:, -1]
         whole = end - self.robot.wound(self.joints[rows] - self.before(rows))
@@ -147,21 +154,23 @@ class Look:
             jumps = _jumps(self.run, self.robot, rows, way.joints[:, -2], self.joints[rows])
         winding = np.round(whole / 360.0).astype(np.int64)
         short = way.excess.max(axis=1)
-        return Ways(rows, winding, away.min(axis=1), away.max(axis=1), short, tuple(jumps))
+        return MotionBetweenTargets(
+            rows, winding, away.min(axis=1), away.max(axis=1), short, tuple(jumps)
+        )
 
-    def way(self, rows: Rows, part: Floats, branch: int) -> Way:
+    def way(self, rows: Rows, part: Floats, branch: int) -> SampledJoints:
         """The ways to some rows (k,) at parts (p,) of each, both ends added."""
         found, excess = self.on_the_way(rows, np.broadcast_to(part, (len(rows), len(part))), branch)
         before = self.before(rows)
         joints = np.concatenate([before[:, None], found, self.joints[rows][:, None]], axis=1)
-        return Way(joints, self._turned(joints), excess, self.robot.arm.spherical)
+        return SampledJoints(joints, self._turned(joints), excess, self.robot.arm.spherical)
 
-    def closer(self, row: Rows, part: Floats, branch: int) -> tuple[Rows, Floats, Way]:
+    def closer(self, row: Rows, part: Floats, branch: int) -> tuple[Rows, Floats, SampledJoints]:
         """The way to one row (1,), at more parts where an axis leaps: beside a singularity it turns
         by a half in a thousandth of the way.
         """
         way = self.way(row, part, branch)
-        for _ in range(Turns.SPLITS):
+        for _ in range(TurnSampling.SPLITS):
             leaping = np.flatnonzero(way.leaps()[0])
             if not len(leaping):
                 break
@@ -174,12 +183,12 @@ class Look:
 
         ends: (2, 2) what its ends bend to, of the first branch of a pair.
         """
-        for _ in range(Turns.SPLITS):
+        for _ in range(TurnSampling.SPLITS):
             found, _ = self.on_the_way(row, part[None], 2 * pair)
             between = bends_to(found[0, :, 3], found[0, :, 4])
             bends = np.concatenate([ends[:, :1], between, ends[:, 1:]], axis=1)
-            goes = bool(through(bends).any())
-            unsure = np.flatnonzero(perhaps_past(bends))
+            goes = bool(passes_through(bends).any())
+            unsure = np.flatnonzero(may_pass_through(bends))
             if not len(unsure):
                 break
             part = _divided(part, unsure)
@@ -188,15 +197,17 @@ class Look:
     def _turned(self, joints: Floats) -> Floats:
         steps = self.robot.wound(np.diff(joints, axis=1))
         if self.robot.arm.spherical:
-            steps = swept(steps, bends_to(joints[..., 3], joints[..., 4]))
+            steps = steps_without_singularity(steps, bends_to(joints[..., 3], joints[..., 4]))
         return np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
 
-    def peaks(self, part: Floats, way: Way, branch: int, seen: Ways) -> None:
+    def peaks(
+        self, part: Floats, way: SampledJoints, branch: int, seen: MotionBetweenTargets
+    ) -> None:
         """Adds to what ways were seen to come to the peaks between their poses, where an axis
         turns back near to a limit.
         """
         part = np.concatenate([[0.0], part, [1.0]])
-        margin = np.abs(np.diff(way.turned, axis=1)).max(axis=1) + Turns.NEAR
+        margin = np.abs(np.diff(way.turned, axis=1)).max(axis=1) + TurnSampling.NEAR
         for least, column in ((True, seen.below), (False, seen.above)):
             at = (way.turned.argmin if least else way.turned.argmax)(axis=1)  # (k, a)
             there = np.take_along_axis(way.joints, at[:, None], axis=1)[:, 0]
@@ -207,7 +218,10 @@ class Look:
                 continue
             first = at[i, axis] - 1
             span = part[first + 2] - part[first]
-            fine = part[first][:, None] + span[:, None] * np.arange(1, Turns.PEAK) / Turns.PEAK
+            fine = (
+                part[first][:, None]
+                + span[:, None] * np.arange(1, TurnSampling.PEAK) / TurnSampling.PEAK
+            )
             found, _ = self.on_the_way(seen.rows[i], fine, branch)
             joints = np.concatenate([way.joints[i, first][:, None], found], axis=1)
             turned = way.turned[i, first][:, None] + self._turned(joints)
@@ -229,7 +243,7 @@ class Look:
         """
         (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
         q0, q1 = (q / norms(q)[:, None] for q in (q0, q1))
-        tool = ToolWays((p0, q0), (p1, q1), rows, self.arcs).at(part)
+        tool = ToolPaths((p0, q0), (p1, q1), rows, self.arcs).at(part)
         flange = flange_along(self.run.mounting, rows, tool)
         before = None if self.robot.arm.named else self.before(rows)
         return joints_along(self.robot, before, np.full(len(rows), branch), flange)
@@ -263,5 +277,5 @@ def _divided(part: Floats, solved_runs: Rows) -> Floats:
     """Parts (p,) of a way, and more in some of the stretches 0 to p between them and its ends."""
     whole = np.concatenate([[0.0], part, [1.0]])
     first, last = whole[solved_runs, None], whole[solved_runs + 1, None]
-    more = first + (last - first) * np.arange(1, Turns.SPLIT) / Turns.SPLIT
+    more = first + (last - first) * np.arange(1, TurnSampling.SPLIT) / TurnSampling.SPLIT
     return np.unique(np.concatenate([part, more.ravel()]))

@@ -16,9 +16,9 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import Blend, Kind, Speed
 
-NAMED: Final = 3
+MOST_NAMED_ROWS: Final = 3
 """How many rows, or ranges of rows, a finding names before it counts the rest."""
-RANGE: Final = 4
+LEAST_NAMED_RANGE: Final = 4
 """Neighbouring rows from which on a finding names the first and the last alone."""
 
 
@@ -82,7 +82,7 @@ class Mounting:
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class SpeedsAndBlends:
     """How fast the rows are reached and how their corners are rounded.
 
     speed, blend: (n,) rows of the tables speeds and blends.
@@ -114,7 +114,7 @@ class Run:
     kinds: NDArray[np.uint8]
     targets: Callable[[slice | Rows], tuple[Floats, Floats]]
     mounting: Mounting
-    pace: Pace
+    pace: SpeedsAndBlends
     configurations: NDArray[np.int8]
     external: Floats
     before: Floats
@@ -141,7 +141,7 @@ class Run:
         ends = np.searchsorted(rows, self.starts)
         said = [
             self._of_part(part, rows[ends[part] : ends[part + 1]])
-            for part in np.flatnonzero(np.diff(ends))[:NAMED]
+            for part in np.flatnonzero(np.diff(ends))[:MOST_NAMED_ROWS]
         ]
         more = int(np.count_nonzero(np.diff(ends))) - len(said)
         return said[0] if len(said) == 1 and not more else Several(tuple(said), more)
@@ -153,15 +153,15 @@ class Run:
         cuts = np.flatnonzero(np.diff(rows) > 1) + 1
         said: list[Goal | Neighbours] = []
         count = 0
-        for group in np.split(rows, cuts[:NAMED])[:NAMED]:
+        for group in np.split(rows, cuts[:MOST_NAMED_ROWS])[:MOST_NAMED_ROWS]:
             first, last = self.label(int(group[0])), self.label(int(group[-1]))
-            if len(group) < RANGE:
-                group = group[: NAMED - len(said)]
+            if len(group) < LEAST_NAMED_RANGE:
+                group = group[: MOST_NAMED_ROWS - len(said)]
                 said += [self.label(int(row)) for row in group]
             else:
                 said.append(Neighbours(first, last))
             count += len(group)
-            if len(said) >= NAMED:
+            if len(said) >= MOST_NAMED_ROWS:
                 break
         return SomeTargets(self.names[part], len(rows), whole, tuple(said), len(rows) - count)
 

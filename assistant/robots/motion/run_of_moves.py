@@ -17,7 +17,7 @@ from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import UNSTATED, Blend, Kind, Path, Speed, configuration_row
 from assistant.program.statements import Motion
 from assistant.robots.configurations import BACK
-from assistant.robots.motion.run import Mounting, Pace, Run
+from assistant.robots.motion.run import Mounting, Run, SpeedsAndBlends
 from assistant.robots.target_lookup import Place
 
 Configurations = NDArray[np.int8]
@@ -38,7 +38,7 @@ class SingleMove:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class RunPart:
     """A path, or moves that stand by themselves, n rows of either.
 
     keys: ids of what the configurations belong to: of the path, or of the target of each row.
@@ -54,7 +54,7 @@ class Part:
     configurations: Configurations
     external: Floats
     mounting: Mounting
-    pace: Pace
+    pace: SpeedsAndBlends
     exact: Truths
     label: Callable[[int], Goal]
 
@@ -64,9 +64,9 @@ class Part:
 
 def path_part(
     path: Path, configurations: Configurations, tools: Sequence[Tool], frames: Sequence[Frame]
-) -> Part:
+) -> RunPart:
     """A path with the tools and frames that its tables name."""
-    return Part(
+    return RunPart(
         name=path.name,
         is_path=True,
         keys=(id(path),),
@@ -76,16 +76,16 @@ def path_part(
         configurations=configurations,
         external=path.external,
         mounting=Mounting(path.tool, path.frame, tools, frames),
-        pace=Pace(path.speed, path.blend, path.speeds, path.blends),
+        pace=SpeedsAndBlends(path.speed, path.blend, path.speeds, path.blends),
         exact=np.broadcast_to(np.True_, (len(path),)),
         label=lambda row: PathRow(path.name, row + 1, original=path.row_name(row)),
     )
 
 
-def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configurations]) -> Part:
+def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configurations]) -> RunPart:
     """Moves of the procedure `name`; done: id of a target → its configuration, if it has one."""
-    tools, frames = _Table[Tool](), _Table[Frame]()
-    speeds, blends = _Table[Speed | Name](), _Table[Blend | Name]()
+    tools, frames = _ValueTable[Tool](), _ValueTable[Frame]()
+    speeds, blends = _ValueTable[Speed | Name](), _ValueTable[Blend | Name]()
     targets = [move.place.target for move in moves]
     rows = [done.get(id(target), configuration_row(target.configuration)) for target in targets]
     labels = [move.label for move in moves]
@@ -93,7 +93,7 @@ def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configura
     frame = np.array([frames.row(move.frame) for move in moves], dtype=np.int32)
     speed = np.array([speeds.row(move.motion.fixed[0]) for move in moves], dtype=np.int32)
     blend = np.array([blends.row(move.motion.fixed[1]) for move in moves], dtype=np.int32)
-    return Part(
+    return RunPart(
         name=name,
         is_path=False,
         keys=tuple(id(target) for target in targets),
@@ -103,13 +103,13 @@ def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configura
         configurations=np.array(rows, dtype=np.int8),
         external=np.array([target.external for target in targets], dtype=np.float64),
         mounting=Mounting(tool, frame, tools.values, frames.values),
-        pace=Pace(speed, blend, speeds.values, blends.values),
+        pace=SpeedsAndBlends(speed, blend, speeds.values, blends.values),
         exact=np.array([not move.place.moved for move in moves]),
         label=labels.__getitem__,
     )
 
 
-def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
+def run_of_parts(parts: Sequence[RunPart], before: Floats, joined: bool) -> Run:
     """The parts, one after the other, as one run; a lone part keeps its own columns."""
     starts = np.cumsum([0, *(len(part) for part in parts)])
     position = _joined([part.positions for part in parts])
@@ -125,8 +125,8 @@ def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
         starts=starts,
         kinds=_joined([part.kinds for part in parts]),
         targets=lambda rows: (position[rows], quaternion[rows]),
-        mounting=_mountings([part.mounting for part in parts]),
-        pace=_paces([part.pace for part in parts]),
+        mounting=_joined_mountings([part.mounting for part in parts]),
+        pace=_joined_speeds([part.pace for part in parts]),
         configurations=_joined([part.configurations for part in parts]),
         external=_joined([part.external for part in parts]),
         before=before,
@@ -136,7 +136,9 @@ def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
     )
 
 
-def first_ones(parts: Sequence[Part], configurations: Configurations) -> Configurations:
+def first_configurations(
+    parts: Sequence[RunPart], configurations: Configurations
+) -> Configurations:
     """The configurations (n, 6), with those of the first place for what is met in several.
 
     A place that is only computed from a target speaks for it where the target itself is not met.
@@ -174,11 +176,11 @@ def _joined(columns: Sequence[NDArray[S]]) -> NDArray[S]:
     return columns[0] if len(columns) == 1 else np.concatenate(columns)
 
 
-def _mountings(mountings: Sequence[Mounting]) -> Mounting:
+def _joined_mountings(mountings: Sequence[Mounting]) -> Mounting:
     """One mounting with the tables of all."""
     if len(mountings) == 1:
         return mountings[0]
-    tools, frames = _Table[Tool](), _Table[Frame]()
+    tools, frames = _ValueTable[Tool](), _ValueTable[Frame]()
     tool, frame = [], []
     for mounting in mountings:
         tool.append(np.array([tools.row(t) for t in mounting.tools], np.int32)[mounting.tool])
@@ -186,19 +188,21 @@ def _mountings(mountings: Sequence[Mounting]) -> Mounting:
     return Mounting(np.concatenate(tool), np.concatenate(frame), tools.values, frames.values)
 
 
-def _paces(paces: Sequence[Pace]) -> Pace:
+def _joined_speeds(paces: Sequence[SpeedsAndBlends]) -> SpeedsAndBlends:
     """One pace with the tables of all."""
     if len(paces) == 1:
         return paces[0]
-    speeds, blends = _Table[Speed | Name](), _Table[Blend | Name]()
+    speeds, blends = _ValueTable[Speed | Name](), _ValueTable[Blend | Name]()
     speed, blend = [], []
     for pace in paces:
         speed.append(np.array([speeds.row(s) for s in pace.speeds], np.int32)[pace.speed])
         blend.append(np.array([blends.row(b) for b in pace.blends], np.int32)[pace.blend])
-    return Pace(np.concatenate(speed), np.concatenate(blend), speeds.values, blends.values)
+    return SpeedsAndBlends(
+        np.concatenate(speed), np.concatenate(blend), speeds.values, blends.values
+    )
 
 
-class _Table(Generic[V]):
+class _ValueTable(Generic[V]):
     """Values, each once, by the order in which they came."""
 
     def __init__(self) -> None:

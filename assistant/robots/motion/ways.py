@@ -12,18 +12,18 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.program.motion import Kind
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.branches.row_reach import distance
-from assistant.robots.branches.turns import OnTheWay
+from assistant.robots.branches.row_reach import distance_text
+from assistant.robots.branches.turns import AxisBetweenTargets
 from assistant.robots.motion.run import Run
 from assistant.robots.robot import Robot
 
-ON_THE_WAY: Final = 1e-3
+BETWEEN_TOLERANCE: Final = 1e-3
 """degrees or mm by which an axis may pass its limit between rows: what is printed of them is no
 better."""
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class MotionBetweenTargets:
     """What the arm does on the way to m rows that are looked at.
 
     rows: (m,). winding: (m, a) whole turns that an axis makes beyond the shorter way from the
@@ -39,13 +39,13 @@ class Ways:
     short: Floats
     jumps: tuple[tuple[int, str], ...]
 
-    def of(self, axis: int, count: int) -> OnTheWay:
+    def of(self, axis: int, count: int) -> AxisBetweenTargets:
         """What one axis does on the way to each of `count` rows."""
         winding = np.zeros(count, dtype=np.int64)
         below, above = np.zeros(count), np.zeros(count)
         winding[self.rows], below[self.rows] = self.winding[:, axis], self.below[:, axis]
         above[self.rows] = self.above[:, axis]
-        return OnTheWay(winding, below, above)
+        return AxisBetweenTargets(winding, below, above)
 
     def faults(self, run: Run, robot: Robot, joints: Floats) -> tuple[Rows, list[Diagnostic]]:
         """Rows to which there is no way with joints (n, a), whole turns included, and why."""
@@ -56,10 +56,10 @@ class Ways:
         over = np.where(self.above > 0.0, here + self.above - high, -np.inf)
         beyond = np.maximum(under, over)
         bad = list(self.jumps)
-        for i in np.flatnonzero((self.short >= CLOSING) | (beyond > ON_THE_WAY).any(axis=1)):
+        for i in np.flatnonzero((self.short >= CLOSING) | (beyond > BETWEEN_TOLERANCE).any(axis=1)):
             row = int(self.rows[i])
             if self.short[i] >= CLOSING:
-                bad.append((row, f"is up to {distance(self.short[i])} mm out of reach"))
+                bad.append((row, f"is up to {distance_text(self.short[i])} mm out of reach"))
                 continue
             axis = int(beyond[i].argmax())
             least = under[i, axis] > over[i, axis]

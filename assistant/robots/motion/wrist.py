@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Singles, Truths
 from assistant.program.motion import Kind
-from assistant.robots.arms.six_axis import BRANCHES
+from assistant.robots.arms.six_axis import SIX_AXIS_BRANCHES
 from assistant.robots.robot import CHUNK
 
-PAIRS: Final = BRANCHES // 2
+WRIST_PAIRS: Final = SIX_AXIS_BRANCHES // 2
 """Branches 2·pair and 2·pair + 1 differ in the wrist only."""
 THROUGH: Final = np.float32(np.sin(np.radians(0.1)))
 """Sine of the least angle of axis 5 on the way that still counts as through the point: a
@@ -49,9 +49,9 @@ def crossings(bends: Singles, kinds: NDArray[np.uint8]) -> Truths:
     bends: (4, 2, n) of `directions`. kinds: (n,) `Kind`.
     """
     n = len(kinds)
-    out = np.zeros((PAIRS, n), dtype=bool)
+    out = np.zeros((WRIST_PAIRS, n), dtype=bool)
     chain = np.cumsum(kinds == Kind.JOINT)
-    for pair in range(PAIRS):
+    for pair in range(WRIST_PAIRS):
         bend = bends[pair]
         bent = np.hypot(*bend) > IN_LINE
         last = np.maximum.accumulate(np.where(bent, np.arange(n), -1))
@@ -63,27 +63,27 @@ def crossings(bends: Singles, kinds: NDArray[np.uint8]) -> Truths:
     return out
 
 
-def through(bends: Singles) -> Truths:
+def passes_through(bends: Singles) -> Truths:
     """(k, p - 1) where ways go through the singularity, of their bends (2, k, p)."""
     first, last = bends[..., :-1], bends[..., 1:]
     return _opposite(first, last) & _near(first, last)
 
 
-def perhaps_past(bends: Singles) -> Truths:
+def may_pass_through(bends: Singles) -> Truths:
     """(k, p - 1) where ways go through the singularity by poses so far apart that they may as
     well go past it, of their bends (2, k, p).
     """
-    return np.asarray(through(bends) & (np.hypot(*np.diff(bends)) > SMALL))
+    return np.asarray(passes_through(bends) & (np.hypot(*np.diff(bends)) > SMALL))
 
 
-def swept(steps: Floats, bends: Singles) -> Floats:
+def steps_without_singularity(steps: Floats, bends: Singles) -> Floats:
     """Steps (k, p - 1, 6) deg between poses on k ways, without what a singularity adds.
 
     bends: (2, k, p) of the poses. Straight through it axis 4 stays where it is, and with axes 4
     and 6 in line axis 6 does the turn of both, whatever the angles of the two branches are.
     """
     out = steps.copy()
-    crossed = through(bends)
+    crossed = passes_through(bends)
     for axis in (3, 5):
         out[..., axis] -= np.where(crossed, 180.0 * np.round(steps[..., axis] / 180.0), 0.0)
     bent = np.hypot(*bends) > IN_LINE
@@ -104,7 +104,7 @@ def _near(first: Singles, last: Singles) -> Truths:
     return np.asarray(np.abs(last[0] * first[1] - last[1] * first[0]) / length < THROUGH)
 
 
-def clearances(bends: Singles, kinds: NDArray[np.uint8]) -> Singles:
+def least_bends(bends: Singles, kinds: NDArray[np.uint8]) -> Singles:
     """(4, n) the least sine of axis 5 of each pair on the way to each row.
 
     bends: (4, 2, n) of `directions`. A linear or circular move that bends the wrist little
@@ -112,7 +112,7 @@ def clearances(bends: Singles, kinds: NDArray[np.uint8]) -> Singles:
     """
     out = np.hypot(bends[:, 0], bends[:, 1])
     along = np.flatnonzero(kinds[1:] != Kind.JOINT) + 1
-    for pair in range(PAIRS):
+    for pair in range(WRIST_PAIRS):
         for start in range(0, len(along), CHUNK):
             rows = along[start : start + CHUNK]
             (x, y), (u, v) = bends[pair][:, rows], bends[pair][:, rows - 1]
@@ -125,12 +125,12 @@ def clearances(bends: Singles, kinds: NDArray[np.uint8]) -> Singles:
     return out
 
 
-def sheets(crossed: Truths) -> Rows:
+def connected_branches(crossed: Truths) -> Rows:
     """Branches that belong together along a run, (8, n), for crossings (4, n).
 
     Row s says for each move which branch an arm is in that had branch s before the run and
     made joint moves without a change of branch, the others without a jump.
     """
     parity = np.cumsum(crossed, axis=1) & 1
-    branch = np.arange(BRANCHES)
+    branch = np.arange(SIX_AXIS_BRANCHES)
     return np.asarray((branch & ~1)[:, None] + ((branch & 1)[:, None] ^ parity[branch // 2]))

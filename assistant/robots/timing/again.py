@@ -15,8 +15,8 @@ from assistant.program.program import walk
 from assistant.program.rewriting import Body
 from assistant.program.statements import Assign
 from assistant.robots.timing.ledger import Ledger
-from assistant.robots.timing.state import State, met
-from assistant.robots.timing.variables import root
+from assistant.robots.timing.state import State, merged_state
+from assistant.robots.timing.variables import root_variable
 
 if TYPE_CHECKING:
     from assistant.robots.timing.walking import Walker
@@ -25,23 +25,23 @@ MOST_ROUNDS: Final = 8
 """Rounds of a loop that may begin in states of their own."""
 
 
-def once(walker: Walker, body: Body, state: State, *, ever: bool) -> State | None:
+def time_one_round(walker: Walker, body: Body, state: State, *, ever: bool) -> State | None:
     """The state behind a loop that is entered in a state, after the time of one round.
 
     ever: it has no end, so that it is not left out either.
     """
-    assigned = {root(s.target) for s in walk(body) if isinstance(s, Assign)}
+    assigned = {root_variable(s.target) for s in walk(body) if isinstance(s, Assign)}
     begin = state.without(assigned)
     end = walker.inner(body, begin)
     if end is None:
         return None if ever else begin
     done = state.then(end).without(assigned)
-    ends = _more(walker, body, begin, end, done, assigned)
+    ends = _further_rounds(walker, body, begin, end, done, assigned)
     others = [*ends] if ever else [*ends, begin]
-    return met([done, *(_as_long(done, one) for one in others)])
+    return merged_state([done, *(_after_same_time(done, one) for one in others)])
 
 
-def _more(
+def _further_rounds(
     walker: Walker, body: Body, begin: State, end: State, done: State, assigned: set[str]
 ) -> list[State]:
     """How the rounds behind the first end, until they begin as others began."""
@@ -61,11 +61,11 @@ def _more(
             ends.append(end)
         else:
             walker.note("a loop begins at many places; ways of its last rounds are not timed")
-    walker.returned[mark:] = [_as_long(done, one) for one in walker.returned[mark:]]
+    walker.returned[mark:] = [_after_same_time(done, one) for one in walker.returned[mark:]]
     return ends
 
 
-def _as_long(done: State, other: State) -> State:
+def _after_same_time(done: State, other: State) -> State:
     """Another state, after the time that one is after."""
     return replace(other, least=done.least, most=done.most, history=done.history)
 

@@ -35,8 +35,8 @@ from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.timing.again import MOST_ROUNDS
 from assistant.robots.timing.carrying import Carried
 from assistant.robots.timing.drive import drive_of
-from assistant.robots.timing.state import Joints, State, met
-from assistant.robots.timing.variables import root
+from assistant.robots.timing.state import JointValues, State, merged_state
+from assistant.robots.timing.variables import root_variable
 from assistant.robots.timing.walking import Walker
 
 
@@ -56,12 +56,12 @@ INTERRUPTED: Final = Doubt(
 TOO_LONG: Final = Doubt(
     "a loop goes round too often to be followed", "let each round begin at the same place"
 )
-ITSELF: Final = Doubt("a procedure before it calls itself", "call no procedure out of itself")
-KEPT: Final = Doubt(
+RECURSIVE: Final = Doubt("a procedure before it calls itself", "call no procedure out of itself")
+CARRIED_UNKNOWN: Final = Doubt(
     "what the arm carries may have been changed by what only its controller knows",
     "say it by statements of the pseudo-program",
 )
-MOVING: Final = Doubt(
+MOVING_FUNCTION: Final = Doubt(
     "what works a value out before it moves the arm", "move by a procedure that is called"
 )
 
@@ -78,13 +78,13 @@ class Arrival:
     """
 
     number: int
-    places: tuple[Joints, ...]
+    places: tuple[JointValues, ...]
     carried: Carried | None
     doubt: Doubt | None
     goal: Pose | JointTarget | None
     external: bool
     first: bool
-    joints: Joints | None = None
+    joints: JointValues | None = None
 
 
 def arrivals(solution: SolvedProgram, carried: Carried | None = None) -> tuple[Arrival, ...]:
@@ -94,13 +94,13 @@ def arrivals(solution: SolvedProgram, carried: Carried | None = None) -> tuple[A
     comes to has no arrival. They end with the first one of a travel that leads elsewhere than
     before.
     """
-    walker = _Arriving(solution)
+    walker = _ArrivalWalker(solution)
     program = solution.program
     entry = program.procedure(program.entry) if program.entry else None
     if entry is not None:
         place = tuple(map(float, solution.robot.home))
         first = State(places=(place,), known=walker.begin(), carried=carried)
-        with suppress(_Elsewhere):
+        with suppress(_OtherArrival):
             walker.procedure(entry, first, {})
     return tuple(walker.found)
 
@@ -114,15 +114,15 @@ def _anywhere(program: Program) -> dict[str, Doubt]:
 
     coming = {s.call.procedure.lower() for s in program.statements() if isinstance(s, Interrupt)}
     circles = {name for name in calls if name in reachable(after(name), after)}
-    found = dict.fromkeys(reachable(circles, after), ITSELF)
+    found = dict.fromkeys(reachable(circles, after), RECURSIVE)
     return found | dict.fromkeys(reachable(coming, after), INTERRUPTED)
 
 
-class _Elsewhere(Exception):
+class _OtherArrival(Exception):
     """A travel leads to another place than before."""
 
 
-class _Arriving(Walker):
+class _ArrivalWalker(Walker):
     """Goes through a program without timing it."""
 
     def __init__(self, solution: SolvedProgram) -> None:
@@ -174,7 +174,7 @@ class _Arriving(Walker):
         )
         self.found.append(arrival)
         if self.goals.setdefault(arrival.number, arrival.goal) != arrival.goal:
-            raise _Elsewhere
+            raise _OtherArrival
         self.open = True
         return state
 
@@ -196,7 +196,7 @@ class _Arriving(Walker):
         for part in records(head(statement)) if self.moving_functions else ():
             match part:
                 case Apply(name) if name.lower() in self.moving_functions:
-                    self.doubt = MOVING
+                    self.doubt = MOVING_FUNCTION
 
     def acting(self, statement: Statement, state: State) -> State | None:
         match statement:
@@ -206,15 +206,15 @@ class _Arriving(Walker):
             case Goto():
                 self.doubt = JUMPED
             case Opaque() if state.carried is not None:
-                self.doubt = KEPT
+                self.doubt = CARRIED_UNKNOWN
         return super().acting(statement, state)
 
     def call(self, statement: Call, state: State) -> State:
         procedure = self.solution.program.procedure(statement.procedure)
         if procedure is None and state.carried is not None:
-            self.doubt = KEPT
+            self.doubt = CARRIED_UNKNOWN
         elif procedure is not None and procedure.name in self.calls:
-            self.doubt = ITSELF
+            self.doubt = RECURSIVE
         return super().call(statement, state)
 
     # ------------------------------------------------------------------------------- loops
@@ -237,7 +237,9 @@ class _Arriving(Walker):
 
     def once(self, statement: For | While, state: State, *, ever: bool = False) -> State | None:
         """No round, unless it has no end, one, and more, until they begin as others began."""
-        assigned = {root(part.target) for part in records(statement) if isinstance(part, Assign)}
+        assigned = {
+            root_variable(part.target) for part in records(statement) if isinstance(part, Assign)
+        }
         begin = state.without(assigned)
         ways, begun = [] if ever else [begin], list[State]()
         while not any(one.same_state(begin) for one in begun):
@@ -252,7 +254,7 @@ class _Arriving(Walker):
             changed = {name for name in later if later[name] != known.get(name)}
             begin = end.without(assigned | changed)
             ways.append(begin)
-        return met(ways)
+        return merged_state(ways)
 
     def repeats(self, start: State, end: State, alike: bool) -> bool:
         done = super().repeats(start, end, alike)

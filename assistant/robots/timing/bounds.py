@@ -18,17 +18,17 @@ from assistant.robots.timing.course import Course
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.rows import Moves
 
-HIGHEST: Final = 1e6
+UNBOUNDED_ACCELERATION: Final = 1e6
 """Acceleration (mm/s²) that stands for none that binds; keeps sums exact enough."""
-LEAST: Final = 1e-6
+LEAST_MOTION: Final = 1e-6
 """mm/s and mm/s² of any motion."""
-LITTLE: Final = 1e-7
+LITTLE_CUT: Final = 1e-7
 """mm by which a corner shortens a way at least to count."""
 
-FIRST_WAY, AXES = 1, 4
+FIRST_PATH_ROW, AXIS_ROW = 1, 4
 """Rows of `Bounds.limits`: what it is bound by, from 1 on as in `profile`; the last is an axis."""
 
-Limits = tuple[Floats, NDArray[np.uint8]]
+SpeedLimits = tuple[Floats, NDArray[np.uint8]]
 """(p,) the highest speeds and what makes them so, see `profile`."""
 
 
@@ -58,7 +58,7 @@ class Bounds:
             self.bends.append(self._bend(turned.max(axis=0)))
             if np.isfinite(drive.tcp_acceleration):
                 self.straight.append(self.tcp / self.length)
-                bent = norm(np.diff(self.tool)) / drive.tcp_acceleration
+                bent = column_norms(np.diff(self.tool)) / drive.tcp_acceleration
                 bent[course.loose[:-1] | course.loose[1:]] = 0.0
                 self.bends.append(self._bend(bent))
         self.bend = np.max(self.bends, axis=0)
@@ -67,7 +67,7 @@ class Bounds:
         """(s,) to more and to less speed, with what bends leave at speeds of squares near (s + 1,)
         at the knots; None for nothing that bends take.
         """
-        most = np.full(len(self.row), HIGHEST)
+        most = np.full(len(self.row), UNBOUNDED_ACCELERATION)
         for straight, bend in zip(self.straight, self.bends, strict=True):
             if near is None:
                 most = np.minimum(most, straight)
@@ -75,7 +75,7 @@ class Bounds:
                 taken = bend * near
                 left = 1.0 - np.maximum(taken[:-1], taken[1:])
                 most = np.minimum(most, straight * left)
-        return np.maximum(most * self.up, LEAST), np.maximum(most * self.down, LEAST)
+        return np.maximum(most * self.up, LEAST_MOTION), np.maximum(most * self.down, LEAST_MOTION)
 
     def limits(self, at: Any, axes: Floats, length: Floats, turn: Floats) -> Floats:
         """(5, p) the highest speeds, by the tool, its turn, the robot, percent and axes.
@@ -96,11 +96,11 @@ class Bounds:
         ways[np.isnan(ways)] = np.inf
         return ways
 
-    def least(self, ways: Floats, axes: Floats) -> Limits:
+    def least(self, ways: Floats, axes: Floats) -> SpeedLimits:
         """The lowest of each column of `limits`."""
         why = ways.argmin(axis=0)
-        caps = np.maximum(ways[why, np.arange(len(why))], LEAST)
-        by_axis = np.flatnonzero(why == AXES)
+        caps = np.maximum(ways[why, np.arange(len(why))], LEAST_MOTION)
+        by_axis = np.flatnonzero(why == AXIS_ROW)
         why += 1
         why[by_axis] += (axes[:, by_axis] / self.drive.speeds[:, None]).argmax(axis=0)
         return caps, why.astype(np.uint8)
@@ -110,7 +110,7 @@ class Bounds:
         course = self.course
         bends, rooms = np.diff(self.tool), course.room[1:-1]
         bent = np.einsum("ij,ij->j", bends, bends)
-        sharp = course.corner[1:-1] & (np.diff(course.step) == 1) & (rooms * bent > LITTLE)
+        sharp = course.corner[1:-1] & (np.diff(course.step) == 1) & (rooms * bent > LITTLE_CUT)
         at = np.flatnonzero(sharp)  # steps before corners
         room, squared, rate, bend = rooms[at], bent[at], self.tool[:, at], bends[:, at]
         along = np.einsum("ij,ij->j", rate, bend)
@@ -129,7 +129,7 @@ class Bounds:
             saved += np.bincount(self.row[step], cut, len(saved))
         return saved
 
-    def _caps(self) -> Limits:
+    def _caps(self) -> SpeedLimits:
         axes = np.abs(self.axes)
         ways = self.limits(slice(None), axes, self.length, self.turn)
         line = self.free & ~self.course.inside
@@ -151,6 +151,6 @@ class Bounds:
         return bends
 
 
-def norm(vectors: Floats) -> Floats:
+def column_norms(vectors: Floats) -> Floats:
     """(c, n) → (n,)."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->j", vectors, vectors)))

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from assistant.program.statements import Follow, Gripper, Moving, SetSignal, Statement
-from assistant.robots.timing.pieces import Piece
-from assistant.robots.timing.state import Joints, State
+from assistant.robots.timing.pieces import Segment
+from assistant.robots.timing.state import JointValues, State
 
 if TYPE_CHECKING:
     from assistant.robots.timing.values import Values
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Carried(Protocol):
     """What an arm carries, as far as is known; equal where it is alike."""
 
-    def switched(self, name: str, value: float | None, joints: Joints | None) -> Carried:
+    def switched(self, name: str, value: float | None, joints: JointValues | None) -> Carried:
         """The same after an output, or `hand 1` (1 for closed), is set where the arm stands.
 
         value, joints: None for what is not known.
@@ -27,14 +27,16 @@ class Carried(Protocol):
         """Where two ways of a program meet."""
 
 
-def carrying(statement: Statement, state: State, waiting: Sequence[Piece], values: Values) -> State:
+def with_carried(
+    statement: Statement, state: State, waiting: Sequence[Segment], values: Values
+) -> State:
     """The state after a statement, with what the arm carries then.
 
     What a move sets on its way counts from its end on, a pulse as if it stayed.
     """
     carried = state.carried
     assert carried is not None
-    joints: Joints | None = None
+    joints: JointValues | None = None
     if waiting:
         joints = tuple(waiting[-1].moves.joints[-1].tolist())
     elif len(state.places) == 1:

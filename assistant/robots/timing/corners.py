@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, max_abs, norms
 from assistant.program.motion import Kind
-from assistant.robots.motion.densities import Times
+from assistant.robots.motion.densities import TimeSampling
 from assistant.robots.robot import Robot
-from assistant.robots.timing.knots import Knots, followed, solved
+from assistant.robots.timing.knots import Knots, followed_joints, solved_joints
 from assistant.robots.timing.rows import Moves
 
-Pose = tuple[Floats, Floats, Floats]
+CornerPoses = tuple[Floats, Floats, Floats]
 """Joints (m, a), positions (m, 3) and quaternions (m, 4) at m places of a way."""
 
 
@@ -46,11 +46,11 @@ class Corners:
         self.last = np.searchsorted(row, self.behind, side="right") - 1
         rates = max_abs(knots.joints[step + 1] - knots.joints[step]) / d
         self.swept = zone * (rates[at] + rates[at + 1])
-        wanted = np.maximum(2.0 * zone / Times.APART, self.swept / Times.TURNED)
-        spans = np.maximum(np.ceil(wanted), Times.SPANS)
-        spans = np.minimum(spans, Times.MOST)
-        if spans.sum() > Times.MOST_KNOTS:
-            spans *= Times.MOST_KNOTS / spans.sum()
+        wanted = np.maximum(2.0 * zone / TimeSampling.APART, self.swept / TimeSampling.TURNED)
+        spans = np.maximum(np.ceil(wanted), TimeSampling.SPANS)
+        spans = np.minimum(spans, TimeSampling.MOST)
+        if spans.sum() > TimeSampling.MOST_KNOTS:
+            spans *= TimeSampling.MOST_KNOTS / spans.sum()
         self.spans = spans.astype(np.intp) // 2 * 2 + 1
 
     def inserted(
@@ -104,7 +104,7 @@ class Corners:
         kept[self.step[np.flatnonzero(np.cumsum(change)[: len(self.step)] > 0)]] = False
         return kept
 
-    def _blossoms(self, robot: Robot, each: Rows, count: Rows) -> Pose:
+    def _blossoms(self, robot: Robot, each: Rows, count: Rows) -> CornerPoses:
         """The knots of the spans; each: (m,) their corners, count: (m,) which span it is."""
         u0, u1 = count / self.spans[each], (count + 1) / self.spans[each]
         reach, zone = self.gone[self.at + 1][each], self.zone[each]
@@ -124,9 +124,9 @@ class Corners:
             some = np.flatnonzero(here & ~free[each])
             flange = tool.to_flange(p[some], q[some])
             if robot.arm.named:
-                found = solved(robot, branch[some], *flange)
+                found = solved_joints(robot, branch[some], *flange)
             else:
-                found = followed(robot, joints[some], np.arange(len(some)), *flange)
+                found = followed_joints(robot, joints[some], np.arange(len(some)), *flange)
             off = robot.wound(found - joints[some])
             good = max_abs(off) <= self.swept[each[some]] / 2.0
             joints[some[good]] += off[good]
@@ -134,7 +134,7 @@ class Corners:
             p[some], q[some] = tool.tip(robot, joints[some])
         return joints, p, q
 
-    def _at(self, place: Floats, first: Rows, last: Rows) -> Pose:
+    def _at(self, place: Floats, first: Rows, last: Rows) -> CornerPoses:
         """Between knots, at places (m,) along the way in steps from first (m,) to last (m,)."""
         ordinal = np.clip(np.searchsorted(self.gone, place, side="right") - 1, first, last)
         part = np.clip((place - self.gone[ordinal]) / self.d[ordinal], 0.0, 1.0)

@@ -21,13 +21,13 @@ from assistant.robots.timing.corners import Corners
 from assistant.robots.timing.knots import Knots
 from assistant.robots.timing.rows import Moves
 
-STILL: Final = 1e-9
+NO_STEP: Final = 1e-9
 """mm or degrees below which a step is none."""
 ON_THE_SPOT: Final = 1e-3
 """mm of way for a degree of turn below which a move is a turn on the spot."""
 TURN_OF_ZONE: Final = 0.15
 """Degrees of turn for a mm of a zone, as RAPID's predefined zones have it (z10: 1.5)."""
-CUT: Final = 0.05
+MOST_PARABOLA_CUT: Final = 0.05
 """mm or degrees that a corner is cut by at most to be one parabola of the joints and the tool."""
 
 
@@ -81,13 +81,13 @@ class Course:
 
 def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     """The course of moves that are gone through at knots."""
-    lengths, turns = (sums(knots.row, x, len(moves)) for x in (knots.length, knots.turn))
+    lengths, turns = (sums_by_move(knots.row, x, len(moves)) for x in (knots.length, knots.turn))
     scale, kind = _scales(knots, lengths, turns)
     distance = knots.part * scale[knots.row]
-    going = (distance > STILL) | (knots.part <= 0.0)
+    going = (distance > NO_STEP) | (knots.part <= 0.0)
     if not going.all():  # Moves to where the tool is have no knots: the way goes on through them.
         knots, distance = _only(knots, going), distance[going]
-    step = np.flatnonzero(distance > STILL)
+    step = np.flatnonzero(distance > NO_STEP)
     d, row = distance[step], knots.row[step]
     axes, tool = _rates(knots.joints, step, d), _rates(knots.positions, step, d)
     free = moves.kinds == Kind.JOINT
@@ -100,17 +100,19 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     at, zone = _zones(moves, row, scale, kind)
     cut = zone > 0.0
     zones = Zones(row[at[cut]], row[at[cut] + 1], np.cumsum(d)[at[cut]], zone[cut])
-    scale = sums(row, d, len(moves))
+    scale = sums_by_move(row, d, len(moves))
     if len(step) > 1:
         small = np.minimum(zone, np.minimum(d[at], d[at + 1]) / 2.0)
         for knot in (step[at] + 1, step[at + 1]):
             room[knot], corner[knot] = small, np.where(small > 0.0, at, -1)
-        wide = (_cut(axes, at, zone) > CUT) | (_cut(tool, at, zone) > CUT)
+        wide = (_corner_cuts(axes, at, zone) > MOST_PARABOLA_CUT) | (
+            _corner_cuts(tool, at, zone) > MOST_PARABOLA_CUT
+        )
         wide &= step[at + 1] == step[at] + 1  # the tool is the same
         if wide.any():
             corners = Corners(moves, knots, step, d, at[wide], zone[wide])
             knots, distance, room, corner = corners.inserted(robot, distance, room, corner)
-            step = np.flatnonzero(distance > STILL)
+            step = np.flatnonzero(distance > NO_STEP)
             d = distance[step]
             axes, tool = _rates(knots.joints, step, d), _rates(knots.positions, step, d)
     knots = replace(knots, quaternions=rotations.unflipped(knots.quaternions))
@@ -140,8 +142,8 @@ def _scales(knots: Knots, lengths: Floats, turns: Floats) -> tuple[Floats, NDArr
     angles = np.zeros(len(lengths))
     swept = max_abs(np.diff(knots.joints, axis=0))
     np.maximum.at(angles, knots.row, swept / np.maximum(knots.part, 1e-300) * (knots.part > 0))
-    moved = (lengths > STILL) & (lengths > ON_THE_SPOT * turns)
-    turned = ~moved & (turns > STILL) & (turns > ON_THE_SPOT * angles)
+    moved = (lengths > NO_STEP) & (lengths > ON_THE_SPOT * turns)
+    turned = ~moved & (turns > NO_STEP) & (turns > ON_THE_SPOT * angles)
     kind = np.where(moved, 0, np.where(turned, 1, 2)).astype(np.uint8)
     return np.where(moved, lengths, np.where(turned, turns, angles)), kind
 
@@ -162,10 +164,10 @@ def _zones(moves: Moves, row: Rows, scale: Floats, kind: NDArray[np.uint8]) -> t
     return at[~through], zone[~through]
 
 
-def _cut(rates: Floats, at: Rows, zone: Floats) -> Floats:
+def _corner_cuts(rates: Floats, at: Rows, zone: Floats) -> Floats:
     """(c,) how far from corners behind steps one parabola goes past; 0 where it cannot be far."""
     cut = np.zeros(len(at))
-    far = np.flatnonzero(zone * np.abs(rates).max() > 2.0 * CUT)
+    far = np.flatnonzero(zone * np.abs(rates).max() > 2.0 * MOST_PARABOLA_CUT)
     bend = np.abs(rates[:, at[far] + 1] - rates[:, at[far]]).max(axis=0)
     cut[far] = bend * zone[far] / 4.0
     return cut
@@ -193,6 +195,6 @@ def _rates(values: Floats, step: Rows, d: Floats) -> Floats:
     return np.divide(change.T, d, order="C")
 
 
-def sums(row: Rows, values: Floats, n: int) -> Floats:
+def sums_by_move(row: Rows, values: Floats, n: int) -> Floats:
     """(n,) of values (s,) of the moves that they belong to."""
     return np.asarray(np.bincount(row, values, n), dtype=np.float64)

@@ -16,19 +16,19 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, max_abs
 from assistant.program.motion import Kind
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.motion.along import ToolWays, joints_along
+from assistant.robots.motion.along import ToolPaths, joints_along
 from assistant.robots.robot import IN_LINE
 from assistant.robots.timing.course import Course
-from assistant.robots.timing.knots import Ends
+from assistant.robots.timing.knots import MoveEnds
 
-FAR: Final = 20.0
+OTHER_BRANCH: Final = 20.0
 """degrees (mm) from the joints between knots beyond which a solution is in another branch."""
 
-Joints = tuple[Floats, Truths]
+SolvedJoints = tuple[Floats, Truths]
 """Joints (m, a), and (m,) whether they were solved; the others are those between the knots."""
 
 
-class Exact:
+class CourseJoints:
     """Joints along one course."""
 
     def __init__(self, course: Course) -> None:
@@ -38,8 +38,8 @@ class Exact:
         self.unsolved[course.knots.guessed] = True
 
     @cached_property
-    def ends(self) -> Ends:
-        return Ends(self.moves, self.course.knots.joints[0], self.robot)
+    def ends(self) -> MoveEnds:
+        return MoveEnds(self.moves, self.course.knots.joints[0], self.robot)
 
     @cached_property
     def begins(self) -> Floats:
@@ -51,7 +51,7 @@ class Exact:
         """(n,) of the ends of the moves."""
         return self.robot.branch_of(self.robot.configuration(self.moves.joints))
 
-    def joints(self, places: Floats, near: Floats) -> Joints:
+    def joints(self, places: Floats, near: Floats) -> SolvedJoints:
         """At places (m,) mm along the course. near: (m, a) joints between the knots there."""
         if not len(self.moves):
             return near, np.ones(len(places), dtype=bool)
@@ -98,10 +98,10 @@ class Exact:
         u = np.clip((places - middle + size) / (2.0 * size), 0.0, 1.0)
         return middle - size * (1.0 - u) ** 2, middle + size * u**2
 
-    def _on_move(self, row: Rows, places: Floats, near: Floats) -> Joints:
+    def _on_move(self, row: Rows, places: Floats, near: Floats) -> SolvedJoints:
         return self._solved(row, *self._poses(row, places), near)
 
-    def _in_corner(self, corner: Rows, places: Floats, near: Floats) -> Joints:
+    def _in_corner(self, corner: Rows, places: Floats, near: Floats) -> SolvedJoints:
         zones, moves = self.course.zones, self.moves
         before, after = zones.before[corner], zones.after[corner]
         at_before, at_after = self._overlap(corner, places)
@@ -111,7 +111,7 @@ class Exact:
         back = rotations.multiply(q1, rotations.conjugate(moves.quaternions[before]))
         return self._solved(before, p, rotations.multiply(back, q0), near)
 
-    def _joints_in_corner(self, corner: Rows, places: Floats, near: Floats) -> Joints:
+    def _joints_in_corner(self, corner: Rows, places: Floats, near: Floats) -> SolvedJoints:
         """Joints in corners, where the motions of the joints are superposed."""
         zones = self.course.zones
         middle = self.moves.joints[zones.before[corner]]
@@ -125,7 +125,7 @@ class Exact:
                 joints[some], good = self._on_move(row[some], place[some], middle[some])
                 solved[some] &= good
             out += joints
-        solved &= max_abs(out - near) <= FAR
+        solved &= max_abs(out - near) <= OTHER_BRANCH
         out[~solved] = near[~solved]
         return out, solved
 
@@ -143,11 +143,11 @@ class Exact:
         ends, moves = self.ends, self.moves
         starts = ends.p0[row], ends.q0[row]
         lasts = moves.positions[row], moves.quaternions[row]
-        ways = ToolWays(starts, lasts, row, ends.arcs)
+        ways = ToolPaths(starts, lasts, row, ends.arcs)
         p, q = ways.at(self._part(row, places)[:, None])
         return p[:, 0], q[:, 0]
 
-    def _solved(self, row: Rows, p: Floats, q: Floats, near: Floats) -> Joints:
+    def _solved(self, row: Rows, p: Floats, q: Floats, near: Floats) -> SolvedJoints:
         """Joints for poses (m, 3), (m, 4) of the tool on moves (m,), beside those that are near."""
         robot, moves = self.robot, self.moves
         joints, good = np.empty_like(near), ~self.unsolved[row]
@@ -164,5 +164,5 @@ class Exact:
             line = np.abs(joints[:, 4]) < IN_LINE
             joints[line, 5] += joints[line, 3] - near[line, 3]
             joints[line, 3] = near[line, 3]
-        good &= max_abs(joints - near) <= FAR
+        good &= max_abs(joints - near) <= OTHER_BRANCH
         return np.where(good[:, None], joints, near), good

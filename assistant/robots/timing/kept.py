@@ -9,7 +9,7 @@ from assistant.program.statements import Call, Moving, Opaque
 from assistant.program.vendor_statements import effect_of
 
 
-class KeptMotion:
+class VendorMotion:
     """Of a program's kept text, as far as the program holds the routines that are called."""
 
     def __init__(self, program: Program) -> None:

@@ -16,15 +16,15 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, any_of, max_abs, norms
 from assistant.program.motion import Kind
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.motion.along import ToolWays, joints_along
+from assistant.robots.motion.along import ToolPaths, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
-from assistant.robots.motion.densities import Times
+from assistant.robots.motion.densities import TimeSampling
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.timing.rows import Moves
 
-SAME: Final = 1e-6
+SAME_TIP: Final = 1e-6
 """mm and degrees up to which tips of two tools are at one place."""
-LEAP: Final = 60.0
+MOST_TURN_BETWEEN_KNOTS: Final = 60.0
 """degrees that no axis turns between two knots: the arm would change its branch there."""
 
 
@@ -50,7 +50,7 @@ class Knots:
 
 def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     """The way from joints (a,) through n moves."""
-    ends = Ends(moves, start, robot)
+    ends = MoveEnds(moves, start, robot)
     steps = ends.steps()
     lead = ends.remounted.astype(np.intp)
     last = np.cumsum(steps + lead)  # knot of each move's end; knot 0 is the start
@@ -79,7 +79,8 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     knots.quaternions[first] = ends.q0[again]
     wide = np.flatnonzero(steps > 1)
     guessed = [
-        _fill(knots, moves, ends, some, steps, last, robot) for some in _batches(wide, steps[wide])
+        _fill_inner_knots(knots, moves, ends, some, steps, last, robot)
+        for some in _batches(wide, steps[wide])
     ]
     free = np.flatnonzero(real & (moves.kinds[row] == Kind.JOINT))
     knots.length[free] = norms(knots.positions[free + 1] - knots.positions[free])
@@ -96,7 +97,7 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     )
 
 
-class Ends:
+class MoveEnds:
     """Where n moves start, with their own tool and frame, and how long their ways are.
 
     j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; of joint moves straight.
@@ -114,8 +115,8 @@ class Ends:
         for index in np.unique(moves.mount[self.remounted]):
             rows = np.flatnonzero(self.remounted & (moves.mount == index))
             p, q = moves.mounts[index].tip(robot, self.j0[rows])
-            moved = max_abs(p - self.p0[rows]) > SAME
-            turned = rotations.angle_between(q, self.q0[rows]) > SAME
+            moved = max_abs(p - self.p0[rows]) > SAME_TIP
+            turned = rotations.angle_between(q, self.q0[rows]) > SAME_TIP
             self.remounted[rows] = moved | turned
             self.p0[rows], self.q0[rows] = p, q
         self.lengths = norms(moves.positions - self.p0)
@@ -134,14 +135,16 @@ class Ends:
         angles = max_abs(self.moves.joints - self.j0)
         free = self.moves.kinds == Kind.JOINT
         straight = np.where(free, 0.0, self.lengths)
-        wanted = np.maximum(straight / Times.APART, np.maximum(self.turns, angles) / Times.TURNED)
+        wanted = np.maximum(
+            straight / TimeSampling.APART, np.maximum(self.turns, angles) / TimeSampling.TURNED
+        )
         if self.arcs is not None:
             at = self.arcs.rows
-            wanted[at] = np.maximum(wanted[at], np.degrees(self.arcs.angles) / Times.TURNED)
-        steps = np.clip(np.ceil(wanted), 1, Times.MOST)
+            wanted[at] = np.maximum(wanted[at], np.degrees(self.arcs.angles) / TimeSampling.TURNED)
+        steps = np.clip(np.ceil(wanted), 1, TimeSampling.MOST)
         more = steps.sum() - len(steps)
-        if more > Times.MOST_KNOTS:
-            steps = 1.0 + np.floor((steps - 1.0) * (Times.MOST_KNOTS / more))
+        if more > TimeSampling.MOST_KNOTS:
+            steps = 1.0 + np.floor((steps - 1.0) * (TimeSampling.MOST_KNOTS / more))
         return np.asarray(steps.astype(np.intp))
 
 
@@ -152,8 +155,8 @@ def _batches(rows: Rows, steps: Rows) -> list[Rows]:
     return np.split(rows, np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1)
 
 
-def _fill(
-    knots: Knots, moves: Moves, ends: Ends, rows: Rows, steps: Rows, last: Rows, robot: Robot
+def _fill_inner_knots(
+    knots: Knots, moves: Moves, ends: MoveEnds, rows: Rows, steps: Rows, last: Rows, robot: Robot
 ) -> Rows:
     """Sets the inner knots of some moves of several steps; gives those whose joints are guessed."""
     inner = steps[rows] - 1
@@ -164,7 +167,7 @@ def _fill(
     at = last[each] - steps[each] + count
     starts = ends.p0[each], ends.q0[each]
     lasts = moves.positions[each], moves.quaternions[each]
-    p, q = (one[:, 0] for one in ToolWays(starts, lasts, each, ends.arcs).at(part[:, None]))
+    p, q = (one[:, 0] for one in ToolPaths(starts, lasts, each, ends.arcs).at(part[:, None]))
     between = ends.j0[each] + part[:, None] * (moves.joints[each] - ends.j0[each])
     free = moves.kinds[each] == Kind.JOINT
     mount = moves.mount[each]
@@ -179,16 +182,16 @@ def _fill(
         some = np.flatnonzero(here & ~free)
         flange = tool.to_flange(p[some], q[some])
         if robot.arm.named:
-            joints[some] = solved(robot, branches[some], *flange)
+            joints[some] = solved_joints(robot, branches[some], *flange)
         else:
-            joints[some] = followed(robot, ends.j0[each[some]], each[some], *flange)
+            joints[some] = followed_joints(robot, ends.j0[each[some]], each[some], *flange)
     straight = ~free
     guessed = _unwind(joints, between, straight, each, rows, inner, moves, ends, robot)
     knots.positions[at], knots.quaternions[at], knots.joints[at] = p, q, joints
     return guessed
 
 
-def solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
+def solved_joints(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints at flange poses in branches (m,), whole turns left open; NaN where those do
     not reach.
     """
@@ -197,7 +200,7 @@ def solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     return joints[:, 0]
 
 
-def followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
+def followed_joints(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints of an arm without named branches, followed along the flange poses of moves.
 
     before: (m, a) where the move of a pose starts. each: (m,) which move that is. NaN where the
@@ -223,7 +226,7 @@ def _unwind(
     rows: Rows,
     inner: Rows,
     moves: Moves,
-    ends: Ends,
+    ends: MoveEnds,
     robot: Robot,
 ) -> Rows:
     """Makes the joints of inner knots continuous from the start of each move to its end.
@@ -248,7 +251,7 @@ def _unwind(
     off = np.nan_to_num(robot.wound(moves.joints[rows] - joints[final]))
     missed = max_abs(smooth[final] + off - moves.joints[rows]) > 1.0
     widest = np.maximum(np.maximum.reduceat(max_abs(steps), first), max_abs(off))
-    bad = (missed | (widest > LEAP) | lost) & solved[first]
+    bad = (missed | (widest > MOST_TURN_BETWEEN_KNOTS) | lost) & solved[first]
     good = np.repeat(~bad, inner)
     joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)
     return np.asarray(rows[bad])

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats
 from assistant.robots.timing.on_way import OutputTime, output_times
-from assistant.robots.timing.pieces import Piece
+from assistant.robots.timing.pieces import Segment
 from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.simulation import MoveTimes, Unknown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Entry:
+class _LedgerEntry:
     """Columns of the rows of one motion statement."""
 
     kind: NDArray[np.uint8]
@@ -36,14 +36,14 @@ class Ledger:
     """
 
     def __init__(self) -> None:
-        self.entries: dict[tuple[str, int], _Entry] = {}
+        self.entries: dict[tuple[str, int], _LedgerEntry] = {}
         self.outputs: dict[tuple[str, int], tuple[OutputTime, ...]] = {}
         self.notes: dict[tuple[str, str], int] = {}
 
     def note(self, procedure: str, what: str) -> None:
         self.notes[procedure, what] = self.notes.get((procedure, what), 0) + 1
 
-    def moved(self, pieces: Sequence[Piece], skipped: int, plan: Plan) -> None:
+    def moved(self, pieces: Sequence[Segment], skipped: int, plan: Plan) -> None:
         """Enters the moves of pieces, but for the first `skipped`, as a plan has them."""
         profile, at = plan.profile, -skipped
         for piece in pieces:
@@ -59,7 +59,7 @@ class Ledger:
             times = output_times(plan, rows, piece.triggers, piece.procedure, piece.number)
             self.outputs[piece.procedure, piece.number] = tuple(times) if piece.triggers else ()
             left = len(piece.moves) - (last - first)
-            self.entries[piece.procedure, piece.number] = _Entry(
+            self.entries[piece.procedure, piece.number] = _LedgerEntry(
                 piece.moves.kinds[left:],
                 np.arange(left, len(piece.moves), dtype=np.int32),
                 profile.lengths[rows],

@@ -14,7 +14,7 @@ from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Trigger
 from assistant.robots.timing.plan import Plan
 
-STEPS: Final = 400
+TIME_PARTS: Final = 400
 """Parts of the time of a move between which its way is measured."""
 
 
@@ -39,11 +39,14 @@ def output_times(
     """Of the move that is some rows of a plan; places that are worked out are left out."""
     times = np.concatenate([[0.0], np.cumsum(plan.profile.seconds)])
     begin, end = float(times[rows.start]), float(times[rows.stop])
-    at = np.linspace(begin, end, STEPS + 1)
+    at = np.linspace(begin, end, TIME_PARTS + 1)
     steps = norms(np.diff(plan.at(at).positions, axis=0))
     done: Floats = np.concatenate([[0.0], np.cumsum(steps)])
     for one in triggers:
-        amount, ahead = _number(one.amount), 0.0 if one.ahead is None else _number(one.ahead)
+        amount, ahead = (
+            _number_value(one.amount),
+            0.0 if one.ahead is None else _number_value(one.ahead),
+        )
         if amount is None or ahead is None:
             continue
         if one.measure == "time":
@@ -56,5 +59,5 @@ def output_times(
         yield OutputTime(procedure, number, one.signal, expression_text(one.value), after)
 
 
-def _number(value: Expression) -> float | None:
+def _number_value(value: Expression) -> float | None:
     return float(value.value) if isinstance(value, Number) else None

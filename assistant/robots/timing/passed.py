@@ -11,23 +11,23 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths
-from assistant.robots.timing.exact import Exact
-from assistant.robots.timing.pieces import Piece
-from assistant.robots.timing.plan import Places, Plan
+from assistant.robots.timing.exact import CourseJoints
+from assistant.robots.timing.pieces import Segment
+from assistant.robots.timing.plan import CoursePlaces, Plan
 
-BENT: Final = 4
+BEND_PARTS: Final = 4
 """Parts that each half of a bend is looked at in."""
-SAFETY: Final = 1.5
+LINE_SAFETY: Final = 1.5
 """By how much more than its second difference tells a joint may be off the line between knots."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Passed:
+class MovesWithoutStop:
     """Moves that were timed together. skipped: of them that were not, as nobody knows where they
     start. start: seconds from the start of the procedure, at most.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Segment, ...]
     skipped: int
     start: float
     plan: Plan
@@ -37,7 +37,7 @@ class Passed:
         ends = list(accumulate(len(piece.moves) for piece in self.pieces))
         object.__setattr__(self, "_ends", ends)
 
-    def piece_of(self, row: int) -> tuple[Piece, int]:
+    def piece_of(self, row: int) -> tuple[Segment, int]:
         """The statement that a move of the plan belongs to, and which of its rows it is."""
         at = row + self.skipped
         number = bisect_right(self._ends, at)
@@ -61,7 +61,7 @@ class Stretches:
     times: Floats
     row: Rows
     places: Floats
-    exact: Exact | None = None
+    exact: CourseJoints | None = None
 
     def part(self, first: int, last: int) -> Stretches:
         """The stretches from one number up to another one."""
@@ -94,11 +94,11 @@ def stretches_of(plan: Plan) -> Stretches:
         return Stretches(knots[:1], nothing, np.zeros(1), none, np.zeros(1))
     step, gone = _cuts(course.distance, course.room)
     d = course.distance[step]
-    joints, _ = Places(course, step, gone).of(knots)
+    joints, _ = CoursePlaces(course, step, gone).of(knots)
     ends = np.append(gone[1:], 0.0)
     ends = np.where(np.append(step[1:] != step[:-1], True), d, ends)
-    middle, _ = Places(course, step, (gone + ends) / 2.0).of(knots)
-    last, _ = Places(course, step[-1:], d[-1:]).of(knots)
+    middle, _ = CoursePlaces(course, step, (gone + ends) / 2.0).of(knots)
+    last, _ = CoursePlaces(course, step[-1:], d[-1:]).of(knots)
     joints = np.concatenate([joints, last])
     bend = np.abs(middle - (joints[1:] + joints[:-1]) / 2.0)
     between = _between_knots(plan)[course.step[step]]
@@ -106,13 +106,13 @@ def stretches_of(plan: Plan) -> Stretches:
     begins = np.concatenate([[0.0], np.cumsum(course.distance)[:-1]])
     places = np.append(begins[step] + gone, course.distance.sum())
     # Without a closed form joints are too slow to solve wherever a search asks for them.
-    exact = Exact(course) if course.robot.arm.named else None
+    exact = CourseJoints(course) if course.robot.arm.named else None
     return Stretches(joints, slack, plan.passing(places), course.row[step], places, exact)
 
 
 def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:
     """Steps (s,) with their rooms (s + 1,) → step (n,) and place in it (n,) of each cut."""
-    part = np.arange(BENT) / BENT
+    part = np.arange(BEND_PARTS) / BEND_PARTS
     behind, before = room[:-1, None] * part, distance[:, None] - room[1:, None] * (1.0 - part)
     between = room[:-1, None]
     places = np.concatenate([behind, between, before], axis=1)
@@ -133,7 +133,7 @@ def _between_knots(plan: Plan) -> Floats:
     step = np.diff(knots.joints, axis=0)
     off = np.zeros_like(step)
     same = np.diff(knots.row) == 0
-    second = np.abs(np.diff(step, axis=0)) * same[:, None] * SAFETY / 8.0
+    second = np.abs(np.diff(step, axis=0)) * same[:, None] * LINE_SAFETY / 8.0
     off[1:] = second
     off[:-1] = np.maximum(off[:-1], second)
     return off

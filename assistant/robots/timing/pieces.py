@@ -23,11 +23,11 @@ from assistant.program.statements import (
     Trigger,
 )
 from assistant.robots.configurations import BACK
-from assistant.robots.motion.run import Pace
+from assistant.robots.motion.run import SpeedsAndBlends
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.target_lookup import Names, Place
-from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
-from assistant.robots.timing.state import Joints
+from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, targets_out_of_frames
+from assistant.robots.timing.state import JointValues
 from assistant.robots.timing.values import Values
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class Segment:
     """One motion statement, ready to be timed.
 
     number: of the motion statement in its procedure, counted from 1. key: the same for pieces
@@ -52,7 +52,7 @@ class Piece:
     lines: bool = False
 
 
-class Pieces:
+class Segments:
     """The motion statements of a solved program.
 
     numbers: id of a statement → its number in its procedure and its leg. labels: procedure and
@@ -88,8 +88,8 @@ class Pieces:
                 self.bare.add(id(statement))
 
     def piece(
-        self, statement: Moving, procedure: str, settings: Settings, near: Joints | None
-    ) -> Piece | None:
+        self, statement: Moving, procedure: str, settings: Settings, near: JointValues | None
+    ) -> Segment | None:
         """The statement with what the names stand for now; None if that is not known.
 
         near: where the arm is, as far as is known, for the turns of a computed target.
@@ -113,7 +113,7 @@ class Pieces:
             )
         triggers = () if isinstance(statement, Follow) else statement.triggers
         lines = isinstance(statement, Follow) and statement.path.places is not None
-        return Piece(procedure, number, self.made[key], key, triggers, lines=lines)
+        return Segment(procedure, number, self.made[key], key, triggers, lines=lines)
 
     def _to_joints(self, statement: Moving, joints: Floats, settings: Settings) -> Moves:
         """Moves to joints (m, a), whatever they are the joints of."""
@@ -133,13 +133,13 @@ class Pieces:
             joints,
             mount.tip(self.solution.robot, joints),
             (index, (mount,)),
-            Pace(index, index, [speed], [blend]),
+            SpeedsAndBlends(index, index, [speed], [blend]),
             slice(0, n),
             self.tables,
             settings,
         )
 
-    def _computed(self, statement: Moving, near: Joints | None) -> Floats | None:
+    def _computed(self, statement: Moving, near: JointValues | None) -> Floats | None:
         """(m, a) joints of the targets that a statement computes."""
         match statement:
             case Move(target=target):
@@ -168,13 +168,13 @@ class Pieces:
             return None
         return Mount(tool, frame)
 
-    def _reached(self, place: Place, mount: Mount, near: Joints | None) -> Floats | None:
+    def _reached(self, place: Place, mount: Mount, near: JointValues | None) -> Floats | None:
         """(a,) in the branch of the target that a place comes from, turned as little as can be."""
         robot = self.solution.robot
         p = np.array([place.pose.position], dtype=np.float64)
         q = np.array([place.pose.quaternion], dtype=np.float64)
         no_row = np.zeros(1, dtype=np.int32)
-        flange = mount.to_flange(*placed([mount.frame.pose], no_row, p, q))
+        flange = mount.to_flange(*targets_out_of_frames([mount.frame.pose], no_row, p, q))
         row = np.array([configuration_row(place.target.configuration)], dtype=np.int8)
         stated = robot.arm.named and row[0, BACK] != UNSTATED
         branches = (int(robot.branch_of(row)[0]),) if stated else None
@@ -228,7 +228,7 @@ def _of_run(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: igno
     return moves_of(
         run.kinds[rows],
         leg.joints,
-        placed([f.pose for f in mounting.frames], frame, p, q),
+        targets_out_of_frames([f.pose for f in mounting.frames], frame, p, q),
         (np.searchsorted(used, both).astype(np.int32), mounts),
         run.pace,
         rows,

@@ -13,7 +13,7 @@ from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.knots import knots_of
 from assistant.robots.timing.profile import Profile, profile_of
 from assistant.robots.timing.rows import Moves
-from assistant.robots.timing.sections import AT_REST, Ends
+from assistant.robots.timing.sections import AT_REST, EndSpeeds
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +70,7 @@ class Plan:
         index = np.clip(index, 0, len(profile.step) - 1)
         gone = np.clip(times - profile.times[index], 0.0, None)
         done, speed = _within(profile, index, gone)
-        place = Places(self.course, profile.step[index], profile.offset[index] + done)
+        place = CoursePlaces(self.course, profile.step[index], profile.offset[index] + done)
         joints, rate = place.of(knots.joints)
         positions, way = place.of(knots.positions, joined=False)
         q, _ = place.of(knots.quaternions, joined=False)
@@ -96,7 +96,9 @@ class Moment:
     velocities: Floats
 
 
-def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: Ends = AT_REST) -> Plan:
+def plan_of(
+    moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: EndSpeeds = AT_REST
+) -> Plan:
     """The motion from joints (a,) through at least one move.
 
     ends: mm/s along the course (degrees/s on the spot) at its start and its end, at most; infinite
@@ -106,7 +108,7 @@ def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: Ends 
     return Plan(course, profile_of(moves, course, drive, ends))
 
 
-class Places:
+class CoursePlaces:
     """Places on a course. step: (m,) of it. gone: (m,) how far in it."""
 
     def __init__(self, course: Course, step: Rows, gone: Floats) -> None:

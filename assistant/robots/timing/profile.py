@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows
 from assistant.robots.timing.bounds import Bounds
-from assistant.robots.timing.course import Course, sums
+from assistant.robots.timing.course import Course, sums_by_move
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.rows import Moves
-from assistant.robots.timing.sections import AT_REST, Ends, sections_of
+from assistant.robots.timing.sections import AT_REST, EndSpeeds, sections_of
 
-ACCELERATION, SPEED, ROTATION, MOST, PERCENT, FIRST_AXIS = range(6)
+ACCELERATION, SPEED, ROTATION, ROBOT_SPEED, PERCENT, FIRST_AXIS = range(6)
 """What binds a move; from FIRST_AXIS on the axes."""
-WORDS: Final = ("acceleration", "speed", "reorientation", "speed of the robot", "percent")
+BINDING_WORDS: Final = ("acceleration", "speed", "reorientation", "speed of the robot", "percent")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Profile:
     binds: NDArray[np.uint8]
 
 
-def profile_of(moves: Moves, course: Course, drive: Drive, ends: Ends = AT_REST) -> Profile:
+def profile_of(moves: Moves, course: Course, drive: Drive, ends: EndSpeeds = AT_REST) -> Profile:
     """The fastest motion along a course, with the speeds at its ends at most."""
     bounds = Bounds(moves, course, drive)
     sections = sections_of(bounds, ends)
@@ -65,9 +65,9 @@ def profile_of(moves: Moves, course: Course, drive: Drive, ends: Ends = AT_REST)
         rise,
         fall,
         np.concatenate([[0.0], np.cumsum(seconds)]),
-        sums(row, seconds, n),
-        sums(knots.row, knots.length, n) - bounds.saved(),
-        sums(knots.row, knots.turn, n),
+        sums_by_move(row, seconds, n),
+        sums_by_move(knots.row, knots.length, n) - bounds.saved(),
+        sums_by_move(knots.row, knots.turn, n),
         _binding(row, bound, seconds, sections.why, n, len(drive.speeds)),
     )
 

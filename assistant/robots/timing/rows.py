@@ -14,7 +14,7 @@ from assistant.base.arrays import Floats, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
-from assistant.robots.motion.run import Pace, from_flange, to_flange
+from assistant.robots.motion.run import SpeedsAndBlends, from_flange, to_flange
 from assistant.robots.robot import Robot
 
 UNKNOWN_SPEED: Final = Speed(np.nan)
@@ -78,7 +78,7 @@ class Moves:
         )
 
 
-def joined(parts: Sequence[Moves]) -> Moves:
+def join_moves(parts: Sequence[Moves]) -> Moves:
     """Parts, one after the other, with one table of mounts."""
     if len(parts) == 1:
         return parts[0]
@@ -109,7 +109,7 @@ def moves_of(
     joints: Floats,
     poses: tuple[Floats, Floats],
     mount: tuple[NDArray[np.int32], tuple[Mount, ...]],
-    pace: Pace,
+    pace: SpeedsAndBlends,
     rows: slice,
     tables: tuple[Mapping[str, Speed], Mapping[str, Blend]],
     settings: Settings,
@@ -145,7 +145,7 @@ def moves_of(
     )
 
 
-def placed(
+def targets_out_of_frames(
     frames: Sequence[Pose], frame: NDArray[np.int32], p: Floats, q: Floats
 ) -> tuple[Floats, Floats]:
     """Targets (n, 3), (n, 4) in frames → in what the frames are in.

@@ -15,18 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Truths
-from assistant.robots.timing.bounds import HIGHEST, LEAST, Bounds, norm
+from assistant.robots.timing.bounds import (
+    LEAST_MOTION,
+    UNBOUNDED_ACCELERATION,
+    Bounds,
+    column_norms,
+)
 
-LITTLE: Final = 0.02
+LITTLE_BEND: Final = 0.02
 """Part of an acceleration that a bend takes at most to be in no section of its own."""
-BENDING: Final = 0.999
+MOST_BEND: Final = 0.999
 """Part of an acceleration that a bend takes at most; the rest changes the speed."""
-PASSES: Final = 3
+SPEED_PASSES: Final = 3
 """Times that the speeds are computed where there are bends."""
 
-Ends = tuple[float, float]
+EndSpeeds = tuple[float, float]
 """Speeds at the start and the end of a course."""
-AT_REST: Final[Ends] = (0.0, 0.0)
+AT_REST: Final[EndSpeeds] = (0.0, 0.0)
 
 
 @dataclass(slots=True, eq=False)
@@ -52,30 +57,30 @@ class Sections:
         """(p + 1,) the largest w between the sections, and (p,) its peaks in them."""
         ceiling, bends = self.caps**2, self.bends
         if bends is None:
-            return speeds(self.most, ceiling, self.rise, self.fall, self.distance)
-        for _ in range(PASSES):
+            return section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
+        for _ in range(SPEED_PASSES):
             at = bends.at
             ceiling[at] = bends.highest
             self.rise[at], self.fall[at] = bends.accelerations()
-            w, peak = speeds(self.most, ceiling, self.rise, self.fall, self.distance)
+            w, peak = section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
             bends.highest = (bends.highest + peak[at]) / 2.0
         return w, peak
 
 
-def sections_of(bounds: Bounds, ends: Ends = AT_REST) -> Sections:
+def sections_of(bounds: Bounds, ends: EndSpeeds = AT_REST) -> Sections:
     """The sections of a course, with the speeds and accelerations that they allow."""
     room, d, bend = bounds.course.room, bounds.course.distance, bounds.bend
     caps, why = bounds.caps
     with np.errstate(divide="ignore", over="ignore"):
-        knots = np.where(room > 0.0, BENDING / bend, 0.0)
+        knots = np.where(room > 0.0, MOST_BEND / bend, 0.0)
     if len(d):
         knots[0], knots[-1] = ends[0] ** 2, ends[1] ** 2
     # Nothing is faster than this: as if bends took nothing of an acceleration.
     rise, fall = bounds.accelerations()
-    w, peak = speeds(knots, caps**2, rise, fall, d)
+    w, peak = section_speeds(knots, caps**2, rise, fall, d)
     near, quickest = _more(peak, peak), _more(rise, fall)
     near = np.minimum(near, w + 2.0 * room * quickest)
-    split = bend * near > LITTLE
+    split = bend * near > LITTLE_BEND
     knots[split] = np.inf
     whole = ~split[1:-1] & (room[1:-1] > 0.0)
     accelerations = bounds.accelerations(np.where(split, 0.0, near))
@@ -139,10 +144,12 @@ class Bends:
         axes, tool = self.rates
         steepest = np.maximum(np.abs(axes[0]), np.abs(axes[1]))
         longest = bounds.length[step]
-        longest = np.maximum(longest, longest * norm(tool[0]) / np.maximum(norm(tool[1]), 1e-300))
+        longest = np.maximum(
+            longest, longest * column_norms(tool[0]) / np.maximum(column_norms(tool[1]), 1e-300)
+        )
         turn = np.maximum(bounds.turn[knot - 1], bounds.turn[knot])
         self.limits = bounds.least(bounds.limits(step, steepest, longest, turn), steepest)
-        self.highest = np.minimum(near[knot], BENDING / bounds.bend[knot])
+        self.highest = np.minimum(near[knot], MOST_BEND / bounds.bend[knot])
 
     def accelerations(self) -> tuple[Floats, Floats]:
         """(b,) to more and to less speed, for every w up to the highest.
@@ -164,7 +171,9 @@ class Bends:
         if np.isfinite(bounds.drive.tcp_acceleration):
             more, less = self._of_tool(up, down)
             rise, fall = np.minimum(rise, more), np.minimum(fall, less)
-        return np.clip(rise, LEAST, HIGHEST), np.clip(fall, LEAST, HIGHEST)
+        return np.clip(rise, LEAST_MOTION, UNBOUNDED_ACCELERATION), np.clip(
+            fall, LEAST_MOTION, UNBOUNDED_ACCELERATION
+        )
 
     def _of_tool(self, up: Floats, down: Floats) -> tuple[Floats, Floats]:
         """(b,) each, that keep the acceleration of the tool, a vector, below its most."""
@@ -173,9 +182,9 @@ class Bends:
         rise = fall = np.full(len(w), np.inf)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             for rate in (middle, border):
-                size = norm(rate)
+                size = column_norms(rate)
                 along = np.einsum("ij,ij->j", rate, bend) * w / size
-                across = (norm(bend) * w) ** 2 - along**2
+                across = (column_norms(bend) * w) ** 2 - along**2
                 for sign, factor in ((1.0, up), (-1.0, down)):
                     left = np.sqrt(np.maximum((most * factor) ** 2 - across, 0.0))
                     least = np.minimum(left - sign * along, most * factor) / size
@@ -187,7 +196,7 @@ class Bends:
         return rise, fall
 
 
-def speeds(
+def section_speeds(
     most: Floats, ceiling: Floats, rise: Floats, fall: Floats, d: Floats
 ) -> tuple[Floats, Floats]:
     """(p + 1,) the largest w between sections and (p,) its peaks, below most and ceiling."""

@@ -14,17 +14,17 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused, error
 from assistant.robots.robot import Robot
 from assistant.robots.timing.on_way import OutputTime
-from assistant.robots.timing.passed import Passed
-from assistant.robots.timing.profile import FIRST_AXIS, WORDS
+from assistant.robots.timing.passed import MovesWithoutStop
+from assistant.robots.timing.profile import BINDING_WORDS, FIRST_AXIS
 from assistant.robots.timing.samples import Samples, samples_of
 from assistant.robots.timing.state import Duration, History
 
 MOST_SAMPLES: Final = 1_000_000
 """Rows of samples that are computed; about 250 bytes each."""
-PERIOD: Final = 0.01
+SAMPLE_PERIOD: Final = 0.01
 """seconds between samples, unless that would be too many."""
 
-TOO_MANY = error(
+TOO_MANY_SAMPLES = error(
     "RB301",
     "{seconds:.0f} s at {period:g} s make {count} samples, more than {most}",
     "take a period of {least:g} s or longer, or none for one that fits",
@@ -92,7 +92,7 @@ class Simulation:
     labels: Mapping[tuple[str, int], str]
     history: History | None
     start: Floats
-    passed: tuple[Passed, ...]
+    passed: tuple[MovesWithoutStop, ...]
     wanted_period: float | None
 
     @property
@@ -105,7 +105,7 @@ class Simulation:
         """Seconds between samples: as wanted, else `PERIOD` or the least 1, 2 or 5 that fits."""
         if self.wanted_period is not None:
             return self.wanted_period
-        period = PERIOD
+        period = SAMPLE_PERIOD
         while self.seconds / period >= MOST_SAMPLES:
             period *= 2.5 if f"{period:e}".startswith("2") else 2.0
         return period
@@ -116,7 +116,7 @@ class Simulation:
         count = int(self.seconds / self.period) + 1
         if count > MOST_SAMPLES:
             raise Refused(
-                TOO_MANY(
+                TOO_MANY_SAMPLES(
                     seconds=self.seconds,
                     period=self.period,
                     count=count,
@@ -129,4 +129,4 @@ class Simulation:
 
     def bound_by(self, binds: int) -> str:
         """What a value of `MoveTimes.binds` means, in words."""
-        return self.robot.axes[binds - FIRST_AXIS] if binds >= FIRST_AXIS else WORDS[binds]
+        return self.robot.axes[binds - FIRST_AXIS] if binds >= FIRST_AXIS else BINDING_WORDS[binds]

@@ -13,7 +13,7 @@ from assistant.robots.timing.rows import Settings
 if TYPE_CHECKING:
     from assistant.robots.timing.carrying import Carried
 
-Joints = tuple[float, ...]
+JointValues = tuple[float, ...]
 
 MOST_PLACES: Final = 4
 """Places where the arm may be, each timed, before it counts as not known."""
@@ -76,7 +76,7 @@ class State:
 
     least: float = 0.0
     most: float = 0.0
-    places: tuple[Joints, ...] = ()
+    places: tuple[JointValues, ...] = ()
     settings: Settings = field(default_factory=Settings)
     known: Mapping[str, Expression | None] = field(default_factory=dict)
     history: History | None = None
@@ -123,7 +123,7 @@ class State:
         )
 
 
-def met(states: Sequence[State]) -> State | None:
+def merged_state(states: Sequence[State]) -> State | None:
     """The state where ways meet again; None if there are none."""
     if len(states) < 2:
         return states[0] if states else None

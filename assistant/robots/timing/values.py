@@ -24,9 +24,9 @@ from assistant.program.rewriting import map_expressions
 from assistant.program.statements import Assign, Comment, If, Return, Statement
 from assistant.robots.target_lookup import Names, Place
 
-Known = dict[str, Expression | None]
+KnownValues = dict[str, Expression | None]
 
-DEEPEST: Final = 16
+MOST_CALL_DEPTH: Final = 16
 """Functions that are called within each other."""
 COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
     "=": lambda a, b: a == b,
@@ -36,7 +36,7 @@ COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
     ">": lambda a, b: a > b,
     ">=": lambda a, b: a >= b,
 }
-_OPEN: Final = Name("")
+_UNKNOWN: Final = Name("")
 """Stands for a value that is not known: no name of a program."""
 
 
@@ -108,18 +108,18 @@ class Values:
 
     def _result(self, function: Procedure, arguments: Sequence[Expression]) -> Expression | None:
         """What a function gives back, if it only computes."""
-        if self.depth >= DEEPEST:
+        if self.depth >= MOST_CALL_DEPTH:
             return None
         given = self.given(function, arguments)
         outer, self.depth = self.names.own, self.depth + 1
         self.names.own = {**outer, **local_values(function), **given}
         try:
             found = self._returned(function.body)
-            return None if found is _OPEN else found
+            return None if found is _UNKNOWN else found
         finally:
             self.names.own, self.depth = outer, self.depth - 1
 
-    def given(self, procedure: Procedure, arguments: Sequence[Expression]) -> Known:
+    def given(self, procedure: Procedure, arguments: Sequence[Expression]) -> KnownValues:
         """Values of the parameters of a call, in lower case."""
         pairs = zip(procedure.parameters, arguments, strict=False)
         return {parameter.name.lower(): self.value(argument) for parameter, argument in pairs}
@@ -139,11 +139,11 @@ class Values:
                 case If():
                     chosen = self.chosen(statement)
                     found = None if chosen is None else self._returned(chosen)
-                    if found is not _OPEN:
+                    if found is not _UNKNOWN:
                         return found
                 case _:
                     return None
-        return _OPEN
+        return _UNKNOWN
 
     def chosen(self, statement: If) -> Sequence[Statement] | None:
         """The body that is run; None if only running the program tells."""
@@ -177,7 +177,7 @@ class Values:
         return None
 
 
-def first_values(variables: Mapping[str, Variable], assigned: set[str]) -> Known:
+def first_values(variables: Mapping[str, Variable], assigned: set[str]) -> KnownValues:
     """Values of variables, in lower case, before anything is assigned.
 
     assigned: persistent ones of these names may have been changed by an earlier run.
@@ -190,13 +190,13 @@ def first_values(variables: Mapping[str, Variable], assigned: set[str]) -> Known
     }
 
 
-def local_values(procedure: Procedure) -> Known:
+def local_values(procedure: Procedure) -> KnownValues:
     """The variables of a procedure as a call begins; None for what has no value that is known."""
-    unknown: Known = {name.lower(): None for name in procedure.variables}
+    unknown: KnownValues = {name.lower(): None for name in procedure.variables}
     return {**unknown, **first_values(procedure.variables, set())}
 
 
-def rounds(first: float, last: float, step: float | None) -> int:
+def loop_rounds(first: float, last: float, step: float | None) -> int:
     """How often a loop from first to last goes round; see `For`."""
     by = step if step is not None else (1.0 if last >= first else -1.0)
     if by == 0.0 or not math.isfinite(first + last + by):

@@ -10,14 +10,14 @@ from assistant.program.statements import Follow, Opaque, Statement
 from assistant.program.vendor_statements import effect_of
 
 
-def root(target: Expression) -> str:
+def root_variable(target: Expression) -> str:
     """The variable, in lower case, that a target of an assignment is of."""
     while isinstance(target, Member | Index):
         target = target.value
     return target.name.lower() if isinstance(target, Name) else ""
 
 
-def mentions(statement: Statement, name: str) -> bool:
+def may_read(statement: Statement, name: str) -> bool:
     """Whether a statement may read a variable; name: in lower case."""
     if isinstance(statement, Opaque):
         return name in effect_of(statement).names

@@ -40,23 +40,29 @@ from assistant.program.vendor_statements import effect_of
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing import again
-from assistant.robots.timing.carrying import carrying
+from assistant.robots.timing.carrying import with_carried
 from assistant.robots.timing.drive import Drive
-from assistant.robots.timing.kept import KeptMotion
+from assistant.robots.timing.kept import VendorMotion
 from assistant.robots.timing.ledger import Ledger
-from assistant.robots.timing.passed import Passed
-from assistant.robots.timing.pieces import Piece, Pieces, label_of
+from assistant.robots.timing.passed import MovesWithoutStop
+from assistant.robots.timing.pieces import Segment, Segments, label_of
 from assistant.robots.timing.plan import Plan, plan_of
-from assistant.robots.timing.rows import joined
-from assistant.robots.timing.state import Duration, History, Joints, State, met
-from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
-from assistant.robots.timing.variables import mentions, root
+from assistant.robots.timing.rows import join_moves
+from assistant.robots.timing.state import Duration, History, JointValues, State, merged_state
+from assistant.robots.timing.values import (
+    KnownValues,
+    Values,
+    first_values,
+    local_values,
+    loop_rounds,
+)
+from assistant.robots.timing.variables import may_read, root_variable
 
 MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
 that are followed: some programs have more calls than anybody could wait for.
 """
-STANDING: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
+STOPPING_TRAITS: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
 """Traits of statements that the moves before them have to end for."""
 
 
@@ -70,35 +76,37 @@ class Walker:
         self.solution, self.drive = solution, drive
         self.names = Names(solution.program)
         self.values = Values(solution.program, self.names)
-        self.pieces = Pieces(solution, self.names, self.values)
-        self.kept_motion = KeptMotion(solution.program)
+        self.pieces = Segments(solution, self.names, self.values)
+        self.kept_motion = VendorMotion(solution.program)
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
-        self.passed: list[Passed] = []
+        self.passed: list[MovesWithoutStop] = []
         self.calls: list[str] = []
         self.returned: list[State] = []
-        self.waiting: list[Piece] = []
+        self.waiting: list[Segment] = []
         self.statements = self.called = 0
-        self.set = {root(s.target) for s in solution.program.statements() if isinstance(s, Assign)}
+        self.set = {
+            root_variable(s.target) for s in solution.program.statements() if isinstance(s, Assign)
+        }
         self.shared = {name.lower() for name in solution.program.variables}
 
-    def begin(self) -> Known:
+    def begin(self) -> KnownValues:
         """The variables of the program as they are at a start from the top."""
         return first_values(self.solution.program.variables, self.set)
 
-    def procedure(self, procedure: Procedure, state: State, given: Known) -> State:
+    def procedure(self, procedure: Procedure, state: State, given: KnownValues) -> State:
         """A call, from the state before it; given: its arguments by parameter, where known."""
         kept, returned, self.returned = dict(state.known), self.returned, []
         self.calls.append(procedure.name)
         self.names.enter(procedure)
-        own: Known = {**self.names.own, **local_values(procedure), **given}
+        own: KnownValues = {**self.names.own, **local_values(procedure), **given}
         outer = {name: value for name, value in kept.items() if name in self.shared}
         inside = replace(state.begun(), known={**outer, **own})
         ends = [self.body(procedure.body, inside), *self.returned]
         self.calls.pop()
         self.returned = returned
-        done = met([end for end in ends if end is not None]) or inside
+        done = merged_state([end for end in ends if end is not None]) or inside
         seconds = Duration(done.least, done.most)
         before = self.procedures.get(procedure.name, seconds)
         self.procedures[procedure.name] = Duration(
@@ -121,7 +129,7 @@ class Walker:
             else:
                 state = self.acting(statement, self.flush(state))
             if state is not None and state.carried is not None:
-                state = carrying(statement, state, self.waiting, self.values)
+                state = with_carried(statement, state, self.waiting, self.values)
         return None if state is None else self.flush(state)
 
     def inner(self, body: Sequence[Statement], state: State) -> State | None:
@@ -164,7 +172,7 @@ class Walker:
         pieces, self.waiting = self.waiting, []
         if not pieces:
             return state
-        moves = joined([piece.moves for piece in pieces])
+        moves = join_moves([piece.moves for piece in pieces])
         if np.isnan(moves.tcp).any():
             self.note("a speed that is not declared is taken as the most")
         if (moves.tcp <= 0.0).any():
@@ -177,7 +185,7 @@ class Walker:
             self.note(f"move {first.number}: where it starts from is not known, so it is not timed")
             if skipped == len(moves):
                 return replace(state, places=(end,))
-        starts: tuple[Joints, ...] = state.places
+        starts: tuple[JointValues, ...] = state.places
         if not starts:
             starts = (tuple(moves.joints[skipped - 1].tolist()),)
         plans = []
@@ -186,7 +194,9 @@ class Walker:
             if key not in self.plans:
                 rest = moves.rest(skipped) if skipped else moves
                 self.plans[key] = plan_of(rest, np.array(start), self.solution.robot, self.drive)
-                self.passed.append(Passed(tuple(pieces), skipped, state.most, self.plans[key]))
+                self.passed.append(
+                    MovesWithoutStop(tuple(pieces), skipped, state.most, self.plans[key])
+                )
             self.note_guessed(pieces, self.plans[key].course.knots.guessed + skipped)
             plans.append(self.plans[key])
             self.ledger.moved(pieces, skipped, self.plans[key])
@@ -199,7 +209,7 @@ class Walker:
             history=History(state.history, longest),
         )
 
-    def note_guessed(self, pieces: Sequence[Piece], rows: Rows) -> None:
+    def note_guessed(self, pieces: Sequence[Segment], rows: Rows) -> None:
         """rows: of the pieces together, see `Knots.guessed`."""
         ends = np.cumsum([len(piece.moves) for piece in pieces])
         for at in np.unique(np.searchsorted(ends, rows, side="right")):
@@ -225,8 +235,8 @@ class Walker:
             case Assign(target=Name(name), value=value):
                 return replace(state, known={**state.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
-                return state.without({root(target)})
-        standing = trait(statement) in STANDING or isinstance(statement, Travel)
+                return state.without({root_variable(target)})
+        standing = trait(statement) in STOPPING_TRAITS or isinstance(statement, Travel)
         return None if standing else state
 
     def acting(self, statement: Statement, state: State) -> State | None:
@@ -290,7 +300,7 @@ class Walker:
             return replace(state, places=())
         given = self.values.given(procedure, statement.arguments)
         changed = {
-            root(argument)
+            root_variable(argument)
             for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False)
             if parameter.mode == "inout"
         }
@@ -312,7 +322,7 @@ class Walker:
         else:
             inner = (*(case.body for case in statement.cases), statement.otherwise)
             taken += [self.inner(body, state) for body in inner]
-        done = met([one for one in taken if one is not None])
+        done = merged_state([one for one in taken if one is not None])
         return None if done is None else state.then(done)
 
     def counted(self, statement: For, state: State) -> State | None:
@@ -323,12 +333,12 @@ class Walker:
         if first is None or last is None or (statement.step is not None and step is None):
             self.note(f"how often the loop over {statement.variable} goes round; once is counted")
             return self.once(statement, state.without({name}))
-        count = rounds(first, last, step)
+        count = loop_rounds(first, last, step)
         by = step if step is not None else (1.0 if last >= first else -1.0)
         alike = not self.reads(statement, name)
         done = 0
         while done < count:
-            known: Known = {**state.known, name: Number(first + done * by)}
+            known: KnownValues = {**state.known, name: Number(first + done * by)}
             start = replace(state, known=known)
             end = self.inner(statement.body, start)
             if end is None:
@@ -366,7 +376,7 @@ class Walker:
 
     def once(self, statement: For | While, state: State, *, ever: bool = False) -> State | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
-        return again.once(self, statement.body, state, ever=ever)
+        return again.time_one_round(self, statement.body, state, ever=ever)
 
     def repeats(self, start: State, end: State, alike: bool) -> bool:
         """Whether the rounds to come are as this one; also when there have been too many.
@@ -385,7 +395,7 @@ class Walker:
         inner = list(walk(statement.body))
         if name in self.shared and any(isinstance(s, Call | Opaque) for s in inner):
             return True
-        return any(mentions(s, name) for s in inner)
+        return any(may_read(s, name) for s in inner)
 
     def number(self, expression: Expression, what: str) -> float | None:
         value = self.values.number(expression)

@@ -14,35 +14,35 @@ from assistant.program.motion import Kind
 from assistant.robots.branches.choice import branches_at
 from assistant.robots.motion.run import continued
 from assistant.robots.robot import Robot
-from assistant.robots.turning.search import Found, Problem, Search, Stuck
+from assistant.robots.turning.search import FoundPath, NoPath, TurnProblem, TurnSearch
 from assistant.robots.turning.stations import FreeRun, stations
-from assistant.robots.turning.steps import Looker, Station, Step
+from assistant.robots.turning.steps import Station, StationBuilder, Step
 
-COARSE: Final = 10.0
+COARSE_STEP: Final = 10.0
 """degrees between the turns that are tried first."""
-CLOSER: Final = 2.5
+CLOSE_STEP: Final = 2.5
 """degrees between those that are tried about what was found."""
-FINER: Final = 5.0
+FINE_STEP: Final = 5.0
 """degrees between those that are tried where the coarse ones lead nowhere."""
-ABOUT: Final = 4
+STEPS_EACH_SIDE: Final = 4
 """So many of them to either side."""
-FEW: Final = 400
+FEW_STATIONS: Final = 400
 """Stations up to which these are tried."""
-FEW_TOUCHING: Final = 50
+FEW_STATIONS_TOUCHING: Final = 50
 """The same where something is in the way."""
 FEW_JUMPS: Final = 20
 """Joint moves up to which they are."""
-TRIES: Final = 60
+MOST_TRIES: Final = 60
 """Ways that are looked for until one touches nothing."""
 
-Leg = tuple[int, tuple[int, int], tuple[int, int]]
+StationLeg = tuple[int, tuple[int, int], tuple[int, int]]
 """A station, and turn and branch of the one before and of its own."""
-Clear = Callable[[Floats, Floats], Truths]
+ClearTest = Callable[[Floats, Floats], Truths]
 """Whether the straight moves of the arm from joints (n, a) to (n, a) touch nothing, (n,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chosen:
+class ChosenTurns:
     """turns: (n,) degrees from how the targets were drawn. last: (a,) joints at the end."""
 
     turns: Floats
@@ -50,41 +50,43 @@ class Chosen:
 
 
 @dataclass(frozen=True, slots=True)
-class Nowhere:
+class NoTurn:
     """row: up to which no turn leads. touching: whether only because something is in the way."""
 
     row: int
     touching: bool = False
 
 
-def choose(free_run: FreeRun, robot: Robot, clear: Clear | None = None) -> Chosen | Nowhere:
+def choose_turns(
+    free_run: FreeRun, robot: Robot, clear: ClearTest | None = None
+) -> ChosenTurns | NoTurn:
     """Turns with which a run is within reach and limits, keeps its branch, touches nothing and
     takes the axes the shortest way.
 
     clear: None without a cell.
     """
-    looker = Looker(free_run, robot)
-    found = _searched(_Grid(looker, COARSE), clear)
-    if isinstance(found, Nowhere) and _few(free_run, found):
-        found = _searched(_Grid(looker, FINER), clear)
-    if isinstance(found, Nowhere):
+    looker = StationBuilder(free_run, robot)
+    found = _search_grid(_Grid(looker, COARSE_STEP), clear)
+    if isinstance(found, NoTurn) and _few(free_run, found):
+        found = _search_grid(_Grid(looker, FINE_STEP), clear)
+    if isinstance(found, NoTurn):
         return found
-    closer = _searched(_Grid(looker, CLOSER, found), clear)
-    return found.chosen() if isinstance(closer, Nowhere) else closer.chosen()
+    closer = _search_grid(_Grid(looker, CLOSE_STEP, found), clear)
+    return found.chosen() if isinstance(closer, NoTurn) else closer.chosen()
 
 
-def _few(free_run: FreeRun, found: Nowhere) -> bool:
+def _few(free_run: FreeRun, found: NoTurn) -> bool:
     jumps = int(np.count_nonzero(free_run.run.kinds == Kind.JOINT))
-    most = FEW_TOUCHING if found.touching else FEW
-    return len(stations(free_run, COARSE)) <= most and jumps <= FEW_JUMPS
+    most = FEW_STATIONS_TOUCHING if found.touching else FEW_STATIONS
+    return len(stations(free_run, COARSE_STEP)) <= most and jumps <= FEW_JUMPS
 
 
 class _Grid:
     """A run with turns to choose from: all, `step` degrees apart, or those about a way."""
 
-    def __init__(self, looker: Looker, step: float, about: _Way | None = None) -> None:
+    def __init__(self, looker: StationBuilder, step: float, about: _GridPath | None = None) -> None:
         self.looker, self.free_run, self.step, self.about = looker, looker.free_run, step, about
-        self.rows: Rows = stations(self.free_run, COARSE) if about is None else about.grid.rows
+        self.rows: Rows = stations(self.free_run, COARSE_STEP) if about is None else about.grid.rows
         self.ramp = self._ramp()
         robot = looker.robot
         every = tuple(range(robot.branches))
@@ -96,7 +98,7 @@ class _Grid:
             elif about is None:
                 turns = np.arange(0.0, 360.0, step) + self.ramp[at]
             else:
-                turns = about.turns[at] + step * np.arange(-ABOUT, ABOUT + 1)
+                turns = about.turns[at] + step * np.arange(-STEPS_EACH_SIDE, STEPS_EACH_SIDE + 1)
             branches = every if about is None else (about.branches[at],)
             self.stations.append(looker.station(row, turns, branches))
         self.reached = [bool(one.possible.any()) for one in self.stations]
@@ -139,7 +141,7 @@ class _Grid:
             if tied[row] >= 0 and not np.isfinite(self.free_run.fixed[row])
         ]
 
-    def problem(self) -> Problem:
+    def problem(self) -> TurnProblem:
         run, robot = self.free_run.run, self.looker.robot
         ties, end = [], 0
         for one, other in sorted(self._ties()):
@@ -150,7 +152,7 @@ class _Grid:
         same = branches_at(run.before, robot)
         drawn = self.free_run.drawn[self.rows]
         goes_on = continued(run)
-        return Problem(
+        return TurnProblem(
             self.stations, self.steps, drawn, run.before, goes_on, same, tuple(ties), alike
         )
 
@@ -166,19 +168,19 @@ class _Grid:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Way:
+class _GridPath:
     """A way through a grid. turns: (s,) degrees. branches: (s,)."""
 
     grid: _Grid
-    found: Found
+    found: FoundPath
     turns: Floats
     branches: list[int]
 
     @staticmethod
-    def of(grid: _Grid, found: Found) -> _Way:
+    def of(grid: _Grid, found: FoundPath) -> _GridPath:
         pairs = list(zip(grid.stations, found.states, strict=True))
         turns = np.array([one.turns[state[0]] for one, state in pairs])
-        return _Way(grid, found, turns, [one.branches[state[1]] for one, state in pairs])
+        return _GridPath(grid, found, turns, [one.branches[state[1]] for one, state in pairs])
 
     def changes(self, at: int) -> tuple[float, float]:
         """The turn at a station, and the degrees from it to the next one."""
@@ -186,7 +188,7 @@ class _Way:
         change = float(self.turns[at + 1] - self.turns[at]) - ramp
         return float(self.turns[at]), change - 360.0 * round(change / 360.0) + ramp
 
-    def chosen(self) -> Chosen:
+    def chosen(self) -> ChosenTurns:
         free_run, grid = self.grid.free_run, self.grid
         out = np.empty(len(free_run))
         out[grid.rows] = self.turns
@@ -195,7 +197,7 @@ class _Way:
                 turns = grid.looker.row_turns(one, other, self.changes(at))
                 out[one.row + 1 : other.row] = turns[:-1]
         away = out - free_run.drawn
-        return Chosen(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
+        return ChosenTurns(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
 
     def joints_to(self, at: int) -> Floats:
         """(s, a) joints on the way to a station, the one before included; alone its own where only
@@ -210,33 +212,33 @@ class _Way:
         return grid.looker.along(one, other, (before, turn), branch, change)
 
 
-def _searched(grid: _Grid, clear: Clear | None) -> _Way | Nowhere:
+def _search_grid(grid: _Grid, clear: ClearTest | None) -> _GridPath | NoTurn:
     """The cheapest way through a grid that touches nothing."""
     if not all(grid.reached):
-        return Nowhere(int(grid.rows[grid.reached.index(False)]))
+        return NoTurn(int(grid.rows[grid.reached.index(False)]))
     problem = grid.problem()
-    search = Search(problem, grid.looker.robot)
+    search = TurnSearch(problem, grid.looker.robot)
     barred: dict[int, set[tuple[int, int, int]]] = {}
-    known: dict[Leg, bool] = {}
-    for _ in range(TRIES):
+    known: dict[StationLeg, bool] = {}
+    for _ in range(MOST_TRIES):
         found = search.best(barred)
-        if isinstance(found, Stuck):
-            return Nowhere(int(grid.rows[found.station]), touching=bool(barred))
-        way = _Way.of(grid, found)
+        if isinstance(found, NoPath):
+            return NoTurn(int(grid.rows[found.station]), touching=bool(barred))
+        way = _GridPath.of(grid, found)
         bad = [] if clear is None else _touching(way, clear, known)
         if not bad:
             untied = grid.untied(way.turns)
-            return way if not untied else _settled(way, untied, clear)
+            return way if not untied else _with_first_turns(way, untied, clear)
         assert clear is not None
         for at in bad:
             _bar(way, at, clear, barred.setdefault(at, set()))
-    return Nowhere(int(grid.rows[bad[0]]), touching=True)
+    return NoTurn(int(grid.rows[bad[0]]), touching=True)
 
 
-def _touching(way: _Way, clear: Clear, known: dict[Leg, bool]) -> list[int]:
+def _touching(way: _GridPath, clear: ClearTest, known: dict[StationLeg, bool]) -> list[int]:
     """Stations on whose way something is touched. known: of legs whether they are clear."""
     states = way.found.states
-    legs: list[Leg] = [(0, states[0][:2], states[0][:2])]
+    legs: list[StationLeg] = [(0, states[0][:2], states[0][:2])]
     legs += [(i + 1, one[:2], other[:2]) for i, (one, other) in enumerate(pairwise(states))]
     new = [leg for leg in legs if leg not in known]
     ways = [way.joints_to(at) for at, _, _ in new]
@@ -244,7 +246,7 @@ def _touching(way: _Way, clear: Clear, known: dict[Leg, bool]) -> list[int]:
     return [leg[0] for leg in legs if not known[leg]]
 
 
-def _all_clear(ways: list[Floats], clear: Clear) -> list[bool]:
+def _all_clear(ways: list[Floats], clear: ClearTest) -> list[bool]:
     """Which of some ways (s, a) touch nothing."""
     if not ways:
         return []
@@ -255,7 +257,7 @@ def _all_clear(ways: list[Floats], clear: Clear) -> list[bool]:
     return [number not in touched for number in range(len(ways))]
 
 
-def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) -> None:
+def _bar(way: _GridPath, at: int, clear: ClearTest, barred: set[tuple[int, int, int]]) -> None:
     """Rules out what touches something at a station, or else on the ways to it, in one branch."""
     grid, station = way.grid, way.grid.stations[at]
     turn, branch, _ = way.found.states[at]
@@ -290,7 +292,9 @@ def _bar(way: _Way, at: int, clear: Clear, barred: set[tuple[int, int, int]]) ->
             barred.add((*pair, branch))
 
 
-def _settled(way: _Way, untied: list[tuple[int, int]], clear: Clear | None) -> _Way | Nowhere:
+def _with_first_turns(
+    way: _GridPath, untied: list[tuple[int, int]], clear: ClearTest | None
+) -> _GridPath | NoTurn:
     """The way when targets that are come back to have the turn that they were first found with."""
     grid, free_run = way.grid, way.grid.free_run
     fixed = free_run.fixed.copy()
@@ -300,8 +304,8 @@ def _settled(way: _Way, untied: list[tuple[int, int]], clear: Clear | None) -> _
             first = fixed[row] - free_run.drawn[row]
         alike = _with_target(free_run, row)
         fixed[alike] = np.where(np.isnan(fixed[alike]), first + free_run.drawn[alike], fixed[alike])
-    looker = Looker(replace(free_run, fixed=fixed), grid.looker.robot)
-    return _searched(_Grid(looker, grid.step, grid.about), clear)
+    looker = StationBuilder(replace(free_run, fixed=fixed), grid.looker.robot)
+    return _search_grid(_Grid(looker, grid.step, grid.about), clear)
 
 
 def _with_target(free_run: FreeRun, row: int) -> Rows:

@@ -26,10 +26,10 @@ from assistant.robots.motion.run import Run
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 from assistant.robots.target_lookup import Names
-from assistant.robots.turning.choosing import Clear, Nowhere, choose
+from assistant.robots.turning.choosing import ClearTest, NoTurn, choose_turns
 from assistant.robots.turning.stations import UPRIGHT, free_run_of
 
-LEAST: Final = 1e-9
+LEAST_TURN: Final = 1e-9
 """degrees that are no turn."""
 
 
@@ -41,8 +41,8 @@ def without_free_turns(program: Program) -> Program:
     return replace(program, tools=tools)
 
 
-def turned(
-    program: Program, robot: Robot, clear: Sequence[Clear] = ()
+def with_chosen_turns(
+    program: Program, robot: Robot, clear: Sequence[ClearTest] = ()
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program with the turns of its tools chosen where they are free; none is free afterwards.
 
@@ -65,15 +65,15 @@ def turned(
 
 
 @dataclass(slots=True)
-class _Rows:
+class _TargetRows:
     """The rows of a run. keys: of each the target, or path and row of it. free: see `FreeRun`."""
 
     run: SolvedRun
-    keys: list[Key]
+    keys: list[TargetKey]
     free: Truths
 
 
-Key = tuple[int, int]
+TargetKey = tuple[int, int]
 """Number of a target and -1, or of a path and a row of it."""
 
 
@@ -83,14 +83,14 @@ class _Turning:
     away: of a target or row of a path the degrees by which it is turned, once it is settled.
     """
 
-    def __init__(self, program: Program, robot: Robot, clear: Sequence[Clear]) -> None:
+    def __init__(self, program: Program, robot: Robot, clear: Sequence[ClearTest]) -> None:
         self.source, self.robot, self.clear = _by_joint_moves(program), robot, clear
         self.solution: SolvedProgram = solve_program(self.source, robot)
         self.kept = _kept_targets(program)
         self.uses: Counter[int] = Counter()
-        self.away: dict[Key, float] = {}
+        self.away: dict[TargetKey, float] = {}
         self.paths: dict[int, Path] = {}
-        self.tools: dict[Key, Tool] = {}
+        self.tools: dict[TargetKey, Tool] = {}
         self.failed: list[Diagnostic] = []
 
     def go(self) -> None:
@@ -107,11 +107,11 @@ class _Turning:
                 if last is not None:
                     ends.append((rows.run.joints[-1], last))
 
-    def _runs(self, procedure: str, legs: tuple[Leg, ...]) -> Iterator[_Rows]:
+    def _runs(self, procedure: str, legs: tuple[Leg, ...]) -> Iterator[_TargetRows]:
         """The runs of a procedure in order of text."""
         names = Names(self.source)
         names.enter(next(p for p in self.source.procedures if p.name == procedure))
-        gathered: dict[int, tuple[SolvedRun, list[Key]]] = {}
+        gathered: dict[int, tuple[SolvedRun, list[TargetKey]]] = {}
         for leg in legs:
             run = leg.solved_run
             if run is None:
@@ -128,9 +128,9 @@ class _Turning:
         for run, keys in gathered.values():
             mounting = run.run.mounting
             free = np.array([tool.free_turn for tool in mounting.tools])[mounting.tool]
-            yield _Rows(run, keys, free)
+            yield _TargetRows(run, keys, free)
 
-    def _key(self, place: Expression, names: Names) -> Key:
+    def _key(self, place: Expression, names: Names) -> TargetKey:
         """The target of a move; one that may not be turned is kept from it."""
         found = names.place(place)
         assert found is not None  # it is in a run
@@ -145,7 +145,7 @@ class _Turning:
         self.uses[id(target)] += 1
         return id(target), -1
 
-    def _keep_used_elsewhere(self, runs: list[list[_Rows]]) -> None:
+    def _keep_used_elsewhere(self, runs: list[list[_TargetRows]]) -> None:
         """Keeps from turning what other statements name, and what a tool goes to that is not free,
         with all rows of a path that is gone along so.
         """
@@ -168,7 +168,7 @@ class _Turning:
                     [key not in bound and self._open(key) for key in rows.keys], dtype=bool
                 )
 
-    def _open(self, key: Key) -> bool:
+    def _open(self, key: TargetKey) -> bool:
         number, row = key
         if row < 0:
             return number not in self.kept
@@ -176,7 +176,7 @@ class _Turning:
 
     # ---------------------------------------------------------------------------- choosing
 
-    def _choose(self, rows: _Rows, ends: Sequence[tuple[Floats, Floats]]) -> Floats | None:
+    def _choose(self, rows: _TargetRows, ends: Sequence[tuple[Floats, Floats]]) -> Floats | None:
         """Settles the turns of a run; where the arm is after it, if that was found.
 
         ends: where the arm was after the runs before it, and where it is now.
@@ -187,7 +187,7 @@ class _Turning:
         if run.joined:
             now = [new for old, new in ends if np.array_equal(old, run.before)]
             run = replace(run, before=now[-1] if now else run.before)
-        numbers: dict[Key, int] = {}
+        numbers: dict[TargetKey, int] = {}
         again = Counter(rows.keys)
         keys = np.array(
             [numbers.setdefault(k, len(numbers)) if again[k] > 1 else -1 for k in rows.keys],
@@ -198,11 +198,11 @@ class _Turning:
         own = np.where(stated, robot.branch_of(run.configurations), -1)
         free_run = free_run_of(run, robot, rows.free, keys, own, fixed)
         tool = self._tool(rows)
-        found = choose(free_run, robot, self.clear[0] if self.clear else None)
+        found = choose_turns(free_run, robot, self.clear[0] if self.clear else None)
         for clear in self.clear[1:]:
-            if isinstance(found, Nowhere) and found.touching:
-                found = choose(free_run, robot, clear)
-        if isinstance(found, Nowhere):
+            if isinstance(found, NoTurn) and found.touching:
+                found = choose_turns(free_run, robot, clear)
+        if isinstance(found, NoTurn):
             rule = rules.NO_TURN_CLEAR if found.touching else rules.NO_TURN
             self.failed.append(rule(about=run.label(found.row), robot=robot.title))
             for key in rows.keys:
@@ -212,11 +212,11 @@ class _Turning:
             if key in self.away:
                 continue
             self.away[key] = turn
-            if abs(turn) > LEAST:
+            if abs(turn) > LEAST_TURN:
                 self.tools[key] = tool
         return found.last
 
-    def _tool(self, rows: _Rows) -> Tool:
+    def _tool(self, rows: _TargetRows) -> Tool:
         mounting = rows.run.run.mounting
         return mounting.tools[int(mounting.tool[int(rows.free.argmax())])]
 
@@ -232,13 +232,13 @@ class _Turning:
                 columns.setdefault(number, np.zeros(length))[row] = turn
 
         def visit(value: Any) -> Any:
-            if isinstance(value, Path) and np.abs(columns.get(id(value), 0.0)).max() > LEAST:
+            if isinstance(value, Path) and np.abs(columns.get(id(value), 0.0)).max() > LEAST_TURN:
                 turn = rotations.about(
                     np.broadcast_to(UPRIGHT, (len(value), 3)), columns[id(value)]
                 )
                 quaternions = rotations.canonical(rotations.multiply(value.quaternions, turn))
                 return replace(value, quaternions=quaternions)
-            if isinstance(value, Target) and abs(targets.get(id(value), 0.0)) > LEAST:
+            if isinstance(value, Target) and abs(targets.get(id(value), 0.0)) > LEAST_TURN:
                 turn = rotations.canonical(rotations.about(UPRIGHT, targets[id(value)]))
                 w, x, y, z = turn.tolist()
                 return replace(value, pose=value.pose @ Pose(quaternion=(w, x, y, z)))

@@ -20,17 +20,17 @@ from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
 from assistant.robots.turning.steps import Station, Step
 
-DRAWN: Final = 1e-4
+DRAWN_TURN_COST: Final = 1e-4
 """Seconds that a degree away from how a target was drawn has to save at the start of a chain."""
-TOGETHER: Final = 4_000_000
+STATE_PAIRS_AT_ONCE: Final = 4_000_000
 """Pairs of states whose distances are worked out at once."""
 
-State = tuple[int, int, int]
+TurnState = tuple[int, int, int]
 """Which turn of a station, which branch, and which whole turns."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Problem:
+class TurnProblem:
     """stations: s of them. steps: (s - 1) to each but the first, None for a joint move. drawn: (s,)
     degrees of the turns that the targets have. before: (a,) where the arm is at first, and whether
     the first move goes on from there: `continued`, in one of the branches `same` (b,). ties: pairs
@@ -49,22 +49,22 @@ class Problem:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundPath:
     """A way. states: of each station. joints: (s, a) with whole turns. cost: seconds."""
 
-    states: list[State]
+    states: list[TurnState]
     joints: Floats
     cost: float
 
 
 @dataclass(frozen=True, slots=True)
-class Stuck:
+class NoPath:
     """station: the first one that no way leads to."""
 
     station: int
 
 
-Barred = Mapping[int, set[tuple[int, int, int]]]
+BarredSteps = Mapping[int, set[tuple[int, int, int]]]
 """Steps, by the station that they lead to, with what may not be gone: (turn there, which turn
 before it, branch). Below 0 in the middle: a state of the station itself."""
 
@@ -104,10 +104,10 @@ class Windings:
         return np.asarray(within.all(axis=-1))
 
 
-class Search:
+class TurnSearch:
     """Looks for the cheapest way through a problem."""
 
-    def __init__(self, problem: Problem, robot: Robot) -> None:
+    def __init__(self, problem: TurnProblem, robot: Robot) -> None:
         self.problem, self.robot = problem, robot
         self.windings = Windings(robot)
         self.possible = [
@@ -119,7 +119,7 @@ class Search:
     def _follows(self, one: int, other: int) -> bool:
         return all(step is not None for step in self.problem.steps[one:other])
 
-    def best(self, barred: Barred) -> Found | Stuck:
+    def best(self, barred: BarredSteps) -> FoundPath | NoPath:
         count = len(self.problem.stations)
         costs = self._first(barred)
         back: dict[int, NDArray[np.int64]] = {}
@@ -127,7 +127,7 @@ class Search:
         at = 0
         while at < count - 1:
             if not np.isfinite(costs).any():
-                return Stuck(at)
+                return NoPath(at)
             end = self.pins.get(at)
             if end is None:
                 costs, back[at + 1] = self._onwards(at + 1, costs[None], barred)
@@ -140,15 +140,15 @@ class Search:
             for station in range(at + 1, end + 1):
                 wide, _ = self._onwards(station, wide, barred, pointers=False)
                 if not np.isfinite(wide).any():
-                    return Stuck(station)
+                    return NoPath(station)
             costs, at = wide[np.arange(turns), np.arange(turns)], end
         if not np.isfinite(costs).any():
-            return Stuck(count - 1)
+            return NoPath(count - 1)
         return self._traced(costs, back, entered, barred)
 
     # ----------------------------------------------------------------------------- forwards
 
-    def _first(self, barred: Barred) -> Floats:
+    def _first(self, barred: BarredSteps) -> Floats:
         problem, one = self.problem, self.problem.stations[0]
         joints = self.windings.joints(one.joints)
         way = joints - problem.before
@@ -164,16 +164,16 @@ class Search:
     def _away(self, station: int) -> Floats:
         """(k,) seconds that turns cost for being others than what was drawn."""
         away = self.problem.stations[station].turns - self.problem.drawn[station]
-        return np.asarray(DRAWN * np.abs(away - 360.0 * np.round(away / 360.0)))
+        return np.asarray(DRAWN_TURN_COST * np.abs(away - 360.0 * np.round(away / 360.0)))
 
-    def _without(self, station: int, costs: Floats, barred: Barred) -> Floats:
+    def _without(self, station: int, costs: Floats, barred: BarredSteps) -> Floats:
         for turn, before, branch in barred.get(station, ()):
             if before < 0:
                 costs[..., turn, branch, :] = np.inf
         return costs
 
     def _onwards(
-        self, station: int, costs: Floats, barred: Barred, pointers: bool = True
+        self, station: int, costs: Floats, barred: BarredSteps, pointers: bool = True
     ) -> tuple[Floats, NDArray[np.int64]]:
         """Costs (p, k, b, w) of a station → those of the next one, with what each comes from: the
         place of the turn before it, or after a joint move the number of the whole state. p: turns
@@ -188,7 +188,7 @@ class Search:
         new = np.where(self.possible[station], ways.min(axis=2), np.inf)
         return self._without(station, new, barred), back
 
-    def _ways(self, station: int, step: Step, costs: Floats, barred: Barred) -> Floats:
+    def _ways(self, station: int, step: Step, costs: Floats, barred: BarredSteps) -> Floats:
         """(p, k, m, b, w) seconds to each state by way of each turn before it."""
         cost = step.seconds
         banned = [one for one in barred.get(station, ()) if one[1] >= 0]
@@ -224,7 +224,7 @@ class Search:
             sources = sources[(flat[sources] < flat[best] + way) | (sources == best)]
         goals = np.flatnonzero(self.possible[station])
         new, back = np.full(len(after), np.inf), np.zeros(len(after), dtype=np.int64)
-        size = max(TOGETHER // max(len(sources), 1), 1)
+        size = max(STATE_PAIRS_AT_ONCE // max(len(sources), 1), 1)
         per_before, per_after = (costs[0].size, self.possible[station][0].size)
         for start in range(0, len(goals), size):
             some = goals[start : start + size]
@@ -246,8 +246,8 @@ class Search:
         costs: Floats,
         back: dict[int, NDArray[np.int64]],
         entered: dict[int, Floats],
-        barred: Barred,
-    ) -> Found:
+        barred: BarredSteps,
+    ) -> FoundPath:
         cost = float(costs.min())
         state = _state(int(costs.argmin()), costs.shape)
         station = len(self.problem.stations) - 1
@@ -276,14 +276,14 @@ class Search:
                 for one, state in zip(self.problem.stations, states, strict=True)
             ]
         )
-        return Found(states, joints, cost)
+        return FoundPath(states, joints, cost)
 
-    def _joints(self, station: Station, state: State) -> Floats:
+    def _joints(self, station: Station, state: TurnState) -> Floats:
         out = station.joints[state[0], state[1]].copy()
         out[self.windings.axes] += 360.0 * self.windings.turns[state[2]]
         return np.asarray(out)
 
-    def _came(self, station: int, state: State, back: NDArray[np.int64]) -> State:
+    def _came(self, station: int, state: TurnState, back: NDArray[np.int64]) -> TurnState:
         turn, branch, wound = state
         step = self.problem.steps[station - 1]
         if step is None:
@@ -294,11 +294,11 @@ class Search:
         return int(step.before[turn, m]), branch, int(digits @ self.windings.strides)
 
 
-def _state(number: int, shape: tuple[int, ...]) -> State:
+def _state(number: int, shape: tuple[int, ...]) -> TurnState:
     turn, branch, wound = np.unravel_index(number, shape)
     return int(turn), int(branch), int(wound)
 
 
-def rows_of(found: Found) -> Rows:
+def turn_numbers(found: FoundPath) -> Rows:
     """(s,) the turns of a way, as numbers among those of each station."""
     return np.array([state[0] for state in found.states], dtype=np.intp)

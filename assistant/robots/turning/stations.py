@@ -17,11 +17,11 @@ from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.program.expressions import Name
 from assistant.program.motion import Kind, Speed
 from assistant.robots.motion.arcs import Arcs
-from assistant.robots.motion.on_the_way import Look
+from assistant.robots.motion.on_the_way import MoveSampler
 from assistant.robots.motion.run import Run
 from assistant.robots.robot import Robot
 
-RATE: Final = 45.0
+MOST_TURN_RATE: Final = 45.0
 """degrees a second that a tool is turned by on its way at most: its tip never waits for that."""
 UNKNOWN_SPEED: Final = 100.0
 """mm/s of moves whose speed only running the program tells, or which is unlimited."""
@@ -69,7 +69,7 @@ def free_run_of(
 
     fixed: (n,) degrees from what was drawn that are settled, else NaN.
     """
-    look = Look(run, robot, np.zeros((len(run), len(robot.axes))))
+    look = MoveSampler(run, robot, np.zeros((len(run), len(robot.axes))))
     positions, quaternions = run.targets(slice(0, len(run)))
     quaternions = quaternions / norms(quaternions)[:, None]
     references, drawn = _carried_along(quaternions, look.same)
@@ -85,7 +85,7 @@ def free_run_of(
         positions,
         references,
         drawn,
-        _seconds(run, positions, look.arcs),
+        _move_seconds(run, positions, look.arcs),
         tied,
         settled,
         own,
@@ -130,7 +130,7 @@ def _least_turn(one: Floats, other: Floats) -> Floats | None:
     return np.asarray(quaternion / np.linalg.norm(quaternion))
 
 
-def _seconds(run: Run, positions: Floats, arcs: Arcs | None) -> Floats:
+def _move_seconds(run: Run, positions: Floats, arcs: Arcs | None) -> Floats:
     lengths = np.zeros(len(run))
     lengths[1:] = norms(np.diff(positions, axis=0))
     if arcs is not None:
@@ -161,7 +161,7 @@ def stations(free_run: FreeRun, step: float) -> Rows:
     chosen, since = [], 0.0
     for row in range(n):
         since += float(free_run.seconds[row])
-        if must[row] or since * RATE >= step:
+        if must[row] or since * MOST_TURN_RATE >= step:
             chosen.append(row)
             since = 0.0
     return np.array(chosen, dtype=np.intp)

@@ -11,13 +11,13 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Rows, Truths, norms
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
-from assistant.robots.motion.along import ToolWays
+from assistant.robots.motion.along import ToolPaths
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
-from assistant.robots.turning.stations import RATE, UPRIGHT, FreeRun
+from assistant.robots.turning.stations import MOST_TURN_RATE, UPRIGHT, FreeRun
 
 SPACING: Final = 15.0
 """mm between places on the way that are looked at; targets that are nearer are not all."""
-TILT: Final = 5.0
+TILT_SPACING: Final = 5.0
 """degrees of tilt after which the next place is looked at."""
 MOST_PLACES: Final = 24
 """Places on the way from row to row, at most."""
@@ -25,13 +25,13 @@ WIDEST: Final = 90.0
 """degrees by which the tool turns from one station to the next, at most."""
 LEAP: Final = 120.0
 """degrees or mm of an axis from place to place from which on it is no way."""
-NEAR: Final = 10.0
+NEAR_SINGULARITY: Final = 10.0
 """degrees of axis 5 from straight within which the wrist is near its singularity."""
-SINGULAR: Final = 5.0
+SINGULARITY_COST: Final = 5.0
 """Seconds of joint travel that one at the singularity of the wrist is as bad as."""
-OVER: Final = 10.0
+TOO_SLOW_COST: Final = 10.0
 """Seconds of joint travel that one is as bad as by which an axis is too slow for the tool."""
-BESIDE: Final = 3.0
+NEAR_LIMIT: Final = 3.0
 """degrees or mm from a limit within which an axis is near it."""
 ROUNDING: Final = 1e-6
 
@@ -68,7 +68,7 @@ class Step:
     above: Floats
 
 
-class Looker:
+class StationBuilder:
     """Works out stations and steps of a run."""
 
     def __init__(self, free_run: FreeRun, robot: Robot) -> None:
@@ -152,7 +152,7 @@ class Looker:
         elif self.free_run.tied[other.row] == one.row:
             fits = np.abs(apart) < 1e-3
         else:
-            most = min(RATE * float(self.free_run.seconds[rows].sum()), WIDEST)
+            most = min(MOST_TURN_RATE * float(self.free_run.seconds[rows].sum()), WIDEST)
             fits = np.abs(apart) <= max(most + ROUNDING, tolerance)
         count = max(int(fits.sum(axis=1).max()), 1)
         order = np.argsort(np.where(fits, np.abs(apart), np.inf), axis=1, kind="stable")[:, :count]
@@ -167,7 +167,7 @@ class Looker:
         counts = np.clip(np.ceil(lengths / SPACING), 1, MOST_PLACES).astype(np.intp)
         row = np.repeat(rows, counts)
         number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
-        each = np.maximum(lengths / SPACING, self._tilts[rows] / TILT) / counts
+        each = np.maximum(lengths / SPACING, self._tilts[rows] / TILT_SPACING) / counts
         gone = np.floor(np.cumsum(np.repeat(each, counts)) + ROUNDING)
         kept = np.diff(gone, prepend=0.0) > 0.0
         kept[-1] = True
@@ -223,7 +223,7 @@ class Looker:
             turns = first + share[:, None] * change  # (s, p)
             each = np.repeat(rows_there, len(first))
             sides.append(free_run.turned(each, turns.ravel()))
-        ways = ToolWays(
+        ways = ToolPaths(
             (free_run.positions[row - 1], free_run.references[row - 1]),
             (free_run.positions[row], free_run.references[row]),
             row,
@@ -272,15 +272,15 @@ class Looker:
             steps /= robot.speeds[:, None, None, None, None]
             np.abs(steps, out=steps)
             cost = np.sqrt(np.square(steps).sum(axis=0)).sum(axis=0)
-            cost += OVER * np.maximum(steps.max(axis=0) - for_each, 0.0).sum(axis=0)
+            cost += TOO_SLOW_COST * np.maximum(steps.max(axis=0) - for_each, 0.0).sum(axis=0)
             if self.bend is not None:
-                near = np.clip(1.0 - np.abs(joints[self.bend, 1:]) / NEAR, 0.0, 1.0)
-                cost += SINGULAR * (near * near * for_each).sum(axis=0)
+                near = np.clip(1.0 - np.abs(joints[self.bend, 1:]) / NEAR_SINGULARITY, 0.0, 1.0)
+                cost += SINGULARITY_COST * (near * near * for_each).sum(axis=0)
             still = [axis for axis in range(len(robot.axes)) if axis not in winding]
             room = np.minimum(
                 joints[still, 1:] - low[still, None], high[still, None] - joints[still, 1:]
             )
-            near = np.clip(1.0 - room.min(axis=0) / BESIDE, 0.0, 1.0)
+            near = np.clip(1.0 - room.min(axis=0) / NEAR_LIMIT, 0.0, 1.0)
             cost += (near * near * for_each).sum(axis=0)
         return Step(
             before,

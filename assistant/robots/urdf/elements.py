@@ -23,23 +23,23 @@ XACRO: Final = error(
     "the robot file holds macros of xacro ({what})",
     "expand it first: `xacro arm.urdf.xacro > arm.urdf`",
 )
-ELEMENT: Final = error("RB007", "{element} {reason}", "correct the URDF, or export it again")
-DEEPEST: Final = 100
+WRONG_ELEMENT: Final = error("RB007", "{element} {reason}", "correct the URDF, or export it again")
+MOST_NESTED: Final = 100
 """Elements inside each other; a URDF has four."""
 
 
 @dataclass(slots=True)
-class Element:
+class XmlElement:
     tag: str
     attributes: dict[str, str]
     line: int
     column: int
-    children: list[Element] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
 
-    def all(self, tag: str) -> list[Element]:
+    def all(self, tag: str) -> list[XmlElement]:
         return [child for child in self.children if child.tag == tag]
 
-    def first(self, tag: str) -> Element | None:
+    def first(self, tag: str) -> XmlElement | None:
         return next(iter(self.all(tag)), None)
 
     def said(self) -> str:
@@ -48,7 +48,7 @@ class Element:
         return f"<{self.tag}>" if name is None else f"{self.tag} `{name}`"
 
     def wrong(self, path: str | None, reason: str, element: str | None = None) -> Diagnostic:
-        return ELEMENT(
+        return WRONG_ELEMENT(
             path=path,
             line=self.line,
             column=self.column,
@@ -57,17 +57,17 @@ class Element:
         )
 
 
-def parse(data: bytes, path: str | None) -> Element:
+def parse_xml(data: bytes, path: str | None) -> XmlElement:
     """The root element; raises Unreadable."""
     parser = expat.ParserCreate()
-    top = Element("", {}, 1, 1)
+    top = XmlElement("", {}, 1, 1)
     open_ = [top]
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
-        if len(open_) > DEEPEST:
+        if len(open_) > MOST_NESTED:
             raise Unreadable(NO_XML(path=path, line=line(), reason="its elements are too deep"))
         column = parser.CurrentColumnNumber + 1
-        element = Element(tag, attributes, line(), column)
+        element = XmlElement(tag, attributes, line(), column)
         macro = next((v for v in (tag, *attributes.values()) if v.startswith("xacro:")), None)
         if macro is None:
             macro = next((v for v in attributes.values() if "${" in v or "$(" in v), None)

@@ -8,27 +8,27 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic
-from assistant.robots.urdf.elements import Element
+from assistant.robots.urdf.elements import XmlElement
 
-MOVING: Final = ("revolute", "continuous", "prismatic")
-KINDS: Final = (*MOVING, "fixed", "floating", "planar")
-TIPS: Final = ("tool0", "flange")
+MOVING_JOINTS: Final = ("revolute", "continuous", "prismatic")
+JOINT_KINDS: Final = (*MOVING_JOINTS, "fixed", "floating", "planar")
+FLANGE_NAMES: Final = ("tool0", "flange")
 """Names of links that are the flange, by convention of ROS-Industrial; the first that is there."""
-MOST: Final = 1e6
+LARGEST: Final = 1e6
 """m, radians or these a second: the largest number that is taken for one of a robot."""
-SHORTEST: Final = 2
+LEAST_DECIMALS: Final = 2
 """Decimals from which on an angle that is printed short of a quarter turn counts as one."""
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class UrdfJoint:
     """xyz: m. rpy: radians. limits: radians or m, None if there are none. velocity: a second."""
 
     name: str
     kind: str
     parent: str
     child: str
-    element: Element
+    element: XmlElement
     xyz: tuple[float, float, float]
     rpy: tuple[float, float, float]
     axis: tuple[float, float, float]
@@ -39,23 +39,25 @@ class Joint:
 
     @property
     def moving(self) -> bool:
-        return self.kind in MOVING
+        return self.kind in MOVING_JOINTS
 
 
 @dataclass(slots=True)
-class Reader:
+class UrdfReader:
     """Reads elements and collects what is wrong with them."""
 
     path: str | None
     findings: list[Diagnostic] = field(default_factory=list)
 
-    def joint(self, element: Element) -> Joint:
+    def joint(self, element: XmlElement) -> UrdfJoint:
         name, kind = element.attributes.get("name", ""), element.attributes.get("type", "")
         if not name:
             self.wrong(element, "has no name")
-        if kind not in KINDS:
-            what = f"type `{kind}` is none of {', '.join(KINDS)}"
-            self.wrong(element, f"has no type; there are {', '.join(KINDS)}" if not kind else what)
+        if kind not in JOINT_KINDS:
+            what = f"type `{kind}` is none of {', '.join(JOINT_KINDS)}"
+            self.wrong(
+                element, f"has no type; there are {', '.join(JOINT_KINDS)}" if not kind else what
+            )
         ends = {}
         for end in ("parent", "child"):
             part = element.first(end)
@@ -64,7 +66,7 @@ class Reader:
                 self.wrong(element, f"names no {end} link")
         xyz, rpy, rounded = self.origin(element)
         axis = element.first("axis")
-        return Joint(
+        return UrdfJoint(
             name=name,
             kind=kind,
             parent=ends["parent"],
@@ -72,25 +74,25 @@ class Reader:
             element=element,
             xyz=xyz,
             rpy=rpy,
-            axis=self.axis(element, axis) if kind in MOVING else (0.0, 0.0, 1.0),
+            axis=self.axis(element, axis) if kind in MOVING_JOINTS else (0.0, 0.0, 1.0),
             limits=self.limits(element, kind),
-            velocity=self.velocity(element) if kind in MOVING else None,
+            velocity=self.velocity(element) if kind in MOVING_JOINTS else None,
             rounded=rounded,
             follows=element.first("mimic") is not None,
         )
 
     def origin(
-        self, element: Element
+        self, element: XmlElement
     ) -> tuple[tuple[float, float, float], tuple[float, float, float], bool]:
         """Its xyz in m and rpy in radians, and whether an angle was taken for a quarter turn."""
         origin = element.first("origin")
         xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
         rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
         texts = (origin.attributes.get("rpy", "") if origin else "").split()
-        exact = tuple(map(quarter, rpy, texts)) if len(texts) == 3 else rpy
+        exact = tuple(map(exact_quarter_turn, rpy, texts)) if len(texts) == 3 else rpy
         return xyz, (exact[0], exact[1], exact[2]), exact != rpy
 
-    def axis(self, joint: Element, axis: Element | None) -> tuple[float, float, float]:
+    def axis(self, joint: XmlElement, axis: XmlElement | None) -> tuple[float, float, float]:
         x, y, z = self.vector(joint, axis, "xyz", (1.0, 0.0, 0.0))
         length = math.hypot(x, y, z)
         if length < 1e-6:
@@ -98,7 +100,7 @@ class Reader:
             return (0.0, 0.0, 1.0)
         return x / length, y / length, z / length
 
-    def limits(self, joint: Element, kind: str) -> tuple[float, float] | None:
+    def limits(self, joint: XmlElement, kind: str) -> tuple[float, float] | None:
         limit = joint.first("limit")
         if kind not in ("revolute", "prismatic") or limit is None:
             return None
@@ -111,41 +113,47 @@ class Reader:
             return None
         return low, high
 
-    def velocity(self, joint: Element) -> float | None:
+    def velocity(self, joint: XmlElement) -> float | None:
         limit = joint.first("limit")
         value = None if limit is None else self.number(joint, limit, "velocity", None)
         return value if value is not None and value > 0.0 else None
 
     def vector(
-        self, joint: Element, part: Element | None, key: str, usual: tuple[float, float, float]
+        self,
+        joint: XmlElement,
+        part: XmlElement | None,
+        key: str,
+        usual: tuple[float, float, float],
     ) -> tuple[float, float, float]:
         text = None if part is None else part.attributes.get(key)
         if part is None or text is None:
             return usual
-        numbers = [_number(word) for word in text.split()]
+        numbers = [_parse_number(word) for word in text.split()]
         x, y, z = numbers if len(numbers) == 3 else (None, None, None)
         if x is None or y is None or z is None:
             self.wrong(
                 joint,
-                f"has {key} `{text}` of <{part.tag}>, which is not three numbers up to {MOST:g}",
+                f"has {key} `{text}` of <{part.tag}>, which is not three numbers up to {LARGEST:g}",
             )
             return usual
         return x, y, z
 
-    def number(self, joint: Element, part: Element, key: str, usual: float | None) -> float | None:
+    def number(
+        self, joint: XmlElement, part: XmlElement, key: str, usual: float | None
+    ) -> float | None:
         text = part.attributes.get(key)
-        value = usual if text is None else _number(text)
+        value = usual if text is None else _parse_number(text)
         if text is not None and value is None:
             self.wrong(
-                joint, f"has {key} `{text}` of <{part.tag}>, which is no number up to {MOST:g}"
+                joint, f"has {key} `{text}` of <{part.tag}>, which is no number up to {LARGEST:g}"
             )
         return value
 
-    def wrong(self, element: Element, reason: str) -> None:
+    def wrong(self, element: XmlElement, reason: str) -> None:
         self.findings.append(element.wrong(self.path, reason))
 
-    def links(self, root: Element) -> dict[str, Element]:
-        found: dict[str, Element] = {}
+    def links(self, root: XmlElement) -> dict[str, XmlElement]:
+        found: dict[str, XmlElement] = {}
         for element in root.all("link"):
             name = element.attributes.get("name", "")
             if not name:
@@ -155,11 +163,11 @@ class Reader:
             found[name] = element
         return found
 
-    def tree(self, root: Element) -> Mapping[str, Joint]:
+    def tree(self, root: XmlElement) -> Mapping[str, UrdfJoint]:
         """Name of a link → the joint that carries it."""
         links = self.links(root)
         joints = [self.joint(element) for element in root.all("joint")]
-        carried: dict[str, Joint] = {}
+        carried: dict[str, UrdfJoint] = {}
         names: set[str] = set()
         for joint in joints:
             if joint.name and joint.name in names:
@@ -177,7 +185,7 @@ class Reader:
         return carried
 
     def one_root(
-        self, root: Element, links: Mapping[str, Element], carried: Mapping[str, Joint]
+        self, root: XmlElement, links: Mapping[str, XmlElement], carried: Mapping[str, UrdfJoint]
     ) -> None:
         roots = [name for name in links if name not in carried]
         if len(roots) != 1:
@@ -186,7 +194,7 @@ class Reader:
             self.wrong(root, what if roots or not links else circle)
             return
         hanging = {roots[0]}
-        for link, _ in outwards(carried):
+        for link, _ in links_outwards(carried):
             hanging.add(link)
         for name in links:
             if name not in hanging:
@@ -194,12 +202,12 @@ class Reader:
                 return
 
 
-def chain(tip: str, carried: Mapping[str, Joint]) -> tuple[Joint, ...]:
+def joint_chain(tip: str, carried: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
     """The joints from the root to a link."""
-    return tuple(reversed(list(_down(tip, carried))))
+    return tuple(reversed(list(_path_to_root(tip, carried))))
 
 
-def outwards(carried: Mapping[str, Joint]) -> Iterator[tuple[str, Joint]]:
+def links_outwards(carried: Mapping[str, UrdfJoint]) -> Iterator[tuple[str, UrdfJoint]]:
     """The links that hang on a root, with the joints that carry them, each behind its parent."""
     children: dict[str, list[str]] = {}
     for link, joint in carried.items():
@@ -211,17 +219,17 @@ def outwards(carried: Mapping[str, Joint]) -> Iterator[tuple[str, Joint]]:
         waiting += children.get(link, ())
 
 
-def tip_of(carried: Mapping[str, Joint]) -> tuple[str, str]:
+def flange_link(carried: Mapping[str, UrdfJoint]) -> tuple[str, str]:
     """The link that is the flange, and why: a name of `TIPS`, else the end with most axes."""
     counts: dict[str, tuple[int, int]] = {}
-    for link, joint in outwards(carried):
+    for link, joint in links_outwards(carried):
         moving, all_ = counts.get(joint.parent, (0, 0))
         counts[link] = moving + joint.moving, all_ + 1
 
     def axes(link: str) -> int:
         return counts[link][0]
 
-    for wanted in TIPS:
+    for wanted in FLANGE_NAMES:
         named = [link for link in carried if _is_called(link, wanted) and axes(link)]
         if named:
             return max(named, key=lambda link: (link == wanted, axes(link))), "by its name"
@@ -231,10 +239,10 @@ def tip_of(carried: Mapping[str, Joint]) -> tuple[str, str]:
     return best, "as the end of the chain with most axes"
 
 
-def quarter(angle: float, text: str) -> float:
+def exact_quarter_turn(angle: float, text: str) -> float:
     """An angle, a quarter turn's multiple if that printed as short as the text is the text."""
     digits = text.lstrip("+-").partition(".")[2]
-    if len(digits) < SHORTEST or not digits.isdigit():
+    if len(digits) < LEAST_DECIMALS or not digits.isdigit():
         return angle
     exact = math.pi / 2.0 * round(angle / (math.pi / 2.0))
     shown = abs(exact) * 10.0 ** len(digits)
@@ -247,7 +255,7 @@ def _is_called(link: str, wanted: str) -> bool:
     return link == wanted or link.endswith(("_" + wanted, "-" + wanted, "/" + wanted))
 
 
-def _down(link: str, carried: Mapping[str, Joint]) -> Iterator[Joint]:
+def _path_to_root(link: str, carried: Mapping[str, UrdfJoint]) -> Iterator[UrdfJoint]:
     """The joints from a link to the root."""
     for _ in range(len(carried)):
         if link not in carried:
@@ -256,9 +264,9 @@ def _down(link: str, carried: Mapping[str, Joint]) -> Iterator[Joint]:
         link = carried[link].parent
 
 
-def _number(text: str) -> float | None:
+def _parse_number(text: str) -> float | None:
     try:
         value = float(text)
     except ValueError:
         return None
-    return value if abs(value) <= MOST else None
+    return value if abs(value) <= LARGEST else None

@@ -21,10 +21,10 @@ from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.arcs import arcs_of
 from assistant.robots.motion.run import from_flange
 from assistant.robots.robot import Robot
-from assistant.robots.timing.course import ON_THE_SPOT, STILL, TURN_OF_ZONE, sums
+from assistant.robots.timing.course import NO_STEP, ON_THE_SPOT, TURN_OF_ZONE, sums_by_move
 from assistant.robots.timing.drive import Drive, drive_of
 from assistant.robots.timing.plan import Plan, plan_of
-from assistant.robots.timing.rows import Mount, Moves, joined
+from assistant.robots.timing.rows import Mount, Moves, join_moves
 from assistant.virtual.events import Moved, OnWay, Place, Switched
 from assistant.virtual.kernel.kernel import Progress, Timer
 from assistant.virtual.kernel.task import Task
@@ -403,7 +403,7 @@ class Flight:
             before = 0 if self._moves is None else len(self._moves)
             self._last = np.concatenate([self._last, goals.rows + before])
             parts = [goals.moves] if self._moves is None else [self._moves, goals.moves]
-            self._moves = joined(parts)
+            self._moves = join_moves(parts)
 
     def begin(self, index: int, start: Start) -> None:
         """The orders before one of them are over."""
@@ -430,7 +430,7 @@ class Flight:
 def _corner_borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
     """(n,) along the course, where the corner at the end of each move begins, and that end."""
     course, n = plan.course, len(moves)
-    ends = np.cumsum(sums(course.row, course.distance, n))
+    ends = np.cumsum(sums_by_move(course.row, course.distance, n))
     if not len(course.step):
         return ends, ends
     knots = np.concatenate([[0.0], np.cumsum(course.distance)])
@@ -445,7 +445,7 @@ def _corner_borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
         length = float(course.knots.length[course.step[own]].sum())
         turn = float(course.knots.turn[course.step[own]].sum())
         zone = moves.entry[-1]
-        if not (length > STILL and length > ON_THE_SPOT * turn):
+        if not (length > NO_STEP and length > ON_THE_SPOT * turn):
             zone *= TURN_OF_ZONE
         whole = float(course.distance[own].sum())
         places[-1] = ends[-1] - min(zone, whole / 2.0)

@@ -28,7 +28,7 @@ from assistant.base.diagnostics import Refused, has_errors, near_names
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.reading.bodies import pose_of
-from assistant.cell.reading.keys import PLACE
+from assistant.cell.reading.keys import PLACE_KEYS
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import Table, Wrong, kind_of
@@ -180,7 +180,7 @@ KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "focal": _numbers(2, 1.0, 1e7),
     "centre": _numbers(2, -1e6, 1e6),
     "distortion": _numbers(5, -1e4, 1e4),
-    **PLACE,
+    **PLACE_KEYS,
     "parent": settings_tables.text,
     "calibrated": _date,
     "residual_px": settings_tables.number("pixels", least=0.0, most=1e4),
@@ -202,7 +202,7 @@ def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
     if (what := _wrong_lens(lens)) is not None:
         table.say(rules.BAD_LENS, "focal", name=name, what=what)
         return None
-    placed = any(key in said for key in PLACE)
+    placed = any(key in said for key in PLACE_KEYS)
     return Camera(name, lens, pose_of(said) if placed else Pose(), said.get("parent", WORLD))
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.scene import Scene
 from assistant.cell.shapes import Shape, Sphere, extent
 from assistant.program.geometry import IDENTITY, Pose, Vector
@@ -120,7 +120,7 @@ def things_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[
     found = []
     for body in scene.all_bodies():
         if body.shown:
-            number, pose = carried(scene, body, carriers)
+            number, pose = carrier_of(scene, body, carriers)
             turn = rotations.from_matrix(turns[0, number])
             carrier = Pose.of(origins[0, number], np.ravel(turn))
             placed = carrier @ pose

@@ -8,7 +8,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carried
+from assistant.cell.collision.carriers import Carriers, carrier_of
 from assistant.cell.scene import Body, Scene
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
@@ -22,7 +22,7 @@ def in_world(camera: Camera, scene: Scene, joints: Mapping[str, Floats] | None =
     """
     carriers = Carriers(scene.robots)
     body = Body(f"camera {camera.name}", (), camera.pose, camera.parent)
-    number, pose = carried(scene, body, carriers)
+    number, pose = carrier_of(scene, body, carriers)
     origins, turns = carriers.at(row_of(scene, joints))
     turn = rotations.from_matrix(turns[0, number])
     parent = Pose.of(origins[0, number], np.ravel(turn))

@@ -13,7 +13,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
-from assistant.cell.exploration.filling import STEP
+from assistant.cell.exploration.filling import STEP_IN_CELLS
 from assistant.cell.exploration.recordings import clear_runs
 from assistant.cell.exploration.rules import NOT_CLEAR
 from assistant.cell.exploration.wandering import best_of, drawn_in, ranges_of, way_to
@@ -227,7 +227,7 @@ class Wanderer:
             if gone >= BACK and not self.log.rows[-1][2]:
                 return
         if self.log.rows[-1][2]:
-            back = gone * STEP * self.explorer.filler.size
+            back = gone * STEP_IN_CELLS * self.explorer.filler.size
             raise Refused(rules.STILL_TOUCHING(back=back), exit_status=1)
 
     def _rest(self) -> None:
@@ -254,7 +254,7 @@ class Wanderer:
     def _steps(self, left: Floats) -> float:
         """Number of steps for joints (a,) that are left; in each no body moves over half a cell."""
         moved = np.abs(left) @ self._lever
-        return float(moved.max(initial=0.0)) / (STEP * self.explorer.filler.size)
+        return float(moved.max(initial=0.0)) / (STEP_IN_CELLS * self.explorer.filler.size)
 
     def _all(self, rows: Floats) -> Floats:
         """Joints (n, j) of all robots of the cell, with the others at home."""

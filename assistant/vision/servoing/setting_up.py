@@ -11,7 +11,7 @@ from typing import Final
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.scene import FLANGE, Placed, Scene
+from assistant.cell.scene import FLANGE, PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
@@ -134,7 +134,7 @@ def _drawn(setting: SetUp, cell: FilePath, joints: Callable[[], Floats]) -> Draw
     )
 
 
-def _placed(scene: Scene, robot: Robot, cell: FilePath) -> Placed:
+def _placed(scene: Scene, robot: Robot, cell: FilePath) -> PlacedRobot:
     """The robot of a cell that is led."""
     found = [one for one in scene.robots if one.robot.name == robot.name]
     if len(found) > 1:

@@ -38,7 +38,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.reading.bodies import pose_of
-from assistant.cell.reading.keys import PLACE
+from assistant.cell.reading.keys import PLACE_KEYS
 from assistant.program import settings_tables
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.settings_tables import Table, Wrong, kind_of
@@ -123,7 +123,7 @@ def servo_in(
 
 
 def _pose(said: Mapping[str, Any]) -> Pose:
-    return pose_of(said) if any(key in said for key in PLACE) else IDENTITY
+    return pose_of(said) if any(key in said for key in PLACE_KEYS) else IDENTITY
 
 
 def _thing(table: Table, said: Mapping[str, Any], folder: FilePath) -> Thing | None:
@@ -163,12 +163,12 @@ SEEN: Final[Mapping[str, settings_tables.Read]] = {
     "size": settings_tables.number("mm", least=1.0, most=2000.0),
     "dictionary": settings_tables.choice(*DICTIONARIES),
     "device": settings_tables.text,
-    **PLACE,
+    **PLACE_KEYS,
 }
 TABLES: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
     "target": SEEN,
     "mark": SEEN,
-    **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE),
+    **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE_KEYS),
     "limits": {
         "speed": _positive("mm/s"),
         "turning": _positive("degrees/s"),

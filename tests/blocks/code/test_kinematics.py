@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Refused
 from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
 from assistant.blocks.code.templates import identifier, words
-from assistant.cell.reach.singularities import away
+from assistant.cell.reach.singularities import distance_from_singularity
 from assistant.robots import Robot, catalogue
 from assistant.robots.arms import Placed
 from tests.blocks.code.compiled import Library, compiled
@@ -56,7 +56,7 @@ def every_arm() -> list[Robot]:
 def joints_of(robot: Robot, count: int = COUNT, seed: int = 7) -> np.ndarray:
     """Joints anywhere inside the limits, away from singularities."""
     joints = np.random.default_rng(seed).uniform(*robot.limits.T, (4 * count, len(robot.axes)))
-    return joints[away(robot, joints) > 0.02][:count]
+    return joints[distance_from_singularity(robot, joints) > 0.02][:count]
 
 
 def differentiated(robot: Robot, joints: np.ndarray) -> np.ndarray:

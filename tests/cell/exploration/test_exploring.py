@@ -16,15 +16,15 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints
 from assistant.base.diagnostics import Refused
 from assistant.cell import arms
-from assistant.cell.collision.carriers import Carriers, carried
-from assistant.cell.collision.continuous import Way, clear, hits
-from assistant.cell.collision.geometry import geometry_of
+from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.collision.continuous import JointPath, clear, hits
+from assistant.cell.collision.geometry import coal_geometry
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer, Touch
 from assistant.cell.exploration.known import with_map
-from assistant.cell.exploration.occupancy import Occupancy, State
+from assistant.cell.exploration.occupancy import CellState, Occupancy
 from assistant.cell.exploration.wandering import asked, in_scene, ranges_of, wander
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from assistant.program.geometry import Pose
 from assistant.program.pseudo import parse
@@ -39,11 +39,11 @@ BASE = Pose((120.0, -40.0, 30.0), (np.cos(0.3), 0.0, 0.0, np.sin(0.3)))
 @cache
 def own(base: Pose = BASE) -> Scene:
     """An arm, alone."""
-    placed = arms.placed("arm", robots.get("rv-2aj"), base)
+    placed = arms.place_robot("arm", robots.get("rv-2aj"), base)
     return Scene((), (placed,), allowed=arms.touching_links(placed))
 
 
-def arm() -> Placed:
+def arm() -> PlacedRobot:
     return own().robots[0]
 
 
@@ -76,11 +76,11 @@ def apart(scene: Scene, cells: Ints, size: float) -> Floats:
     cube = coal.Box(size - half, size - half, size - half)
     out = np.full(len(cells), np.inf)
     for body in scene.bodies:
-        _, pose = carried(scene, body, Carriers(scene.robots))
+        _, pose = carrier_of(scene, body, Carriers(scene.robots))
         still = coal.Transform3s(
             rotations.to_matrix(np.array(pose.quaternion)), np.array(pose.position)
         )
-        shape, request = geometry_of(body.parts[0].shape), coal.DistanceRequest()
+        shape, request = coal_geometry(body.parts[0].shape), coal.DistanceRequest()
         turn = rotations.to_matrix(np.array(base.quaternion))
         for n, cell in enumerate(cells):
             middle = turn @ ((cell + 0.5) * size) + np.array(base.position)
@@ -121,10 +121,10 @@ def test_a_free_cell_holds_nothing_of_what_is_hidden(capsys: pytest.CaptureFixtu
     assert litres == sorted(set(litres)) and litres[-1] > 40.0
     occupancy = explorer.occupancy
     assert occupancy.runs == RUNS
-    free = occupancy.cells(State.FREE)
+    free = occupancy.cells(CellState.FREE)
     draw = np.random.default_rng(0)
     assert apart(hidden(), draw.permutation(free)[:1500], SIZE).min() > 0.0
-    occupied = occupancy.cells(State.OCCUPIED)
+    occupied = occupancy.cells(CellState.OCCUPIED)
     assert len(occupied) > 3
     assert apart(hidden(), occupied, SIZE).max() < 0.2
 
@@ -133,7 +133,7 @@ def test_a_free_cell_holds_nothing_of_what_is_hidden(capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize("seed", range(1, 9))
 def test_free_cells_of_many_scenes(seed: int) -> None:
     explorer, _ = explored(seed, 80)
-    free = explorer.occupancy.cells(State.FREE)
+    free = explorer.occupancy.cells(CellState.FREE)
     assert apart(hidden(seed), free, SIZE).min() > 0.0
 
 
@@ -146,7 +146,7 @@ def test_where_a_robot_has_been_it_may_go_again_by_its_map() -> None:
     explorer.gone(rows)
     model = Model(with_map(own(), explorer.occupancy))
     assert model.nearest(rows[::30])[0].min() > 0.0
-    assert clear(model, Way(rows[[90, 60]]))
+    assert clear(model, JointPath(rows[[90, 60]]))
     aside = explorer.home - np.array([50.0, 0.0, 0.0, 0.0, 0.0])
     distance, pair = model.nearest(aside[None])
     touched = {model.items[int(i[pair[0]])].body.name for i in (model.one, model.other)}
@@ -164,8 +164,8 @@ def test_a_contact_without_a_place_ends_a_run_and_marks_nothing() -> None:
     explorer = Explorer(own(), size=30.0)
     wandered = wander(explorer, asked(key), 1, seed=2)
     assert (wandered.contacts, wandered.placeless) == (1, 1)
-    assert explorer.occupancy.counts()[State.OCCUPIED] == 0
-    assert explorer.occupancy.counts()[State.FREE] == wandered.new > 0
+    assert explorer.occupancy.counts()[CellState.OCCUPIED] == 0
+    assert explorer.occupancy.counts()[CellState.FREE] == wandered.new > 0
     again = Explorer(own(), size=30.0)
     again.gone(np.array(calls[1:-1]))  # the first was asked for the start, the last was the contact
     assert again.occupancy.keys.tolist() == explorer.occupancy.keys.tolist()
@@ -214,9 +214,9 @@ def test_a_program_explores_the_space_of_its_ways() -> None:
     scene = own(Pose())
     explorer = Explorer(scene, size=SIZE)
     new = explorer.ran(program())
-    assert new == explorer.occupancy.counts()[State.FREE] > 500
+    assert new == explorer.occupancy.counts()[CellState.FREE] > 500
     flange = np.linspace([250.0, -100.0, 340.0], [250.0, 100.0, 340.0], 50)
-    assert (explorer.occupancy.at(flange) == State.FREE).mean() > 0.9
+    assert (explorer.occupancy.at(flange) == CellState.FREE).mean() > 0.9
     assert explorer.ran(program()) == 0
     assert explorer.occupancy.filled.min() == 2
 
@@ -237,8 +237,8 @@ def test_a_program_that_touches_something_marks_it() -> None:
     scene = replace(own(Pose()), bodies=(post,))
     explorer = Explorer(own(Pose()), size=SIZE)
     explorer.ran(program(), hidden=scene)
-    (cell,) = explorer.occupancy.cells(State.OCCUPIED)
+    (cell,) = explorer.occupancy.cells(CellState.OCCUPIED)
     middle = (cell + 0.5) * SIZE
     assert np.hypot(middle[0] - 250.0, middle[1] - 60.0) < 10.0 + SIZE
-    assert (explorer.occupancy.cells(State.FREE)[:, 1] + 1).max() * SIZE < 60.0 + 60.0
-    assert not len(hits(Model(scene), Way(np.array([explorer.home, explorer.home]))))
+    assert (explorer.occupancy.cells(CellState.FREE)[:, 1] + 1).max() * SIZE < 60.0 + 60.0
+    assert not len(hits(Model(scene), JointPath(np.array([explorer.home, explorer.home]))))

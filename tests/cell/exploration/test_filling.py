@@ -11,7 +11,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.filling import Filler
-from assistant.cell.exploration.occupancy import places_of
+from assistant.cell.exploration.occupancy import cells_of_keys
 from assistant.cell.scene import Body, Part, Scene
 from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
 from assistant.program.geometry import Pose
@@ -52,7 +52,7 @@ def test_a_cell_is_filled_if_and_only_if_its_corners_are_inside(name: str) -> No
     filled = 0
     for _ in range(4):
         pose = Pose.of(draw.uniform(-5, 5, 3), rotations.canonical(draw.normal(size=4)))
-        cells = places_of(Filler(carried(shape, pose), None, SIZE).keys(np.zeros((1, 3))))
+        cells = cells_of_keys(Filler(carried(shape, pose), None, SIZE).keys(np.zeros((1, 3))))
         found = {tuple(cell) for cell in cells.tolist()}
         back = pose.inverse()
         about = np.stack(np.meshgrid(*[np.arange(-8, 8)] * 3, indexing="ij"), -1).reshape(-1, 3)
@@ -69,7 +69,7 @@ def test_a_body_that_is_moved_fills_what_it_goes_through() -> None:
     start, end = np.array([-120.0, 30.0, 11.0]), np.array([150.0, -40.0, 60.0])
     rows = joints(np.linspace(start, end, 400))
     filler = Filler(carried(Sphere(40.0), Pose()), None, SIZE)
-    corners = places_of(filler.keys(rows))[:, None] + CORNERS
+    corners = cells_of_keys(filler.keys(rows))[:, None] + CORNERS
     far = max(point_segment(p, start, end) for p in (corners * SIZE).reshape(-1, 3))
     assert 38.0 < far <= 40.0
     whole = 0

@@ -11,7 +11,7 @@ import pytest
 
 from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Refused
-from assistant.cell.collision.continuous import Way, clear
+from assistant.cell.collision.continuous import JointPath, clear
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.boxes import boxes_of, surface_of
 from assistant.cell.exploration.explorer import Explorer
@@ -20,7 +20,7 @@ from assistant.cell.exploration.occupancy import Occupancy, keys_of
 from assistant.cell.exploration.wandering import in_scene, wander
 from assistant.cell.planning.planner import plan
 from assistant.cell.reach.placing import best_base
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Shape, Sphere
 from assistant.program.geometry import Pose
 from assistant.robots.robot_file import read
@@ -139,7 +139,7 @@ def goals(seed: int, runs: int, count: int) -> Floats:
     rows = np.random.default_rng(seed).uniform(low, high, (400, len(low)))
     rows = rows[model.nearest(rows)[0] > 1.0]
     assert truth.nearest(rows)[0].min() > 0.0
-    blocked = (row for row in rows if not clear(truth, Way(np.stack([explorer.home, row]))))
+    blocked = (row for row in rows if not clear(truth, JointPath(np.stack([explorer.home, row]))))
     return np.array([row for row, _ in zip(blocked, range(count), strict=False)])
 
 
@@ -147,7 +147,7 @@ def test_a_way_around_a_hidden_wall_is_found_by_the_map_alone() -> None:
     """A ball on three straight axes, and a wall that leaves a gap at one side."""
     robot = read(GANTRY.replace(b"5000", b"400"))
     ball = Body("ball", (Part(Sphere(100.0)),), TURN.inverse(), "flange")
-    alone = Scene((ball,), (Placed("gantry", robot),))
+    alone = Scene((ball,), (PlacedRobot("gantry", robot),))
     wall = Body("wall", (Part(Box((20.0, 600.0, 2000.0))),), Pose((0.0, -200.0, 0.0)))
     truth = replace(alone, bodies=(ball, wall))
     start = joints(np.array([[-250.0, -200.0, 0.0]]))[0]
@@ -156,10 +156,10 @@ def test_a_way_around_a_hidden_wall_is_found_by_the_map_alone() -> None:
     scene = with_map(alone, explorer.occupancy)
     behind = joints(np.random.default_rng(0).uniform([150, -380, -300], [390, -50, 300], (200, 3)))
     goal = behind[Model(scene).nearest(behind)[0] > 1.0][0]
-    assert not clear(Model(truth), Way(np.stack([start, goal])))
+    assert not clear(Model(truth), JointPath(np.stack([start, goal])))
     way = plan(scene, start, goal, margin=0.0, seconds=60.0)
-    assert clear(Model(scene), Way(way.rows))
-    assert clear(Model(truth), Way(way.rows))
+    assert clear(Model(scene), JointPath(way.rows))
+    assert clear(Model(truth), JointPath(way.rows))
     assert way.rows[:, 1].max() > 200.0  # through the gap
     with pytest.raises(Refused) as refused:  # where nobody has been
         plan(scene, start, joints(np.array([[0.0, -200.0, 0.0]]))[0])
@@ -178,7 +178,7 @@ def test_ways_of_an_arm_around_what_is_hidden(seed: int) -> None:
         except Refused as refused:
             assert refused.findings[0].code == "CK445"
             continue
-        assert clear(truth, Way(way.rows))
+        assert clear(truth, JointPath(way.rows))
         assert way.rows[-1] == pytest.approx(goal, abs=0.01)
         found += 1
     assert found > 0

@@ -10,8 +10,14 @@ import pytest
 from assistant.base.arrays import Ints
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.cell.exploration.boxes import boxes_of
-from assistant.cell.exploration.map_file import load, save
-from assistant.cell.exploration.occupancy import Comparison, Occupancy, State, keys_of, places_of
+from assistant.cell.exploration.map_file import load_map, save_map
+from assistant.cell.exploration.occupancy import (
+    CellState,
+    Comparison,
+    Occupancy,
+    cells_of_keys,
+    keys_of,
+)
 
 
 def line(start: int, stop: int) -> Ints:
@@ -28,27 +34,27 @@ def a_map(*runs: tuple[Ints, Ints], size: float = 10.0, robot: str = "arm") -> O
 
 def test_cells_and_their_numbers() -> None:
     cells = np.random.default_rng(1).integers(-(1 << 20), 1 << 20, (1000, 3))
-    assert (places_of(keys_of(cells)) == cells).all()
+    assert (cells_of_keys(keys_of(cells)) == cells).all()
     ordered = cells[np.lexsort(cells.T[::-1])]
     assert (np.diff(keys_of(ordered)) >= 0).all()
 
 
 def test_runs_are_counted_and_the_last_one_holds() -> None:
     known = a_map((line(0, 4), line(4, 5)), (line(2, 6), line(0, 1)))
-    assert known.states(places_of(line(-1, 7))).tolist() == [0, 2, 1, 1, 1, 1, 1, 0]
+    assert known.states(cells_of_keys(line(-1, 7))).tolist() == [0, 2, 1, 1, 1, 1, 1, 0]
     assert known.filled.tolist() == [1, 1, 2, 2, 1, 1]
     assert known.touched.tolist() == [1, 0, 0, 0, 1, 0]
     assert known.runs == 2
-    assert known.counts() == {State.FREE: 5, State.OCCUPIED: 1}
+    assert known.counts() == {CellState.FREE: 5, CellState.OCCUPIED: 1}
     assert known.litres == 5 * 1e3 / 1e6
     points = np.array([[15.0, 5.0, -65.0], [5.0, 5.0, -65.0], [15.0, 5.0, -75.0]])
-    assert known.at(points).tolist() == [State.FREE, State.OCCUPIED, State.UNKNOWN]
+    assert known.at(points).tolist() == [CellState.FREE, CellState.OCCUPIED, CellState.UNKNOWN]
 
 
 def test_what_one_map_has_occupied_is_so_in_both() -> None:
     one, other = a_map((line(0, 4), line(9, 10))), a_map((line(3, 6), line(2, 3)))
     both = one.merged(other)
-    assert both.states(places_of(line(0, 10))).tolist() == [1, 1, 2, 1, 1, 1, 0, 0, 0, 2]
+    assert both.states(cells_of_keys(line(0, 10))).tolist() == [1, 1, 2, 1, 1, 1, 0, 0, 0, 2]
     assert both.runs == 2 and both.filled.tolist() == [1, 1, 1, 2, 1, 1, 0]
     swapped = other.merged(one)
     assert (both.keys == swapped.keys).all() and (both.free == swapped.free).all()
@@ -71,8 +77,8 @@ def test_maps_of_other_grids_do_not_fit() -> None:
 def test_a_file_gives_the_map_back(tmp_path: Path) -> None:
     far = keys_of(np.array([[(1 << 20) - 1, 5, -(1 << 20)], [-(1 << 20), 0, 3]]))
     known = a_map((line(0, 4), line(4, 5)), (np.sort(far), line(0, 1)), size=7.3)
-    save(known, tmp_path / "arm.npz")
-    again = load(tmp_path / "arm.npz")
+    save_map(known, tmp_path / "arm.npz")
+    again = load_map(tmp_path / "arm.npz")
     assert (again.size, again.robot, again.runs) == (7.3, "arm", 2)
     for name in ("keys", "filled", "touched", "free"):
         one, other = getattr(known, name), getattr(again, name)
@@ -115,10 +121,10 @@ def columns(**other: object) -> dict[str, np.ndarray]:
 )
 def test_what_is_no_map_is_told(tmp_path: Path, other: dict[str, object], code: str) -> None:
     np.savez(tmp_path / "good.npz", **columns())  # type: ignore[arg-type]
-    assert load(tmp_path / "good.npz").runs == 3
+    assert load_map(tmp_path / "good.npz").runs == 3
     np.savez(tmp_path / "bad.npz", **columns(**other))  # type: ignore[arg-type]
     with pytest.raises((Refused, Unreadable)) as refused:
-        load(tmp_path / "bad.npz")
+        load_map(tmp_path / "bad.npz")
     assert refused.value.findings[0].code == code
 
 

@@ -37,7 +37,7 @@ class Drawn:
 
 
 def drawn(name: str, count: int, seed: int) -> Iterator[Drawn]:
-    arm = gantry("arm") if name == "gantry" else arms.placed("arm", robots.get(name))
+    arm = gantry("arm") if name == "gantry" else arms.place_robot("arm", robots.get(name))
     touching = arms.touching_links(arm)
     draw = np.random.default_rng(seed)
     low, high = np.clip(arm.robot.limits, -1000.0, 1000.0).T

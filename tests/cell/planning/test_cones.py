@@ -7,7 +7,7 @@ import pytest
 
 from assistant import robots
 from assistant.cell import arms
-from assistant.cell.planning.goals import held
+from assistant.cell.planning.goals import goal_joints
 from assistant.cell.planning.planner import Planned, plan
 from assistant.cell.planning.space import Cone
 from assistant.cell.scene import Body, Part, Scene
@@ -47,7 +47,7 @@ def most_tilted(way: Planned, axis: tuple[float, ...], to: tuple[float, ...]) ->
 )
 def test_around_a_post_with_the_tool_upright(angle: float, linear: bool) -> None:
     scene = scene_of(box("post", (40, 40, 500), (500, 0, 250)))
-    begin = held(ARM, Pose((430.0, -260.0, 300.0), DOWN), ARM.home, TIP)[0]
+    begin = goal_joints(ARM, Pose((430.0, -260.0, 300.0), DOWN), ARM.home, TIP)[0]
     goal, cone = Pose((430.0, 260.0, 300.0), DOWN), Cone(DOWNWARDS, angle)
     way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=cone, seconds=60.0, linear=linear)
     assert len(way.rows) > 2
@@ -61,7 +61,7 @@ def test_a_tool_that_is_tilted_at_its_start_straightens() -> None:
     leaning = Pose((430.0, -260.0, 300.0), DOWN) @ Pose.of(
         np.zeros(3), np.array([np.cos(np.radians(2.4)), np.sin(np.radians(2.4)), 0.0, 0.0])
     )
-    begin = held(ARM, leaning, ARM.home, TIP)[0]
+    begin = goal_joints(ARM, leaning, ARM.home, TIP)[0]
     goal = Pose((430.0, 260.0, 300.0), DOWN)
     cone = Cone(DOWNWARDS, 5.0)
     way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=cone, seconds=60.0)
@@ -81,7 +81,7 @@ def test_a_carried_glass_stays_level() -> None:
     )
     whole = scene_of(box("post", (40, 40, 1400), (560, 0, 700)), glass)
     scene = Scene(whole.bodies, whole.robots, allowed=whole.allowed | {("glass", "tool")})
-    begin = held(ARM, Pose((400.0, -250.0, 450.0), AHEAD), ARM.home, TIP)[0]
+    begin = goal_joints(ARM, Pose((400.0, -250.0, 450.0), AHEAD), ARM.home, TIP)[0]
     goal = Pose((400.0, 250.0, 450.0), AHEAD)
     up = Cone((0.0, 0.0, 1.0), 5.0, (-1.0, 0.0, 0.0))
     way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=up, seconds=60.0)
@@ -93,11 +93,11 @@ def test_a_carried_glass_stays_level() -> None:
 
 def test_five_axes_keep_their_tool_upright() -> None:
     robot = robots.get("rv-2aj")
-    arm = arms.placed("arm", robot)
+    arm = arms.place_robot("arm", robot)
     post = box("post", (30, 30, 320), (250, 0, 160))
     scene = Scene((post,), (arm,), allowed=arms.touching_links(arm))
     begin, goal = (
-        held(robot, Pose((220.0, y, 220.0), DOWN), robot.home)[0] for y in (-120.0, 120.0)
+        goal_joints(robot, Pose((220.0, y, 220.0), DOWN), robot.home)[0] for y in (-120.0, 120.0)
     )
     way = plan(scene, begin, goal, cone=Cone(DOWNWARDS, 3.0), seconds=60.0)
     assert most_tilted(way, (0.0, 0.0, 1.0), DOWNWARDS) < 3.25

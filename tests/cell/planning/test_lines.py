@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assistant.cell.collision.model import Model
-from assistant.cell.planning.goals import held
+from assistant.cell.planning.goals import goal_joints
 from assistant.cell.planning.planner import Planned, plan
 from assistant.cell.scene import Scene
 from assistant.program import pseudo
@@ -27,7 +27,7 @@ def straight(scene: Scene, way: Planned) -> None:
         for part in np.linspace(0.0, 1.0, 60)[1:]:
             position = (1.0 - part) * np.array(one.position) + part * np.array(other.position)
             pose = Pose.of(position, np.array(one.quaternion))
-            rows.append(held(ARM, pose, rows[-1], TIP)[0])
+            rows.append(goal_joints(ARM, pose, rows[-1], TIP)[0])
         assert np.abs(np.diff(rows, axis=0)).max() < 20.0
         assert np.abs(rows[-1] - way.rows[move + 1]).max() < 1e-3
         assert model.nearest(np.array(rows))[0].min() > 4.9
@@ -35,7 +35,7 @@ def straight(scene: Scene, way: Planned) -> None:
 
 def test_a_free_line_is_gone() -> None:
     scene = scene_of()
-    begin = held(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
+    begin = goal_joints(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
     goal = Pose((430.0, 200.0, 300.0), DOWN)
     way = plan(scene, begin, goal, robot="arm", tool=TIP, linear=True)
     assert way.linear.tolist() == [True]
@@ -47,7 +47,7 @@ def test_a_free_line_is_gone() -> None:
 
 def test_lines_around_a_post() -> None:
     scene = scene_of(box("post", (60, 60, 340), (430, 0, 170)))
-    begin = held(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
+    begin = goal_joints(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
     goal = Pose((430.0, 200.0, 300.0), DOWN)
     way = plan(scene, begin, goal, robot="arm", tool=TIP, linear=True)
     assert len(way.rows) > 2
@@ -67,7 +67,7 @@ def test_out_of_a_shelf_on_lines() -> None:
 
 def test_another_branch_is_gone_to_by_the_joints() -> None:
     pose = Pose((430.0, 0.0, 500.0), AHEAD)
-    ways = held(ARM, pose, ARM.home, TIP)
+    ways = goal_joints(ARM, pose, ARM.home, TIP)
     other = ways[np.argmax(np.sign(ways[:, 4]) != np.sign(ways[0, 4]))]
     way = plan(scene_of(), ways[0], other, robot="arm", tool=TIP, linear=True)
     assert not way.linear.any()
@@ -76,7 +76,7 @@ def test_another_branch_is_gone_to_by_the_joints() -> None:
 
 
 def test_lines_are_said_and_read_back() -> None:
-    begin = held(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
+    begin = goal_joints(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]
     goal = Pose((430.0, 200.0, 300.0), DOWN)
     way = plan(scene_of(), begin, goal, robot="arm", tool=TIP, linear=True)
     text = pseudo.print_program(way.program("line")).text

@@ -231,7 +231,7 @@ def test_a_goal_within_a_margin_is_reached_and_told_of() -> None:
 
 def test_five_axes() -> None:
     robot = robots.get("rv-2aj")
-    arm = arms.placed("arm", robot)
+    arm = arms.place_robot("arm", robot)
     scene = Scene(
         (box("post", (40, 40, 900), (230, 0, 450)),),
         (arm,),

@@ -17,13 +17,13 @@ from assistant.cell.reach.holding import (
     ENOUGH_AWAY,
     ENOUGH_CLEAR,
     ENOUGH_LIMITS,
-    held,
+    best_postures,
     limit_shares,
 )
 from assistant.cell.reach.mapping import reach_map
-from assistant.cell.reach.region import Range, directions_of, grid, range_of
-from assistant.cell.reach.singularities import away, jacobian
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.reach.region import NumberRange, grid, parse_directions, parse_range
+from assistant.cell.reach.singularities import distance_from_singularity, jacobian
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Sphere
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot_file import read
@@ -57,15 +57,17 @@ d6 = 80
 )
 
 
-def alone(robot: robots.Robot, base: Pose = IDENTITY) -> tuple[Scene, Placed]:
-    one = Placed("arm", robot, base)
+def alone(robot: robots.Robot, base: Pose = IDENTITY) -> tuple[Scene, PlacedRobot]:
+    one = PlacedRobot("arm", robot, base)
     return Scene(robots=(one,)), one
 
 
 def test_a_scara_reaches_the_ring_that_its_lengths_and_limits_leave():
     """By the law of cosines: the first axis, the second, and a point are a triangle."""
     one, two, most = 325.0, 225.0, (170.0, 145.0)
-    points = grid([Range(-600, 600, 23), Range(-600, 600, 29), Range(83, 383, 50)])
+    points = grid(
+        [NumberRange(-600, 600, 23), NumberRange(-600, 600, 29), NumberRange(83, 383, 50)]
+    )
     span, line = np.hypot(points[:, 0], points[:, 1]), np.arctan2(points[:, 1], points[:, 0])
     inner = np.sqrt(one**2 + two**2 + 2.0 * one * two * np.cos(np.radians(most[1])))
     ring = (span >= inner) & (span <= one + two)
@@ -76,11 +78,11 @@ def test_a_scara_reaches_the_ring_that_its_lengths_and_limits_leave():
     wanted = ring & (np.abs(first) <= most[0]).any(axis=0)
     wanted &= (points[:, 2] >= 133.0) & (points[:, 2] <= 333.0)
     scene, arm = alone(SCARA)
-    found = reach_map(scene, arm, points, directions_of(["up"], 4), bodies=False)
+    found = reach_map(scene, arm, points, parse_directions(["up"], 4), bodies=False)
     assert (found.reached[:, 0] == wanted).all()
     assert np.isinf(found.clearance[wanted]).all()  # nothing is looked at that could be near
     assert 1000 < wanted.sum() < len(wanted) - 1000
-    down = reach_map(scene, arm, points[:50], directions_of(["down"], 4), bodies=False)
+    down = reach_map(scene, arm, points[:50], parse_directions(["down"], 4), bodies=False)
     assert not down.reached.any()
 
 
@@ -88,7 +90,7 @@ def test_a_scara_reaches_the_ring_that_its_lengths_and_limits_leave():
 def test_an_arm_without_limits_reaches_a_shell_with_every_direction(direction):
     scene, arm = alone(read(SHELL))
     points = np.random.default_rng(3).uniform([-800, -800, -500], [800, 800, 1100], (2000, 3))
-    directions = directions_of([direction], 3)
+    directions = parse_directions([direction], 3)
     found = reach_map(scene, arm, points, directions, bodies=False)
     wrist = points - 80.0 * directions.axes[0]
     far = np.linalg.norm(wrist - [0, 0, 300], axis=1)
@@ -104,8 +106,10 @@ def test_what_is_in_the_way_takes_away_just_what_is_nearer_than_the_margin():
     wall = Body("wall", (Part(Box((100.0, 200.0, 300.0))),), Pose((50.0, 0.0, 0.0)))
     placed = gantry()
     scene = Scene((ball, wall), (placed,), margin=7.0)
-    points = grid([Range(-150, 250, 80), Range(-124, 200, 198), Range(-250, 250, 165)])
-    directions = directions_of(["down"], 1)  # an arm that turns nothing has one orientation
+    points = grid(
+        [NumberRange(-150, 250, 80), NumberRange(-124, 200, 198), NumberRange(-250, 250, 165)]
+    )
+    directions = parse_directions(["down"], 1)  # an arm that turns nothing has one orientation
     directions.quaternions[:] = TURN.quaternion
     found = reach_map(scene, placed, points, directions)
     beyond = np.maximum(np.abs(points - [50, 0, 0]) - [50.0, 100.0, 150.0], 0.0)
@@ -125,15 +129,15 @@ def test_what_is_in_the_way_takes_away_just_what_is_nearer_than_the_margin():
 def test_base_and_region_moved_together_change_nothing():
     moved = Pose((120.0, -340.0, 55.0), tuple(rotations.from_euler([40.0, 20.0, 10.0])))
     points = np.random.default_rng(1).uniform([200, -400, 100], [700, 400, 700], (200, 3))
-    directions = directions_of(["0.3,0.2,-1"], 6)
+    directions = parse_directions(["0.3,0.2,-1"], 6)
     there = rotations.rotate(np.array(moved.quaternion), points) + np.array(moved.position)
     axis = rotations.rotate(np.array(moved.quaternion), directions.axes[0])
-    turned = directions_of([",".join(map(repr, axis.tolist()))], 1)
+    turned = parse_directions([",".join(map(repr, axis.tolist()))], 1)
     turned.quaternions[:] = rotations.multiply(
         np.array(moved.quaternion), directions.quaternions[:, :1]
     )
     scene, arm = alone(IRB)
-    one = reach_map(scene, arm, points, directions_of(["0.3,0.2,-1"], 1), bodies=False)
+    one = reach_map(scene, arm, points, parse_directions(["0.3,0.2,-1"], 1), bodies=False)
     other = reach_map(*alone(IRB, moved), there, turned, bodies=False)
     assert (one.reached == other.reached).all()
     assert np.allclose(one.room, other.room, atol=1e-6, equal_nan=True)
@@ -144,12 +148,12 @@ def test_the_best_way_is_the_best_of_all():
     table = Body("table", (Part(Box((900.0, 900.0, 40.0))),), Pose((700.0, 0.0, 180.0)))
     post = Body("post", (Part(Box((60.0, 60.0, 500.0))),), Pose((430.0, 180.0, 400.0)))
     tool = Body("tool", (Part(Box((30.0, 30.0, 80.0)), Pose((0, 0, 40.0))),), parent="arm.flange")
-    placed = arms.placed("arm", IRB)
+    placed = arms.place_robot("arm", IRB)
     scene = Scene((table, post, tool), (placed,), allowed=arms.touching_links(placed))
     tip = Pose((10.0, 0.0, 90.0))
     points = np.random.default_rng(5).uniform([250, -250, 210], [650, 350, 600], (30, 3))
-    turned = directions_of(["0.2,0,-1"], 6).quaternions[0]
-    found = held(IRB, points, turned, Space(scene, placed, tool=tip), tip)
+    turned = parse_directions(["0.2,0,-1"], 6).quaternions[0]
+    found = best_postures(IRB, points, turned, Space(scene, placed, tool=tip), tip)
     model = Model(scene)
     at_world = np.array([item.carrier == 0 for item in model.items])
     outside = at_world[model.one] | at_world[model.other]
@@ -165,7 +169,7 @@ def test_the_best_way_is_the_best_of_all():
             room = min(
                 1.0,
                 float(limit_shares(IRB, row)) / ENOUGH_LIMITS,
-                away(IRB, row[None], tip)[0] / ENOUGH_AWAY,
+                distance_from_singularity(IRB, row[None], tip)[0] / ENOUGH_AWAY,
                 apart[outside].min() / ENOUGH_CLEAR,
             )
             wanted[n // 6] = np.nanmax([wanted[n // 6], room])
@@ -177,8 +181,10 @@ def test_the_best_way_is_the_best_of_all():
 
 def test_the_arm_is_where_the_map_says_it_is():
     tip = Pose((10.0, 5.0, 90.0), tuple(rotations.from_euler([10.0, 20.0, 30.0])))
-    points = grid([Range(300, 600, 100), Range(-200, 200, 200), Range(200, 500, 100)])
-    directions = directions_of(["down/40"], 5)
+    points = grid(
+        [NumberRange(300, 600, 100), NumberRange(-200, 200, 200), NumberRange(200, 500, 100)]
+    )
+    directions = parse_directions(["down/40"], 5)
     scene, arm = alone(IRB)
     found = reach_map(scene, arm, points, directions, tip=tip, bodies=False)
     assert found.reached.any()
@@ -225,8 +231,8 @@ def test_a_scara_is_as_far_from_its_singularity_as_its_elbow_is_bent():
     assert np.allclose(values[:, :4].prod(axis=1), wanted)
     stretched = rows.copy()
     stretched[:, 1] = 0.0
-    assert away(SCARA, stretched).max() < 1e-9
-    assert np.isnan(away(SCARA, np.full((1, 4), np.nan))).all()
+    assert distance_from_singularity(SCARA, stretched).max() < 1e-9
+    assert np.isnan(distance_from_singularity(SCARA, np.full((1, 4), np.nan))).all()
 
 
 @pytest.mark.parametrize(
@@ -235,9 +241,9 @@ def test_a_scara_is_as_far_from_its_singularity_as_its_elbow_is_bent():
 def test_wrist_in_line_and_stretched_elbow_are_singular(axis, value):
     rows = np.random.default_rng(4).uniform(-80, 80, (50, 6))
     rows[:, 4] = 40.0
-    assert away(IRB, rows).min() > 1e-4
+    assert distance_from_singularity(IRB, rows).min() > 1e-4
     rows[:, axis] = value
-    assert away(IRB, rows).max() < 1e-9
+    assert distance_from_singularity(IRB, rows).max() < 1e-9
 
 
 # --------------------------------------------------------------------------------- bad input
@@ -249,21 +255,21 @@ def test_wrist_in_line_and_stretched_elbow_are_singular(axis, value):
 )
 def test_what_is_no_range_is_refused(text):
     with pytest.raises(Refused) as refused:
-        range_of(text, "x")
+        parse_range(text, "x")
     assert [f.code for f in refused.value.findings] == ["CK460"]
 
 
 def test_ranges_have_their_ends():
-    assert range_of("5", "x").values().tolist() == [5.0]
-    assert range_of("-1:1:0.5", "x").values().tolist() == [-1.0, -0.5, 0.0, 0.5, 1.0]
-    assert range_of("0:0.3:0.1", "x").count == 4
-    assert range_of("0:10:4", "x").values().tolist() == [0.0, 4.0, 8.0]
+    assert parse_range("5", "x").values().tolist() == [5.0]
+    assert parse_range("-1:1:0.5", "x").values().tolist() == [-1.0, -0.5, 0.0, 0.5, 1.0]
+    assert parse_range("0:0.3:0.1", "x").count == 4
+    assert parse_range("0:10:4", "x").values().tolist() == [0.0, 4.0, 8.0]
 
 
 @pytest.mark.parametrize("texts", [["0:1e9:1"], ["0:999:1", "0:999:1", "0:999:1"]])
 def test_too_many_points_are_refused(texts):
     with pytest.raises(Refused) as refused:
-        grid([range_of(text, "x") for text in texts])
+        grid([parse_range(text, "x") for text in texts])
     assert [f.code for f in refused.value.findings] == ["CK461"]
 
 
@@ -272,5 +278,5 @@ def test_too_many_points_are_refused(texts):
 )
 def test_what_is_no_direction_is_refused(text):
     with pytest.raises(Refused) as refused:
-        directions_of([text], 1)
+        parse_directions([text], 1)
     assert [f.code for f in refused.value.findings] == ["CK462"]

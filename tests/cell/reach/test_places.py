@@ -17,11 +17,11 @@ from assistant.cell.reach.placing import (
     best_place,
     locations,
     shifted,
-    turned,
+    turned_about_z,
 )
-from assistant.cell.reach.region import Range, grid
+from assistant.cell.reach.region import NumberRange, grid
 from assistant.cell.reach.targets import targets_of
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Mesh
 from assistant.program import pseudo
 from assistant.program.geometry import Pose
@@ -30,24 +30,24 @@ from tests.cell.reach.test_maps import SHELL
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 IRB = robots.get("irb1200-7-0.7")
-NOWHERE = Range(0.0, 0.0, 0.0)
+NOWHERE = NumberRange(0.0, 0.0, 0.0)
 
 
 def ring(radius: float, count: int = 24) -> Goals:
     """Targets about the z axis, 200 mm high, the tool pointing down."""
     angles = np.arange(count) * (2.0 * np.pi / count)
     points = [radius * np.cos(angles), radius * np.sin(angles), np.full(count, 200.0)]
-    quaternions = turned(np.tile(DOWN, (count, 1)), 1)
+    quaternions = turned_about_z(np.tile(DOWN, (count, 1)), 1)
     return Goals(tuple(f"p{i}" for i in range(count)), np.stack(points, axis=1), quaternions)
 
 
 def level(low: float, high: float, step: float) -> Floats:
-    return grid([Range(low, high, step), Range(low, high, step), NOWHERE, NOWHERE])
+    return grid([NumberRange(low, high, step), NumberRange(low, high, step), NOWHERE, NOWHERE])
 
 
 def test_the_base_stands_best_in_the_middle_of_a_ring_that_is_just_reached():
     """The wrist is 80 mm above the targets: at most 649.7 mm away from axis 1, by its lengths."""
-    placed = Placed("arm", read(SHELL), Pose((40.0, -20.0, 0.0)))
+    placed = PlacedRobot("arm", read(SHELL), Pose((40.0, -20.0, 0.0)))
     scene = Scene(robots=(placed,))
     found = best_base(scene, placed, level(-100, 100, 20), [ring(640.0)], bodies=False)
     assert found.best is not None
@@ -68,10 +68,10 @@ def test_to_move_the_work_piece_is_to_move_the_base_the_other_way():
     tray = Body("tray", (Part(Box((200, 200, 10))),), Pose((450.0, 60.0, 150.0)),
                 locations={"a": Pose((-90.0, -90.0, 20.0), DOWN),
                            "b": Pose((90.0, 80.0, 20.0), DOWN)})  # fmt: skip
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     scene = Scene((tray,), (placed,))
     goals = [locations(scene, "tray")]
-    offsets = grid([Range(-100, 300, 100), Range(-200, 200, 100), NOWHERE, NOWHERE])
+    offsets = grid([NumberRange(-100, 300, 100), NumberRange(-200, 200, 100), NOWHERE, NOWHERE])
     one = best_place(scene, placed, "tray", offsets, goals)
     other = best_base(scene, placed, -offsets, goals)
     assert len(one.places) == len(other.places) == 25
@@ -97,7 +97,7 @@ def test_what_stands_on_a_body_goes_along_with_it():
         locations={"jaw": Pose((0.0, 0.0, 100.0), DOWN)},
     )
     far = Body("far", (), Pose((900.0, 0.0, 0.0)), locations={"x": Pose()})
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     scene = Scene((bench, vice, far), (placed,))
     goals = locations(scene, "bench")
     assert goals.names == ("vice.jaw",)
@@ -135,9 +135,9 @@ def test_places_in_something_else_are_left_out(shape):
     wall = Body("wall", (Part(shape),), Pose((500.0, 0.0, 50.0)))
     table = Body("table", (Part(Box((2000, 2000, 20))),), Pose((0.0, 0.0, -10.0)))
     sunk = Body("sunk", (Part(Box((300, 300, 10))),), Pose((300.0, 0.0, 3.0)))
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     scene = Scene((small, wall, table, sunk), (placed,))
-    offsets = grid([Range(0, 400, 10), NOWHERE, NOWHERE, NOWHERE])
+    offsets = grid([NumberRange(0, 400, 10), NOWHERE, NOWHERE, NOWHERE])
     found = best_place(scene, placed, "small", offsets, [locations(scene, "small")])
     kept = sorted(place.offset[0] for place in found.places)
     assert kept == [x for x in range(0, 401, 10) if not 130 < x < 270]
@@ -148,25 +148,25 @@ def test_places_in_something_else_are_left_out(shape):
 
 
 def test_the_base_is_not_put_into_what_stands_there():
-    placed = arms.placed("arm", IRB)
+    placed = arms.place_robot("arm", IRB)
     post = Body("post", (Part(Box((100, 100, 1000))),), Pose((600.0, 0.0, 0.0)),
                 locations={"top": Pose((0.0, 0.0, 600.0), DOWN)})  # fmt: skip
     scene = Scene((post,), (placed,), allowed=arms.touching_links(placed))
-    offsets = grid([Range(0, 600, 100), NOWHERE, NOWHERE, NOWHERE])
+    offsets = grid([NumberRange(0, 600, 100), NOWHERE, NOWHERE, NOWHERE])
     found = best_base(scene, placed, offsets, [locations(scene)])
     assert max(place.offset[0] for place in found.places) == 400.0
     assert [f.code for f in found.findings] == ["CK467"]
 
 
 def test_what_hangs_on_the_base_goes_along_and_is_no_target():
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     box = Body("box", (Part(Box((100, 100, 100))),), Pose((-200.0, 0.0, 50.0)), parent="arm.base",
                locations={"lid": Pose()})  # fmt: skip
     wall = Body("wall", (Part(Box((100, 500, 500))),), Pose((-500.0, 0.0, 250.0)),
                 locations={"a": Pose((800.0, 0.0, 100.0), DOWN)})  # fmt: skip
     scene = Scene((box, wall), (placed,))
     assert locations(scene).names == ("wall.a",)
-    offsets = grid([Range(-300, 0, 50), NOWHERE, NOWHERE, NOWHERE])
+    offsets = grid([NumberRange(-300, 0, 50), NOWHERE, NOWHERE, NOWHERE])
     found = best_base(scene, placed, offsets, [locations(scene)])
     assert sorted(place.offset[0] for place in found.places) == [-200.0, -150.0, -100.0, -50.0, 0.0]
     assert "`box` would stand in `wall`" in found.findings[0].message
@@ -190,7 +190,7 @@ end
 """
     solution = robots.solve_program(pseudo.parse(text), IRB)
     base = Pose((10.0, 20.0, 30.0), (0.5**0.5, 0.0, 0.0, 0.5**0.5))
-    found = targets_of(solution, Placed("arm", IRB, base), 3)
+    found = targets_of(solution, PlacedRobot("arm", IRB, base), 3)
     assert [one.names for one in found.goals] == [("a", "b"), ("a",)]
     assert [one.tip.position[2] for one in found.goals] == [80.0, 0.0]
     wanted = [base @ Pose((500, 0, 100)) @ Pose((0, y, 200), DOWN) for y in (-100, 100)]
@@ -216,7 +216,7 @@ def test_what_has_no_place_is_refused(name, offsets, code):
         Body("pedestal", (), parent="arm.base", locations={"b": Pose()}),
         Body("gripper", (), parent="arm.flange", locations={"tip": Pose()}),
     )
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     scene = Scene(bodies, (placed,))
     with pytest.raises(Refused) as refused:
         best_place(scene, placed, name, offsets, [locations(scene, name)])

@@ -12,9 +12,9 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell import arms
-from assistant.cell.holding import Holding
-from assistant.cell.reach.swept import BEYOND, MOST, Swept, swept
-from assistant.cell.scene import Body, Part, Placed, Scene
+from assistant.cell.holding import CarriedBodies
+from assistant.cell.reach.swept import BEYOND, MOST_CELLS, SweptSpace, swept_space
+from assistant.cell.scene import Body, Part, PlacedRobot, Scene
 from assistant.cell.shapes import Box, Capsule, Mesh, Sphere
 from assistant.program import pseudo
 from assistant.program.expressions import JointValue
@@ -65,7 +65,9 @@ def test_a_ball_that_goes_straight_sweeps_a_capsule(size):
     placed = gantry(base=base)
     ball = Body("ball", (Part(Sphere(radius)),), parent="gantry.flange")
     ends = np.array([[0.0, 0.0, 0.0], [200.0, -90.0, 60.0]])
-    found = swept(through(placed.robot, joints(ends)), Scene((ball,), (placed,)), placed, size)
+    found = swept_space(
+        through(placed.robot, joints(ends)), Scene((ball,), (placed,)), placed, size
+    )
     start, end = ends + np.array(base.position)
     assert apart(found.middles, start, end).max() <= radius + BEYOND * size
     keys = set(map(tuple, found.cells.tolist()))
@@ -88,12 +90,12 @@ def test_a_ball_that_goes_straight_sweeps_a_capsule(size):
 
 def test_every_place_of_the_arm_at_every_time_is_in_it_and_little_else():
     """The surface of each capsule, at times of which the sweep knows nothing."""
-    placed = arms.placed("arm", IRB, Pose((100.0, 50.0, 0.0), (0.8, 0.0, 0.0, 0.6)))
+    placed = arms.place_robot("arm", IRB, Pose((100.0, 50.0, 0.0), (0.8, 0.0, 0.0, 0.6)))
     tool = Body("tool", (Part(Box((20.0, 60.0, 90.0)), Pose((0, 0, 45.0))),), parent="arm.flange")
     scene = Scene((tool,), (placed,))
     done = simulate(robots.solve_program(pseudo.parse(PROGRAM), IRB), period=0.0331)
     size = 25.0
-    found = swept(done, scene, placed, size)
+    found = swept_space(done, scene, placed, size)
     assert list(found.bodies) == ["tool", *(body.name for body in placed.links[1:])]
     rows = done.samples.joints
     origins, turns = IRB.link_frames(rows)
@@ -130,17 +132,17 @@ def test_what_is_carried_sweeps_from_where_it_is_taken():
         line for line in PROGRAM.splitlines() if not line.startswith("  wait")
     ).replace("target a", "signal grip digital output\n\ntarget a")
     text = plain.replace("  move linear b", "  set grip = 1\n  move linear b")
-    placed = arms.placed("arm", IRB)
+    placed = arms.place_robot("arm", IRB)
     finger = Body("finger", (Part(Sphere(5.0)),), parent="arm.flange")
     part = Body("part", (Part(Sphere(20.0)),), Pose((400.0, -150.0, 330.0)), taken=("grip", 1.0))
     scene = Scene((part, finger), (placed,))
     solution = robots.solve_program(pseudo.parse(text), IRB)
-    done = simulate(solution, carried=Holding.at_first(scene, placed))
-    found = swept(done, scene, placed, 20.0)
+    done = simulate(solution, carried=CarriedBodies.at_first(scene, placed))
+    found = swept_space(done, scene, placed, 20.0)
     middles = found.middles[found.bodies["part"]]
     for place in ((400, -150, 330), (450, 150, 280), (300, 0, 480)):
         assert np.linalg.norm(middles - place, axis=1).min() < 20.0
-    nothing = swept(simulate(solution), scene, placed, 20.0)
+    nothing = swept_space(simulate(solution), scene, placed, 20.0)
     assert "part" not in nothing.bodies
 
 
@@ -152,7 +154,7 @@ def test_meshes_count_as_their_hull_flat_ones_too():
     for shape in (sheet, wedge):
         body = Body("blade", (Part(shape),), parent="gantry.flange")
         ends = joints(np.array([[0.0, 0.0, 0.0], [100.0, 0.0, 0.0]]))
-        found = swept(through(placed.robot, ends), Scene((body,), (placed,)), placed, 10.0)
+        found = swept_space(through(placed.robot, ends), Scene((body,), (placed,)), placed, 10.0)
         keys = set(map(tuple, found.cells.tolist()))
         _, turns = placed.robot.link_frames(ends[:1])
         for part in np.linspace(0.0, 1.0, 7):
@@ -164,7 +166,7 @@ def test_the_surface_is_closed_and_holds_what_is_swept():
     import trimesh
 
     cells = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1], [-3, 2, 5]])
-    found = Swept(10.0, cells, {"tool": np.ones(5, dtype=bool)})
+    found = SweptSpace(10.0, cells, {"tool": np.ones(5, dtype=bool)})
     mesh = surface(found)
     shape = trimesh.Trimesh(mesh.points, mesh.triangles)
     assert shape.is_watertight
@@ -178,10 +180,10 @@ def test_the_surface_is_closed_and_holds_what_is_swept():
     ("size", "code"), [(0.0, "CK458"), (-1.0, "CK458"), (float("nan"), "CK458"), (0.5, "CK461")]
 )
 def test_sizes_that_are_none_or_too_small_are_refused(size, code):
-    placed = Placed("arm", IRB)
+    placed = PlacedRobot("arm", IRB)
     body = Body("ball", (Part(Sphere(100.0)),), parent="arm.flange")
     done = simulate(robots.solve_program(pseudo.parse(PROGRAM), IRB))
     with pytest.raises(Refused) as refused:
-        swept(done, Scene((body,), (placed,)), placed, size)
+        swept_space(done, Scene((body,), (placed,)), placed, size)
     assert [f.code for f in refused.value.findings] == [code]
-    assert MOST < 1e8
+    assert MOST_CELLS < 1e8

@@ -9,7 +9,7 @@ import pytest
 
 from assistant import robots
 from assistant.robots import Robot
-from assistant.robots.turning.search import Found, Problem, Search, Stuck
+from assistant.robots.turning.search import FoundPath, NoPath, TurnProblem, TurnSearch
 from assistant.robots.turning.steps import Station, Step
 
 ARM = robots.get("rv-2aj")
@@ -18,7 +18,7 @@ WHOLE = (-1, 0, 1)
 """Whole turns of J6, whose limits are 200 degrees to either side; J1 has none."""
 
 
-def drawn(seed: int, kinds: str, ties: tuple[tuple[int, int], ...]) -> Problem:
+def drawn(seed: int, kinds: str, ties: tuple[tuple[int, int], ...]) -> TurnProblem:
     """Stations of three turns each, with a step for each letter: `l` linear, `j` by the joints."""
     rng = np.random.default_rng(seed)
     stations, steps = [], list[Step | None]()
@@ -42,10 +42,10 @@ def drawn(seed: int, kinds: str, ties: tuple[tuple[int, int], ...]) -> Problem:
     before_it = np.array(ARM.home, dtype=np.float64)
     same, apart = np.ones(ARM.branches, dtype=bool), np.zeros(len(stations))
     alike = frozenset[int]()
-    return Problem(stations, steps, apart, before_it, False, same, ties, alike)
+    return TurnProblem(stations, steps, apart, before_it, False, same, ties, alike)
 
 
-def cheapest(problem: Problem, robot: Robot) -> float:
+def cheapest(problem: TurnProblem, robot: Robot) -> float:
     """Seconds of the cheapest way, all of them tried; infinite if there is none."""
     low, high = robot.limits[4]
     best = np.inf
@@ -104,8 +104,8 @@ def test_no_other_way_costs_less(kinds: str, ties: tuple[tuple[int, int], ...]) 
     for seed in range(8 if len(kinds) < 3 else 3):
         problem = drawn(seed, kinds, ties)
         expected = cheapest(problem, ARM)
-        way = Search(problem, ARM).best({})
-        if isinstance(way, Stuck):
+        way = TurnSearch(problem, ARM).best({})
+        if isinstance(way, NoPath):
             assert not np.isfinite(expected)
             continue
         assert way.cost == pytest.approx(expected, abs=1e-9)
@@ -116,11 +116,11 @@ def test_no_other_way_costs_less(kinds: str, ties: tuple[tuple[int, int], ...]) 
 
 def test_what_is_barred_is_not_gone() -> None:
     problem = drawn(3, "ll", ())
-    search = Search(problem, ARM)
+    search = TurnSearch(problem, ARM)
     way = search.best({})
-    assert isinstance(way, Found)
+    assert isinstance(way, FoundPath)
     turn, branch, _ = way.states[1]
     other = search.best({1: {(turn, -1, branch)}})
-    assert isinstance(other, Found)
+    assert isinstance(other, FoundPath)
     assert other.states[1][:2] != (turn, branch)
     assert other.cost > way.cost

@@ -17,7 +17,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
 from assistant.program.statements import Branch, Follow, If, Motion, Move, Statement
 from assistant.robots.configuring import solve_program
-from assistant.robots.turning.programs import turned
+from assistant.robots.turning.programs import with_chosen_turns
 
 ARM = robots.get("irb1200-7-0.7")
 DOWN = (0.0, 1.0, 0.0, 0.0)
@@ -68,7 +68,7 @@ def spins(path: Path) -> Floats:
 def test_what_is_out_of_limits_as_drawn_is_reached_by_turning() -> None:
     drawn = program(Follow(circle(200, 150.0, (350.0, 0.0, 200.0))))
     assert has_errors(solve_program(drawn, ARM).findings)
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert codes(findings) == ["RB119"]
     assert "200 targets" in findings[0].message
     solved = solve_program(out, ARM)
@@ -86,7 +86,7 @@ def test_what_is_out_of_limits_as_drawn_is_reached_by_turning() -> None:
 
 def test_no_constant_turn_takes_the_axes_less_far() -> None:
     path = circle(60, 60.0, (400.0, 100.0, 250.0))
-    out, _ = turned(program(Follow(path)), ARM)
+    out, _ = with_chosen_turns(program(Follow(path)), ARM)
     chosen = travel(out)
     for turn in range(0, 360, 20):
         half = math.radians(turn) / 2.0
@@ -105,7 +105,7 @@ def test_no_constant_turn_takes_the_axes_less_far() -> None:
 
 
 def test_a_mirrored_work_piece_is_gone_along_as_far() -> None:
-    far = [travel(turned(program(Follow(ring)), ARM)[0]) for ring in mirrored()]
+    far = [travel(with_chosen_turns(program(Follow(ring)), ARM)[0]) for ring in mirrored()]
     assert far[0] == pytest.approx(far[1], rel=1e-3)
 
 
@@ -137,7 +137,7 @@ def test_closed_contour_comes_back_to_its_own_target() -> None:
         start=Target(Pose((500.0, 0.0, 200.0), DOWN)),
     )
     assert has_errors(solve_program(drawn, ARM).findings)
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert codes(findings) == ["RB119"]
     assert not has_errors(solve_program(out, ARM).findings)
     assert out.targets["start"].pose.position == (500.0, 0.0, 200.0)
@@ -147,7 +147,7 @@ def test_a_smaller_turn_than_needed_is_none() -> None:
     """A tool on the axis of the flange, where the turn is that of axis 6 alone: it stays."""
     straight = Tool(Pose((0.0, 0.0, 100.0)), free_turn=True)
     ring = circle(40, 50.0, (400.0, 0.0, 250.0))
-    out, _ = turned(program(Follow(ring), tool=straight), ARM)
+    out, _ = with_chosen_turns(program(Follow(ring), tool=straight), ARM)
     (run,) = solve_program(out, ARM).solved_runs
     assert np.abs(np.diff(run.joints[:, 5])).sum() < 25.0
 
@@ -165,7 +165,7 @@ def test_a_smaller_turn_than_needed_is_none() -> None:
 )
 def test_what_means_more_than_a_place_is_not_turned(first: Name, second: Target) -> None:
     drawn = program(Move("joint", first, SLOW), Move("joint", Name("a"), SLOW), a=second)
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert out.targets == drawn.targets
     assert not findings
 
@@ -177,13 +177,13 @@ def test_a_target_of_another_tool_is_not_turned() -> None:
         Move("joint", Name("a"), other),
         a=Target(Pose((400.0, 0.0, 350.0), DOWN)),
     )
-    out, _ = turned(drawn, ARM)
+    out, _ = with_chosen_turns(drawn, ARM)
     assert out.targets == drawn.targets
 
 
 def test_no_turn_helps() -> None:
     drawn = program(Follow(circle(30, 50.0, (2000.0, 0.0, 200.0))))
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert codes(findings) == ["RB120"]
     assert only_path(out) == only_path(drawn)
     assert not out.tools["nozzle"].free_turn
@@ -191,7 +191,7 @@ def test_no_turn_helps() -> None:
 
 def test_the_same_program_gets_the_same_turns() -> None:
     drawn = program(Follow(circle(50, 150.0, (350.0, 0.0, 200.0))))
-    assert turned(drawn, ARM) == turned(drawn, ARM)
+    assert with_chosen_turns(drawn, ARM) == with_chosen_turns(drawn, ARM)
 
 
 def test_its_text() -> None:
@@ -204,7 +204,7 @@ def test_its_text() -> None:
 @pytest.mark.slow
 def test_ten_thousand_targets() -> None:
     drawn = program(Follow(circle(10_000, 150.0, (350.0, 0.0, 200.0))))
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert "10000 targets" in findings[0].message
     solved = solve_program(out, ARM)
     assert not [f for f in solved.findings if f.severity is not Severity.INFO]
@@ -221,7 +221,7 @@ def test_the_second_branch_of_a_program_begins_where_the_first_does() -> None:
         (Move("linear", Name("other"), SLOW),),
     )
     drawn = program(Move("joint", Name("near"), SLOW), chosen, near=near, one=one, other=other)
-    out, findings = turned(drawn, ARM)
+    out, findings = with_chosen_turns(drawn, ARM)
     assert codes(findings) == ["RB119"]
     joints = [leg.joints[-1] for leg in solve_program(out, ARM).legs["main"]]
     assert np.abs(joints[2] - joints[0]).max() < 20.0

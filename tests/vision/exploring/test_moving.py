@@ -11,7 +11,7 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
-from assistant.cell.exploration.occupancy import State
+from assistant.cell.exploration.occupancy import CellState
 from assistant.cell.reading.cell_file import parse_scene
 from assistant.cell.scene import Scene
 from assistant.vision.exploring.contacts import (
@@ -80,7 +80,7 @@ def test_free_space_is_found_about_an_obstacle_and_none_inside(waits: bool) -> N
     one.wander(4)
     assert one.moves == 4 and one.log.contacts >= 1
     assert one.explorer.occupancy.litres > 5.0
-    cells = one.explorer.occupancy.cells(State.FREE)
+    cells = one.explorer.occupancy.cells(CellState.FREE)
     corners = 20.0 * (cells[:, None, :2] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]]))
     place, radius = POST
     deep = np.linalg.norm(corners - place, axis=2).max(axis=1) < radius

@@ -16,21 +16,21 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import INSERTING, within
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.reading.drawings.rules import (
+    BODY_RENAMED,
     NO_BODY_DRAWN,
     NO_SOLID,
-    NOT_READ,
-    PARTLY,
-    RENAMED,
+    PARTLY_READ,
+    SOLID_NOT_READ,
 )
 from assistant.cell.reading.drawings.solids import (
+    DrawnCylinder,
+    DrawnSurface,
     NoSolid,
-    Round,
     Solid,
-    Surface,
     shape_of,
     solid_of,
 )
-from assistant.cell.reading.meshes import MOST_TRIANGLES, cleaned, shells
+from assistant.cell.reading.meshes import MOST_TRIANGLES, cleaned_mesh, shells
 from assistant.cell.rules import INSIDE_OUT
 from assistant.cell.scene import Body, Colour, Part
 from assistant.cell.shapes import Mesh
@@ -105,7 +105,7 @@ def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
                 if found is not None:
                     groups.setdefault(key, _Group()).locations.append(found)
                 continue
-            solid = _solid(placed, tally, traversal)
+            solid = _read_solid(placed, tally, traversal)
             if solid is not None:
                 group = groups.setdefault(key, _Group(_colour(placed, document)))
                 group.colour = group.colour or _colour(placed, document)
@@ -117,7 +117,7 @@ def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
     with_solids = {key: group for key, group in groups.items() if group.solids}
     bodies = [
         _body(body, key, with_solids[key], name, findings)
-        for key, body in _names(list(with_solids), name, findings).items()
+        for key, body in _body_names(list(with_solids), name, findings).items()
     ]
     if not bodies:
         raise Refused(*findings, NO_BODY_DRAWN(path=name))
@@ -126,7 +126,7 @@ def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
         for group in (free, *(group for group in groups.values() if not group.solids))
         for location in group.locations
     ]
-    return Drawn(tuple(bodies), _named(alone, IDENTITY, name, findings), tuple(findings))
+    return Drawn(tuple(bodies), _named_poses(alone, IDENTITY, name, findings), tuple(findings))
 
 
 def _all(_: DXFGraphic) -> bool:
@@ -143,7 +143,7 @@ class _Group:
     locations: list[Location] = field(default_factory=list)
 
 
-def _solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | None:
+def _read_solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | None:
     """In the drawing's world; what is none is counted, what is broken is a finding."""
     entity = placed.entity
     kind, handle = shown(entity.dxftype()), entity.dxf.handle or ""
@@ -151,7 +151,7 @@ def _solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | None:
         with np.errstate(all="ignore"):  # what overflows is found not to be finite
             solid = solid_of(entity).moved(placed.matrix)
     except NoSolid as none:
-        rule = NO_SOLID if none.curve else NOT_READ
+        rule = NO_SOLID if none.curve else SOLID_NOT_READ
         tally.add(rule, kind, placed.layer, shown(str(none)), handle)
     except Degenerate as reason:
         tally.add(DEGENERATE, kind, placed.layer, str(reason), handle)
@@ -162,12 +162,12 @@ def _solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | None:
         )
     else:
         if solid.left:
-            tally.add(PARTLY, kind, placed.layer, solid.left, handle)
+            tally.add(PARTLY_READ, kind, placed.layer, solid.left, handle)
         return solid
     return None
 
 
-def _names(
+def _body_names(
     keys: list[Inserted | str], path: str, findings: list[Diagnostic]
 ) -> dict[Inserted | str, str]:
     """Blocks by their names, numbered where they are inserted several times, layers by theirs.
@@ -186,7 +186,7 @@ def _names(
         names[key] = identifier(wanted, taken)
         taken.add(names[key])
         if names[key] != wanted:
-            findings.append(RENAMED(path=path, given=shown(wanted), name=names[key]))
+            findings.append(BODY_RENAMED(path=path, given=shown(wanted), name=names[key]))
     return names
 
 
@@ -196,18 +196,18 @@ def _body(
     """In the frame of its block where there is one, else of the drawing's world."""
     pose = IDENTITY if isinstance(key, str) else _frame(key)
     back = _matrix(pose.inverse())
-    parts, pieces = list[Part](), list[Surface]()
+    parts, pieces = list[Part](), list[DrawnSurface]()
     for solid in group.solids:
         local = solid.moved(back)
-        if isinstance(local, Round):
+        if isinstance(local, DrawnCylinder):
             parts.append(local.part())
         elif local.whole:
-            parts += _parts(local, path, name, findings)
+            parts += _shell_parts(local, path, name, findings)
         else:
             pieces.append(local)
     if pieces:
-        parts += _parts(_joined(pieces), path, name, findings)
-    locations = _named(group.locations, pose.inverse(), path, findings)
+        parts += _shell_parts(_joined(pieces), path, name, findings)
+    locations = _named_poses(group.locations, pose.inverse(), path, findings)
     return Body(name, tuple(parts), pose, colour=group.colour, locations=locations, source=path)
 
 
@@ -226,9 +226,9 @@ def _matrix(pose: Pose) -> Floats:
     return out
 
 
-def _joined(pieces: list[Surface]) -> Surface:
+def _joined(pieces: list[DrawnSurface]) -> DrawnSurface:
     starts = np.cumsum([0, *(len(piece.points) for piece in pieces)])
-    return Surface(
+    return DrawnSurface(
         np.concatenate([piece.points for piece in pieces]),
         np.concatenate(
             [piece.triangles + start for piece, start in zip(pieces, starts, strict=False)]
@@ -237,10 +237,12 @@ def _joined(pieces: list[Surface]) -> Surface:
     )
 
 
-def _parts(surface: Surface, path: str, name: str, findings: list[Diagnostic]) -> Iterable[Part]:
+def _shell_parts(
+    surface: DrawnSurface, path: str, name: str, findings: list[Diagnostic]
+) -> Iterable[Part]:
     """The shells of a surface. Which way around its triangles go says nothing in a drawing."""
     try:
-        mesh, said = cleaned(surface.points, surface.triangles, MOST_TRIANGLES, path, [])
+        mesh, said = cleaned_mesh(surface.points, surface.triangles, MOST_TRIANGLES, path, [])
     except Refused as refused:
         findings += [changed(one, about=name) for one in refused.findings]
         return
@@ -250,7 +252,7 @@ def _parts(surface: Surface, path: str, name: str, findings: list[Diagnostic]) -
         yield Part(shape_of(piece))
 
 
-def _named(
+def _named_poses(
     locations: list[Location], back: Pose, path: str, findings: list[Diagnostic]
 ) -> dict[str, Pose]:
     """Poses by name in the frame that `back` leads to."""

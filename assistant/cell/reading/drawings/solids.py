@@ -37,11 +37,11 @@ from assistant.sources.drawing.transforms import (
 if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
 
-STEP: Final = math.radians(3.0)
+CHORD_ANGLE: Final = math.radians(3.0)
 """Of the chords that stand for an arc, at most; their sagitta is 0.00034 of its radius."""
-SIDES: Final = 120
+OVAL_SIDES: Final = 120
 """Of the prism about a cylinder that a transform makes oval; it is 0.00034 of its radius wider."""
-CROSSING: Final = 1e-6
+SELF_CROSSING: Final = 1e-6
 """Relative difference of area above which an outline crosses itself."""
 
 
@@ -54,7 +54,7 @@ class NoSolid(Exception):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class DrawnSurface:
     """Triangles (m, 3) of rows of points (n, 3). off: it may be away from what was drawn by that.
 
     whole: it is one thing; else a piece of a surface whose other pieces are entities too.
@@ -67,7 +67,7 @@ class Surface:
     whole: bool = True
     left: str = ""
 
-    def moved(self, matrix: Floats) -> Surface:
+    def moved(self, matrix: Floats) -> DrawnSurface:
         points = point(matrix, self.points)
         check_places(points)
         largest = float(np.linalg.norm(matrix[:3, :3], 2))
@@ -75,7 +75,7 @@ class Surface:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Round:
+class DrawnCylinder:
     """A cylinder: the middle of one end (3,), two radii across it and the way to the other end."""
 
     base: Floats
@@ -85,11 +85,11 @@ class Round:
     even: bool = True
     left: str = ""
 
-    def moved(self, matrix: Floats) -> Round:
+    def moved(self, matrix: Floats) -> DrawnCylinder:
         base, rest = point(matrix, self.base), direction(matrix, [self.u, self.v, self.along])
         check_places(base, *rest)
         u, v, along = rest
-        return Round(base, u, v, along, self.even and not skews(matrix), self.left)
+        return DrawnCylinder(base, u, v, along, self.even and not skews(matrix), self.left)
 
     def part(self) -> Part:
         """A cylinder; where it is oval or leans, the hull of a prism about it."""
@@ -98,13 +98,13 @@ class Round:
             length = float(norms(self.along[None])[0])
             middle = Pose.of(self.base + self.along / 2.0, turn)
             return Part(Cylinder(float(norms(self.u[None])[0]), length), middle)
-        angles = np.arange(SIDES) * math.tau / SIDES
-        wider = 1.0 / math.cos(math.pi / SIDES)
+        angles = np.arange(OVAL_SIDES) * math.tau / OVAL_SIDES
+        wider = 1.0 / math.cos(math.pi / OVAL_SIDES)
         ring = wider * (np.cos(angles)[:, None] * self.u + np.sin(angles)[:, None] * self.v)
         return Part(Convex(np.concatenate([ring, ring + self.along]) + self.base))
 
 
-Solid = Surface | Round
+Solid = DrawnSurface | DrawnCylinder
 
 
 def solid_of(entity: DXFGraphic) -> Solid:
@@ -125,19 +125,19 @@ def solid_of(entity: DXFGraphic) -> Solid:
     raise NoSolid("it has no thickness", curve=True)
 
 
-def _face(entity: Any) -> Surface:
+def _face(entity: Any) -> DrawnSurface:
     corners = [np.array(corner.xyz) for corner in entity.wcs_vertices()]
-    return replace(_surface([corners]), whole=False)
+    return replace(_flat_surface([corners]), whole=False)
 
 
-def _mesh(entity: Any) -> Surface:
+def _mesh(entity: Any) -> DrawnSurface:
     corners = [np.array(tuple(corner), dtype=np.float64) for corner in entity.vertices]
-    surface = _surface([[corners[i] for i in face] for face in entity.faces])
+    surface = _flat_surface([[corners[i] for i in face] for face in entity.faces])
     smooth = entity.dxf.get("subdivision_levels", 0)
     return replace(surface, left="smoothing") if smooth else surface
 
 
-def _polyline(entity: Any) -> Surface:
+def _polyline(entity: Any) -> DrawnSurface:
     from ezdxf.render.mesh import MeshBuilder
 
     if not (entity.is_poly_face_mesh or entity.is_polygon_mesh):
@@ -146,7 +146,7 @@ def _polyline(entity: Any) -> Surface:
     faces: list[Iterable[Any]] = list(mesh.faces_as_vertices())
     if entity.is_polygon_mesh:
         faces += _seams(entity)
-    return _surface([[np.array(v.xyz) for v in face] for face in faces])
+    return _flat_surface([[np.array(v.xyz) for v in face] for face in faces])
 
 
 def _seams(entity: Any) -> Iterator[tuple[Any, ...]]:
@@ -161,7 +161,7 @@ def _seams(entity: Any) -> Iterator[tuple[Any, ...]]:
         yield vertices[last_row, n], vertices[last_row, n + 1], vertices[0, n + 1], vertices[0, n]
 
 
-def _solid(entity: Any) -> Surface:
+def _acis_solid(entity: Any) -> DrawnSurface:
     from ezdxf.acis.const import AcisException
     from ezdxf.acis.dxf import load_dxf
     from ezdxf.acis.mesh import mesh_from_body
@@ -175,7 +175,7 @@ def _solid(entity: Any) -> Surface:
     stated = [face for body in bodies for face in _acis_faces(body)]
     if not faces:
         raise NoSolid("none of its faces is flat with straight edges")
-    surface = _surface([[np.array(v.xyz) for v in face] for face in faces])
+    surface = _flat_surface([[np.array(v.xyz) for v in face] for face in faces])
     holed = any(not face.loop.is_none and not face.loop.next_loop.is_none for face in stated)
     if len(faces) < len(stated) or holed:
         return replace(surface, left="curved faces")
@@ -192,14 +192,14 @@ def _acis_faces(body: Any) -> Iterator[Any]:
         lump = lump.next_lump
 
 
-def _circle(entity: Any) -> Round:
+def _circle(entity: Any) -> DrawnCylinder:
     along = _thickness(entity)
     (conic,) = primitives(entity)
     assert isinstance(conic, Conic)
-    return Round(conic.centre, conic.u, conic.v, along)
+    return DrawnCylinder(conic.centre, conic.u, conic.v, along)
 
 
-def _prism(entity: Any) -> Surface:
+def _prism(entity: Any) -> DrawnSurface:
     """A closed outline carried along its thickness.
 
     As wide as its lines: what a line with a width covers is not farther from its middle than half.
@@ -209,7 +209,7 @@ def _prism(entity: Any) -> Surface:
     outline, off = list[Floats](), 0.0
     for piece in pieces:
         if isinstance(piece, Conic):
-            count = max(2, math.ceil(piece.sweep / STEP))
+            count = max(2, math.ceil(piece.sweep / CHORD_ANGLE))
             angles = np.arange(count) * piece.sweep / count
             places = np.cos(angles)[:, None] * piece.u + np.sin(angles)[:, None] * piece.v
             outline += list(piece.centre + places)
@@ -225,7 +225,7 @@ def _prism(entity: Any) -> Surface:
     ring = np.array(outline)
     axes = ocs_axes(tuple(entity.dxf.extrusion))
     flat = ring @ axes[:, :2]
-    triangles = _cut(flat)
+    triangles = _cut_polygon(flat)
     n = len(ring)
     here = np.arange(n)
     after = (here + 1) % n
@@ -234,7 +234,7 @@ def _prism(entity: Any) -> Surface:
     )
     points = np.concatenate([ring, ring + along])
     faces = np.concatenate([triangles[:, ::-1], triangles + n, sides])
-    return Surface(points, faces, off + _width(entity) / 2.0)
+    return DrawnSurface(points, faces, off + _width(entity) / 2.0)
 
 
 def _width(entity: Any) -> float:
@@ -259,7 +259,7 @@ def _thickness(entity: Any) -> Floats:
     return np.asarray(ocs_axes(tuple(entity.dxf.extrusion))[:, 2] * thickness)
 
 
-def _surface(faces: Iterable[Sequence[Floats]]) -> Surface:
+def _flat_surface(faces: Iterable[Sequence[Floats]]) -> DrawnSurface:
     """Of flat faces with three or more corners (3,)."""
     points, triangles, start = list[Floats](), list[tuple[int, int, int]](), 0
     for face in faces:
@@ -270,7 +270,7 @@ def _surface(faces: Iterable[Sequence[Floats]]) -> Surface:
         start += len(corners)
     if not triangles:
         raise Degenerate("without area")
-    return Surface(np.array(points), np.array(triangles, dtype=np.int64))
+    return DrawnSurface(np.array(points), np.array(triangles, dtype=np.int64))
 
 
 def _triangles(corners: Floats) -> Iterable[tuple[int, int, int]]:
@@ -290,10 +290,10 @@ def _triangles(corners: Floats) -> Iterable[tuple[int, int, int]]:
     if not norms(normal[None])[0] > 0.0:
         return ()
     axes = ocs_axes(normal)
-    return [(a, b, c) for a, b, c in _cut(corners @ axes[:, :2]).tolist()]
+    return [(a, b, c) for a, b, c in _cut_polygon(corners @ axes[:, :2]).tolist()]
 
 
-def _cut(flat: Floats) -> Ints:
+def _cut_polygon(flat: Floats) -> Ints:
     """(m, 3) triangles of a polygon (n, 2), counter-clockwise; raises Degenerate for none."""
     from ezdxf.math.triangulation import mapbox_earcut_2d
 
@@ -310,7 +310,7 @@ def _cut(flat: Floats) -> Ints:
     covered = float(np.abs(areas).sum())
     if not covered > 0.0:
         raise Degenerate("without area")
-    if abs(covered - abs(stated)) > CROSSING * covered:
+    if abs(covered - abs(stated)) > SELF_CROSSING * covered:
         raise Degenerate("its outline crosses itself")
     # The order is by the outline, whichever way around earcut gives its triangles.
     turned = areas < 0.0
@@ -331,8 +331,8 @@ READERS: Final[dict[str, Callable[[Any], Solid]]] = {
     "POLYLINE": _polyline,
     "LWPOLYLINE": _prism,
     "CIRCLE": _circle,
-    "3DSOLID": _solid,
-    "BODY": _solid,
+    "3DSOLID": _acis_solid,
+    "BODY": _acis_solid,
 }
 """Entity type → its reader."""
 
@@ -350,10 +350,10 @@ def shape_of(mesh: Mesh) -> Mesh | Convex:
         return mesh
     a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
     volume = abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6.0
-    return Convex(used) if volume >= hull.volume * (1.0 - SAME) else mesh
+    return Convex(used) if volume >= hull.volume * (1.0 - CONVEX_DIFFERENCE) else mesh
 
 
 MOST_CORNERS: Final = 2000
 """Of a hull; a mesh of more is faster by its triangles."""
-SAME: Final = 1e-9
+CONVEX_DIFFERENCE: Final = 1e-9
 """Relative difference in volume of a body and its hull, up to which it is convex."""
