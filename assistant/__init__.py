@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from assistant.api.checking import check
     from assistant.api.simulating import simulate
     from assistant.base.diagnostics import Refused
+    from assistant.cell.cell_file import read_scene
     from assistant.cell.planning.planner import plan
-    from assistant.cell.reading.cell_file import read_scene
     from assistant.compiler import Proving, compare, compile, load, translate
     from assistant.controllers import connect
     from assistant.program.geometry import Pose
@@ -38,7 +38,7 @@ _LAZY: Final = {
     "languages": ("assistant.languages", None),
     "load": ("assistant.compiler", "load"),
     "plan": ("assistant.cell.planning.planner", "plan"),
-    "read_scene": ("assistant.cell.reading.cell_file", "read_scene"),
+    "read_scene": ("assistant.cell.cell_file", "read_scene"),
     "robots": ("assistant.robots", None),
     "simulate": ("assistant.api.simulating", "simulate"),
     "translate": ("assistant.compiler", "translate"),

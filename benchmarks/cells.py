@@ -10,11 +10,9 @@ import numpy as np
 
 from assistant import robots
 from assistant.base.arrays import Floats
-from assistant.cell import arms
-from assistant.cell.planning.goals import goal_joints
-from assistant.cell.planning.space import Space
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule
+from assistant.cell import link_bodies
+from assistant.cell.planning.space import Space, goal_joints
+from assistant.cell.scene import Body, Box, Capsule, Part, PlacedRobot, Scene
 from assistant.program.geometry import Pose
 
 ARM: Final = robots.get("irb1200-7-0.7")
@@ -28,12 +26,12 @@ def box(name: str, size: tuple[float, float, float], at: tuple[float, float, flo
 
 def scene_of(*bodies: Body, others: tuple[PlacedRobot, ...] = ()) -> Scene:
     """Bodies about an arm that carries a slim tool of 120 mm, its tip at `TIP`."""
-    arm = arms.place_robot("arm", ARM)
+    arm = link_bodies.place_robot("arm", ARM)
     tool = Body("tool", (Part(Capsule(12.0, 100.0)),), Pose((0.0, 0.0, 62.0)), "arm.flange")
-    allowed = set(arms.touching_links(arm))
+    allowed = set(link_bodies.touching_links(arm))
     allowed |= {("arm.J6", "tool"), ("arm.J5", "tool"), ("arm.flange", "tool")}
     for other in others:
-        allowed |= arms.touching_links(other)
+        allowed |= link_bodies.touching_links(other)
     return Scene((*bodies, tool), (arm, *others), allowed=frozenset(allowed))
 
 
@@ -60,7 +58,7 @@ def window() -> Scene:
 
 def two_robots() -> Scene:
     """Another arm opposite, which reaches over a table between both."""
-    other = arms.place_robot("other", ARM, Pose((950.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    other = link_bodies.place_robot("other", ARM, Pose((950.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
     return scene_of(box("table", (300, 800, 40), (480, 0, 150)), others=(other,))
 
 

@@ -13,18 +13,17 @@ import numpy as np
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.cell import arms
+from assistant.cell import link_bodies
 from assistant.cell.clearances import closeness, rows_of
 from assistant.cell.collision.continuous import JointPath, hits
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
+from assistant.cell.scene import Body, Box, Capsule, Convex, Cylinder, Part, Scene, Shape, Sphere
 from assistant.program.geometry import Pose
 from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.timing import Simulation, simulate
-from assistant.robots.timing.passed import stretches_of
+from assistant.robots.timing.uninterrupted_moves import stretches_of
 from benchmarks.arms import AREA, DOWN, START, surface
 from benchmarks.reading import Reading
 
@@ -41,7 +40,7 @@ SAMPLED: Final = 3
 def cell() -> Scene:
     """An arm with a tool, a floor, a work piece, and bodies of all shapes beside its way."""
     robot, _ = surface(2)
-    arm = arms.place_robot("arm", robot)
+    arm = link_bodies.place_robot("arm", robot)
     draw = np.random.default_rng(SEED)
     bodies = [
         Body("floor", (Part(Box((3000.0, 3000.0, 20.0))),), Pose((0.0, 0.0, -30.0))),
@@ -57,7 +56,7 @@ def cell() -> Scene:
             shape = a_shape(len(bodies), draw)
             bodies.append(Body(f"body {len(bodies)}", (Part(shape),), Pose.of(place, turn)))
     beside = {("arm.J5", "tool"), ("arm.J6", "tool"), ("arm.base", "floor")}
-    return Scene(tuple(bodies), (arm,), allowed=arms.touching_links(arm) | beside)
+    return Scene(tuple(bodies), (arm,), allowed=link_bodies.touching_links(arm) | beside)
 
 
 def a_shape(number: int, draw: np.random.Generator) -> Shape:

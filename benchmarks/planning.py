@@ -16,11 +16,10 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.planning.goals import goal_joints
-from assistant.cell.planning.moves import check_route
+from assistant.cell.planning.path_search import planner_library
 from assistant.cell.planning.planner import plan
-from assistant.cell.planning.search import planner_library
-from assistant.cell.planning.space import Space
+from assistant.cell.planning.program_moves import check_route
+from assistant.cell.planning.space import Space, goal_joints
 from assistant.cell.scene import Scene
 from benchmarks.cells import ARM, CELLS, TIP, Problem, problems
 

@@ -20,7 +20,7 @@ from assistant import languages
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.rapid.tables.constants import RESERVED, SPEEDS, ZONES
 from assistant.languages.rapid.tables.predefined import taken_names
-from assistant.robots import programming
+from assistant.robots import robot
 
 PACKAGE = FilePath(__file__).parent.parent / "assistant"
 VENDORS = ("languages/", "virtual/", "controllers/")
@@ -67,7 +67,7 @@ EXCEPTIONS: Final = {
     ("program/pseudo/words.py", "tool0"): "the flange's own name in a pseudo-program",
     ("base/budgets.py", "proc"): "where Linux tells of processes",
     ("report/robots.py", "confdata"): "tells people what the maker calls it",
-    ("robots/urdf/tree.py", "tool0"): "what robot files call the flange, whosever the robot is",
+    ("robots/urdf.py", "tool0"): "what robot files call the flange, whosever the robot is",
     ("sources/drawing/attributes.py", "movej"): "what people write into drawings",
     ("sources/drawing/attributes.py", "movel"): "what people write into drawings",
     ("sources/drawing/attributes.py", "mov"): "what people write into drawings",
@@ -153,4 +153,4 @@ def test_a_vendor_word_is_found(tmp_path: FilePath, text: str, word: str) -> Non
 
 
 def test_robots_know_the_languages_that_there_are() -> None:
-    assert set(programming.programming_languages()) == set(languages.names())
+    assert set(robot.programming_languages()) == set(languages.names())

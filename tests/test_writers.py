@@ -13,7 +13,7 @@ WRITES = re.compile(
 KNOWN = {
     "base/file_access.py": "it is the mechanism",
     "program/pseudo/path_rows.py": "into memory",
-    "cell/exploration/map_file.py": "into memory",
+    "cell/exploration/occupancy.py": "into memory",
     "report/figures.py": "into memory",
     "report/reach_map.py": "into memory",
     "report/swept_space.py": "into memory",

@@ -13,7 +13,7 @@ from assistant.program.motion import Kind
 if TYPE_CHECKING:
     from assistant.program.motion import Path
     from assistant.robots import Robot
-    from assistant.robots.timing.samples import Samples
+    from assistant.robots.timing.simulation import Samples
 
 SIZE: Final = 260.0
 """px of the picture of an arm."""

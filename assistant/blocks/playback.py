@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.robots.timing.samples import samples_of
+from assistant.robots.timing.simulation import samples_of
 
 if TYPE_CHECKING:
     from assistant.robots.timing import Samples, Simulation

@@ -116,9 +116,14 @@ def placed_clearances(
 ) -> Iterator[tuple[Diagnostic, Closeness | None]]:
     """The same, each with where in the scene it is; None for what is about no place."""
     from assistant.base.diagnostics import has_errors
-    from assistant.cell.arms import arm_alone
-    from assistant.cell.clearances import beyond_bodies, closeness, own_contacts, robot_of
-    from assistant.cell.holding import CarriedBodies
+    from assistant.cell.clearances import (
+        CarriedBodies,
+        beyond_bodies,
+        closeness,
+        own_contacts,
+        robot_of,
+    )
+    from assistant.cell.link_bodies import arm_alone
     from assistant.robots.timing import simulate
 
     if has_errors(solution.findings):  # what cannot be reached is not gone through

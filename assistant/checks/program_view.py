@@ -24,11 +24,17 @@ from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Moving, SetOverride
 from assistant.robots import Robot, SolvedProgram
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.motion.along import ToolPaths, flange_along, joints_along
-from assistant.robots.motion.arcs import Arcs, Circles, circles
-from assistant.robots.motion.densities import PeakSampling
+from assistant.robots.motion.interpolation import (
+    Arcs,
+    Circles,
+    PeakSampling,
+    ToolPaths,
+    circles,
+    flange_along,
+    joints_along,
+)
 from assistant.robots.motion.run import Run
-from assistant.robots.motion.wrist import THROUGH
+from assistant.robots.motion.singularities import THROUGH
 from assistant.robots.robot import CHUNK, IN_LINE
 from assistant.robots.solved_program import Leg, SolvedRun
 

@@ -20,7 +20,7 @@ from assistant.base.diagnostics import Declared, Diagnostic, fold, info, warning
 from assistant.checks.program_view import Moves, ProgramView, RunView, figure
 from assistant.program.motion import Kind
 from assistant.robots import Robot, SolvedProgram
-from assistant.robots.programming import has_trait
+from assistant.robots.robot import has_trait
 
 SPEED_TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""

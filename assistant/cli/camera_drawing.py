@@ -38,7 +38,7 @@ def run_draw(
     seed: int,
     format: Format,
 ) -> int:
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.cell_file import read_scene
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.drawing import Optics, draw, things_of
 

@@ -165,7 +165,7 @@ def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
 
 def _scene(robot: str) -> Scene | None:
     """The cell; nothing where the library for cells is not installed."""
-    from assistant.cell.rules import NO_LIBRARY
+    from assistant.cell.findings import NO_LIBRARY
     from assistant.compiler.scenes import in_cell
 
     try:

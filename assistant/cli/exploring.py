@@ -120,7 +120,7 @@ def _check_name(path: Path) -> None:
 
 
 def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
-    from assistant.cell.exploration.map_file import save_map
+    from assistant.cell.exploration.occupancy import save_map
 
     save_map(found.occupancy, begun.asked.chart)
     return report(Done(found, what, [begun.asked.chart]), format)
@@ -204,7 +204,7 @@ def _lines(occupancy: Occupancy) -> list[str]:
 def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
     """output: a picture of it that is written."""
     from assistant.base.file_sets import write_all
-    from assistant.cell.exploration.map_file import load_map
+    from assistant.cell.exploration.occupancy import load_map
     from assistant.report.explored_space import explored_picture
     from assistant.report.figures import format_of
 
@@ -223,7 +223,7 @@ def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
 
 
 def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> int:
-    from assistant.cell.exploration.map_file import load_map, save_map
+    from assistant.cell.exploration.occupancy import load_map, save_map
 
     _check_name(output)
     keep_sources([str(path) for path in paths], [output])
@@ -244,7 +244,7 @@ def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> in
 
 def run_charts_compared(old: Path, new: Path, format: Format) -> int:
     """1 if what was free is not any more."""
-    from assistant.cell.exploration.map_file import load_map
+    from assistant.cell.exploration.occupancy import load_map
 
     before, after = load_map(old), load_map(new)
     with _placed(new):

@@ -352,7 +352,7 @@ def _check_arm(begun: Ready, name: str, robot: Robot | None) -> None:
 
 def _ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
     """Ranges (a, 2) of --range, with the limits of the other joints; None without any."""
-    from assistant.cell.exploration.wandering import ranges_of
+    from assistant.cell.exploration.explorer import ranges_of
     from assistant.learning.maps.rules import NO_AXIS
 
     if not texts:
@@ -441,7 +441,7 @@ def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
 
 def _saved(begun: Ready, log: Log, live: Live) -> Done:
     """Learn from the log, and write chart and log."""
-    from assistant.cell.exploration.map_file import save_map
+    from assistant.cell.exploration.occupancy import save_map
     from assistant.compiler.exploring import learnt, ready
 
     found = learnt(ready(begun.asked), log.clear(), log.contacts)

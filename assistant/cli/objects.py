@@ -244,7 +244,7 @@ def _placed(asked: Looking) -> PlacedRobot | None:
     """The robot of the cell whose base poses are told in."""
     if asked.cell is None:
         return None
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.cell_file import read_scene
 
     scene, findings = read_scene(asked.cell)
     print_findings(findings)

@@ -13,8 +13,8 @@ from assistant.cli.presentation import Format, print_findings, say
 from assistant.cli.reach_runs import Standing, Tool, print_answer, put, standing, wanted
 
 if TYPE_CHECKING:
-    from assistant.cell.reach import placing
-    from assistant.cell.reach.placing import Places
+    from assistant.cell import placement
+    from assistant.cell.placement import Places
 
 NO_CELL = error(
     "CL040", "where `{name}` stands is not said", "name the cell file that has it with --cell"
@@ -50,9 +50,9 @@ def run_places(
     format: Format,
 ) -> int:
     """1 if everything is reached at no place, else 0. body: None for the base of the robot."""
-    from assistant.cell.reach import placing
-    from assistant.cell.reach.region import grid, parse_range
-    from assistant.cell.reach.rules import NO_PLACE
+    from assistant.cell import placement
+    from assistant.cell.findings import NO_PLACE
+    from assistant.cell.reach_map import grid, parse_range
     from assistant.report import places as report
 
     files = wanted(outputs, PLACES)
@@ -64,12 +64,12 @@ def run_places(
         given = there.scene, there.placed
         if body is None:
             name, of = there.placed.name, "robots"
-            found = placing.best_base(
+            found = placement.best_base(
                 *given, offsets, targets, bodies=there.bodies, margin=tool.margin
             )
         else:
             name, of = body, "bodies"
-            found = placing.best_place(*given, body, offsets, targets, margin=tool.margin)
+            found = placement.best_place(*given, body, offsets, targets, margin=tool.margin)
         title = f"{name}, for {there.placed.robot.title}"
         sources = () if goals.program is None else (goals.program,)
         drawn = {path: PLACES[path.suffix.lower()](found, title) for path in files if found.places}
@@ -113,9 +113,9 @@ def _ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
 
 def _targets(
     body: str | None, tool: Tool, goals: Goals
-) -> tuple[Standing, Sequence[placing.Goals], list[Diagnostic]]:
-    from assistant.cell.reach.placing import locations, standing_body
-    from assistant.cell.reach.region import check_turns
+) -> tuple[Standing, Sequence[placement.Goals], list[Diagnostic]]:
+    from assistant.cell.placement import locations, standing_body
+    from assistant.cell.reach_map import check_turns
 
     check_turns(tool.turns)
     if goals.program is not None:
@@ -129,9 +129,9 @@ def _targets(
 
 def _of_program(
     body: str | None, tool: Tool, goals: Goals, program: str
-) -> tuple[Standing, Sequence[placing.Goals], list[Diagnostic]]:
+) -> tuple[Standing, Sequence[placement.Goals], list[Diagnostic]]:
     """What its arm cannot reach now is no finding here."""
-    from assistant.cell.reach.targets import targets_of
+    from assistant.cell.placement import targets_of
     from assistant.cli.simulating import Options, solved
 
     if tool.tip is not None:

@@ -12,8 +12,7 @@ from assistant.cli.compiling import NO_FILE_NAME, keep_sources, working
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.cell.reach.mapping import ReachMap
-    from assistant.cell.reach.region import NumberRange
+    from assistant.cell.reach_map import NumberRange, ReachMap
     from assistant.cell.scene import PlacedRobot, Scene
     from assistant.program.geometry import Pose
     from assistant.robots import Robot
@@ -61,9 +60,8 @@ def run_map(
     format: Format,
 ) -> int:
     """0; what is not reached is an answer."""
-    from assistant.cell.reach.mapping import reach_map
-    from assistant.cell.reach.region import grid, parse_directions
-    from assistant.cell.reach.rules import NOTHING_REACHED
+    from assistant.cell.findings import NOTHING_REACHED
+    from assistant.cell.reach_map import grid, parse_directions, reach_map
     from assistant.report import reach_map as report
 
     files = wanted(outputs, MAPS)
@@ -112,7 +110,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
 
     Raises Refused if no arm is named, or none that stands in the cell.
     """
-    from assistant.cell import arms
+    from assistant.cell import link_bodies
     from assistant.cell.clearances import robot_of
     from assistant.cell.scene import Scene
     from assistant.checks.clearances import no_robot
@@ -126,7 +124,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     if scene is None:
         if robot is None:
             raise Refused(NO_ARM(), exit_status=2)
-        alone = arms.place_robot("robot", robot)
+        alone = link_bodies.place_robot("robot", robot)
         return Standing(Scene(robots=(alone,)), alone, tip, False, found.findings)
     if robot is None and len(scene.robots) == 1:
         return Standing(scene, scene.robots[0], tip, True, found.findings)
@@ -162,7 +160,7 @@ def _range(there: Standing, axis: str, text: str | None) -> NumberRange:
     """What is stated, or all that the arm could reach."""
     import numpy as np
 
-    from assistant.cell.reach.region import NumberRange, parse_range
+    from assistant.cell.reach_map import NumberRange, parse_range
 
     if text is not None:
         return parse_range(text, axis)

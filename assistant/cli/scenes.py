@@ -66,8 +66,8 @@ def _read(
     from assistant.base.budgets import SETTINGS_FILE
     from assistant.base.length_units import known_unit, unit_stated
     from assistant.base.source_text import decode, read_bytes
-    from assistant.cell.reading.cell_file import parse_scene
-    from assistant.cell.reading.drawings import read_drawing
+    from assistant.cell.cell_file import parse_scene
+    from assistant.cell.drawing_bodies import read_drawing
     from assistant.cell.scene import Scene
     from assistant.sources.placements import DRAWN
     from assistant.sources.process.file import ENCODINGS, read_toml
@@ -85,8 +85,7 @@ def _read(
 
 
 def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
-    from assistant.cell.writing.cell_text import cell_files
-    from assistant.cell.writing.gltf import gltf
+    from assistant.cell.scene_export import cell_files, gltf
 
     if output.suffix.lower() == GLTF:
         return {output: gltf(scene)}
@@ -96,7 +95,7 @@ def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
 
 
 def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
-    from assistant.cell.writing.rules import TABLE_LEFT_OUT
+    from assistant.cell.findings import TABLE_LEFT_OUT
     from assistant.program.settings_tables import shown
 
     return tuple(TABLE_LEFT_OUT(table=shown(name)) for name in others)

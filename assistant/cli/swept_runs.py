@@ -13,16 +13,16 @@ from assistant.cli.reach_runs import Tool, print_answer, put, standing, wanted
 from assistant.cli.simulating import Options, refused, solved
 
 if TYPE_CHECKING:
-    from assistant.cell.reach.swept import SweptSpace
+    from assistant.cell.swept_space import SweptSpace
 
 
 def run_swept(
     source: str, options: Options, size: float, outputs: Sequence[str], format: Format
 ) -> int:
     """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
-    from assistant.cell.holding import CarriedBodies
-    from assistant.cell.reach.rules import NOT_SWEPT
-    from assistant.cell.reach.swept import swept_space
+    from assistant.cell.clearances import CarriedBodies
+    from assistant.cell.findings import NOT_SWEPT
+    from assistant.cell.swept_space import swept_space
     from assistant.report import swept_space as report
     from assistant.robots.timing import simulate
 

@@ -287,7 +287,7 @@ class _Crossing:
 
 def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointTarget, _Crossing]:
     """Where the targets of one arm put its flange, and the joints that another one takes there."""
-    from assistant.robots.crossing import joints_on_other_arm
+    from assistant.robots.retargeting import joints_on_other_arm
 
     own = {target: source.own_joints(target.joints) for target in targets}
     whole = [t for t, j in own.items() if len(j) == len(source.axes) and np.isfinite(j).all()]

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.program.program import Program
     from assistant.robots.timing import Simulation
-    from assistant.robots.timing.state import History
+    from assistant.robots.timing.segments import History
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +81,10 @@ def ready(asked: Asked) -> Ready:
     """Raises Unreadable or Refused for files that are none, a robot that the cell has not, a chart
     of another robot or of other cells.
     """
+    from assistant.cell.cell_file import read_scene
     from assistant.cell.exploration.explorer import CELL_SIZE, Explorer
-    from assistant.cell.exploration.map_file import load_map
-    from assistant.cell.exploration.rules import OTHER_GRID, WRONG_CELL_SIZE
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.exploration.occupancy import load_map
+    from assistant.cell.findings import OTHER_GRID, WRONG_CELL_SIZE
 
     scene, findings = read_scene(asked.cell, explored=False)
     known = load_map(asked.chart) if asked.chart.exists() else None
@@ -104,9 +104,9 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
 
     Raises Refused where the robot is another one there, or stands elsewhere.
     """
-    from assistant.cell.exploration.filling import robot_named
-    from assistant.cell.exploration.rules import OTHER_HIDDEN_ROBOT, STANDS_ELSEWHERE
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.cell_file import read_scene
+    from assistant.cell.exploration.filled_cells import robot_named
+    from assistant.cell.findings import OTHER_HIDDEN_ROBOT, STANDS_ELSEWHERE
 
     explorer = begun.explorer
     if hidden is None:
@@ -131,9 +131,9 @@ def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
     robot: its name in the catalogue; other robots of the cell are at home. Raises Refused if the
     cell has no such robot.
     """
+    from assistant.cell.cell_file import read_scene
     from assistant.cell.collision.model import Model
-    from assistant.cell.exploration.rules import NO_EXPLORING_ROBOT
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.findings import NO_EXPLORING_ROBOT
 
     scene, _ = read_scene(cell, explored=False)
     names = [placed.robot.name for placed in scene.robots]
@@ -158,7 +158,7 @@ def wandered(begun: Ready, hidden: FilePath | None, moves: int, seed: int | None
 
     seed: None for another one with each run that the chart knows of.
     """
-    from assistant.cell.exploration.wandering import in_scene, wander
+    from assistant.cell.exploration.explorer import in_scene, wander
 
     explorer = begun.explorer
     scene = hidden_scene(begun, hidden)
@@ -218,7 +218,7 @@ def one_way(program: Program, simulation: Simulation) -> None:
 
     program: as it was read. Only a program that always goes one way tells where it has been.
     """
-    from assistant.cell.exploration.rules import MANY_PATHS
+    from assistant.cell.findings import MANY_PATHS
 
     doubt = next(_doubts(program), None)
     beside = {id(one.plan) for one in simulation.passed} - set(_plans(simulation.history))
@@ -264,7 +264,7 @@ def ran(
 
     program: as it was read. Raises Refused if it is for another robot, or may have gone otherwise.
     """
-    from assistant.cell.exploration.rules import NO_EXPLORING_ROBOT
+    from assistant.cell.findings import NO_EXPLORING_ROBOT
 
     one_way(program, simulation)
 

@@ -135,9 +135,9 @@ def _moved(pose: Pose, jog: Jog, by: float) -> Pose:
 def _moved_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
     """The same of an arm of five axes, whose tool stays in its plane: A and B are kept, or turned.
 
-    They are what its controller shows of an orientation; see `robots.arms.five_axis`.
+    They are what its controller shows of an orientation; see `robots.arms.closed_form`.
     """
-    from assistant.robots.arms.five_axis import from_ab, to_ab
+    from assistant.robots.arms.closed_form import from_ab, to_ab
 
     angles = to_ab([pose.position], [pose.quaternion])[0]
     if jog.axis in ABOUT:

@@ -15,7 +15,7 @@ from assistant.program.statements import Follow
 
 if TYPE_CHECKING:
     from assistant.robots import Robot, SolvedProgram
-    from assistant.robots.pace import SpeedChange
+    from assistant.robots.retargeting import SpeedChange
 
 IN_MM = warning(
     "CO507",
@@ -50,7 +50,7 @@ def at_the_pace(
     percent: whether they are to be percents.
     """
     from assistant import robots
-    from assistant.robots.pace import convert_joint_speeds
+    from assistant.robots.retargeting import convert_joint_speeds
 
     before = solution if taught is not None and taught.name == solution.robot.name else None
     if before is None and taught is not None:

@@ -165,7 +165,7 @@ def _frame(program: Program, name: str) -> Frame:
 def _fixed(scene: Scene, body: Body) -> Pose | None:
     """The pose of a body in the world; None for one that an arm moves."""
     from assistant.base import rotations
-    from assistant.cell.collision.carriers import Carriers, carrier_of
+    from assistant.cell.collision.model import Carriers, carrier_of
 
     carriers = Carriers(scene.robots)
     carrier, pose = carrier_of(scene, body, carriers)

@@ -52,7 +52,7 @@ class InCell:
         if self.scene is None:
             return None
         from assistant.cell.clearances import robot_of as robot_in
-        from assistant.cell.ways_in import CellSurroundings
+        from assistant.cell.planning.approaches import CellSurroundings
 
         robot = self.robot or known_robot(named)
         if robot is None and len(self.scene.robots) == 1:
@@ -94,8 +94,8 @@ def _scene(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic
     source: SourceText = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     if not any(name in read_toml(source).content for name in WORLD):
         return None, () if values else (EMPTY(path=str(path)),)
+    from assistant.cell.cell_file import parse_scene
     from assistant.cell.collision.model import Model
-    from assistant.cell.reading.cell_file import parse_scene
 
     try:
         scene, found = parse_scene(source, path.parent)

@@ -156,7 +156,7 @@ def turned_into_plane(positions: Floats, quaternions: Floats, robot: Robot | Non
     """
     if robot is None or not robot.five_axis:
         return quaternions
-    from assistant.robots.arms.five_axis import from_ab, to_ab
+    from assistant.robots.arms.closed_form import from_ab, to_ab
 
     turned = from_ab(positions, to_ab(positions, quaternions))
     angle = float(rotations.angle_between(quaternions, turned).max())
@@ -239,7 +239,7 @@ def _takeable(flange: Pose, tool: Pose, robot: Robot) -> tuple[Pose, tuple[Diagn
     """The flange with its axis in the plane of an arm of five axes, the tip where it was."""
     if not robot.five_axis:
         return flange, ()
-    from assistant.robots.arms.five_axis import from_ab, to_ab
+    from assistant.robots.arms.closed_form import from_ab, to_ab
 
     tip, wished = flange @ tool, flange.quaternion
     for _ in range(ROUNDS):

@@ -30,13 +30,13 @@ from assistant.program.geometry import IDENTITY, Pose, Tool
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statements import Assign, Comment, Move, MoveJoints, Statement, Travel
-from assistant.robots.target_lookup import Names
+from assistant.robots.program_values import Names
 
 if TYPE_CHECKING:
     from assistant.cell.planning.planner import Planned
     from assistant.cell.scene import PlacedRobot, Scene
     from assistant.robots import Robot
-    from assistant.robots.timing.arrivals import Arrival
+    from assistant.robots.timing.program_walk import Arrival
 
 SECONDS: Final = 30.0
 """That a search for a way takes at most."""
@@ -159,8 +159,8 @@ class _Planning:
     def arrivals(self, ways: Mapping[int, _Way]) -> tuple[Arrival, ...]:
         """With each travel, the moves that stand for it. Raises Refused for what is not reached."""
         from assistant import robots
-        from assistant.cell.holding import CarriedBodies
-        from assistant.robots.timing.arrivals import arrivals
+        from assistant.cell.clearances import CarriedBodies
+        from assistant.robots.timing.program_walk import arrivals
 
         def standing(number: int, one: Travel) -> Body:
             if number in ways:
@@ -286,7 +286,7 @@ class _Planning:
         """To the joints that suit what comes behind; free: else in any way to hold the arm there,
         with the half of the time.
         """
-        from assistant.cell.holding import CarriedBodies
+        from assistant.cell.clearances import CarriedBodies
         from assistant.cell.planning.planner import plan
         from assistant.cell.planning.space import Cone
 

@@ -10,7 +10,7 @@ from assistant.program.program import Program
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.robots import Robot
-    from assistant.robots.turning.choosing import ClearTest
+    from assistant.robots.free_turns import ClearTest
 
 
 def has_free_turns(program: Program) -> bool:
@@ -26,7 +26,7 @@ def with_turns(
     scene: of the cell, None without one: then nothing is there to be touched.
     """
     from assistant.robots.findings import NO_ARM
-    from assistant.robots.turning.programs import with_chosen_turns, without_free_turns
+    from assistant.robots.free_turns import with_chosen_turns, without_free_turns
 
     if not has_free_turns(program):
         return program, ()

@@ -91,9 +91,9 @@ def over_the_back(
     Their A and B depend on axis 1, which no source says of this branch; straight down both
     branches show the same.
     """
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
-    tilt = five_axis.to_ab(positions, quaternions)[:, 1]
+    tilt = closed_form.to_ab(positions, quaternions)[:, 1]
     tilted = np.abs(np.sin(np.radians(tilt))) > VERTICAL
     return np.asarray((configurations[:, BACK] == 1) & tilted)
 
@@ -133,18 +133,18 @@ def path_in_reach(path: Path, can: FiveAxes, findings: Findings) -> Path:
 
 
 def _orientation_error(positions: Floats, quaternions: Floats) -> Floats:
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
-    return five_axis.plane_miss(positions, quaternions)
+    return closed_form.plane_miss(positions, quaternions)
 
 
 def _reached_orientations(positions: Floats, quaternions: Floats, miss: Floats) -> Floats:
     """The orientations, those that are missed exchanged for what is reached there."""
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
     off, made = miss > EQUAL_ORIENTATION, quaternions.copy()
-    ab = five_axis.to_ab(positions[off], quaternions[off])
-    made[off] = five_axis.from_ab(positions[off], ab)
+    ab = closed_form.to_ab(positions[off], quaternions[off])
+    made[off] = closed_form.from_ab(positions[off], ab)
     return made
 
 

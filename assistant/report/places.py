@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.cell.reach.placing import Place, Places
+from assistant.cell.placement import Place, Places
 from assistant.program.geometry import Pose
 from assistant.report import figures
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base.arrays import Floats, evenly_spaced
-from assistant.cell.reach.mapping import ReachMap
+from assistant.cell.reach_map import ReachMap
 from assistant.report import figures
 
 MOST_SLICES: Final = 9

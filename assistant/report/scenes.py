@@ -9,10 +9,8 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carrier_of
-from assistant.cell.scene import Body, Scene
-from assistant.cell.shapes import Mesh, Shape, extent
-from assistant.cell.surfaces import surface
+from assistant.cell.collision.model import Carriers, carrier_of
+from assistant.cell.scene import Body, Mesh, Scene, Shape, extent, surface
 
 HEADINGS: Final = ("body", "stands in", "shape", "from", "to", "margin")
 """From and to: the box around it in the world, mm, with all robots at home."""

@@ -9,10 +9,9 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base.arrays import Ints
-from assistant.cell.reach.swept import SweptSpace
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Mesh
-from assistant.cell.writing.gltf import gltf
+from assistant.cell.scene import Body, Mesh, Part, Scene
+from assistant.cell.scene_export import gltf
+from assistant.cell.swept_space import SweptSpace
 from assistant.report import figures
 
 COLOUR: Final = (230, 120, 40)

@@ -26,9 +26,8 @@ from assistant.program.statements import (
     Moving,
     Statement,
 )
-from assistant.robots.motion.arcs import circles
-from assistant.robots.motion.densities import DrawingSampling
-from assistant.robots.target_lookup import Names
+from assistant.robots.motion.interpolation import DrawingSampling, circles
+from assistant.robots.program_values import Names
 
 STARTS: Final = "_start"
 """How the name of the target ends at which the following of a contour begins."""

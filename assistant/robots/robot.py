@@ -1,10 +1,18 @@
-"""A robot: its arm, its limits, and where its flange is for which joints."""
+"""Robots: the arm, its limits, and the flange poses of its joints.
+
+Joints are the maker's own, degrees or mm of an axis that slides; `Robot.zero` leads to the chain
+values of `arms`. `Outlines` hold the shapes and mesh file names that a robot file states for its
+links; no mesh is opened here. Traits of controllers, by programming language, are data in
+`programming.toml`, which explains each key.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
+from importlib.resources import files
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -23,22 +31,59 @@ from assistant.base.arrays import (
 )
 from assistant.base.diagnostics import Diagnostic
 from assistant.lazy import pictured
+from assistant.program.geometry import Pose, Vector
 from assistant.program.motion import UNSTATED
 from assistant.program.program import Program
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
-from assistant.robots.arms.five_axis import FiveAxis
-from assistant.robots.arms.lengths import Lengths
-from assistant.robots.arms.placed import Placed
+from assistant.robots.arms.closed_form import FiveAxis, Lengths, SixAxis
 from assistant.robots.arms.serial import Serial
-from assistant.robots.arms.six_axis import SixAxis
-from assistant.robots.branches.rounding import roundings
-from assistant.robots.branches.within_rounding import RoundedPoses, joints_within_rounding
+from assistant.robots.arms.spherical_wrist import Placed
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
-from assistant.robots.outlines import Outlines
+from assistant.robots.motion.rounding_tolerance import (
+    RoundedPoses,
+    joints_within_rounding,
+    roundings,
+)
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
     from roboticstoolbox import Robot as ToolboxRobot
+
+
+Kind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """A shape of a link.
+
+    carrier: `base`, `J1` … or `flange`; pose: in its frame, see `Robot.link_frames`. sizes: mm; of
+    a box its edges, of a sphere its radius, of a cylinder and a capsule radius and length (of the
+    capsule between its half spheres). file: of a mesh in metres, as the robot's file names it, and
+    scale, by which its coordinates are multiplied.
+    """
+
+    link: str
+    carrier: str
+    pose: Pose
+    kind: Kind
+    sizes: tuple[float, ...] = ()
+    file: str = ""
+    scale: Vector = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Outlines:
+    """Shapes of the links of a robot.
+
+    folder: that relative names of files go from. wrong: shapes that are none. still: joints that
+    move, but are no axes of the arm, so that what hangs on them is where it is with them at 0.
+    """
+
+    shapes: tuple[Outline, ...]
+    folder: str
+    wrong: tuple[Diagnostic, ...] = ()
+    still: tuple[str, ...] = ()
 
 
 LIMIT_TOLERANCE: Final = 1e-6
@@ -244,8 +289,8 @@ class Robot:
 
         A row is NaN where the pose is out of reach, a joint outside its limits, or the
         quadrants (for `turns`, the turns) are not those that the branch has there, and the
-        rounding of the pose does not explain it (see `settling`). An unstated configuration
-        gives the branch nearest to home.
+        rounding of the pose does not explain it (see `rounding_tolerance`). An unstated
+        configuration gives the branch nearest to home.
         """
         p, q = _poses(positions, quaternions)
         c = whole_rows(configurations, 6, "configurations")
@@ -357,7 +402,7 @@ class Robot:
 
     def check(self, program: Program) -> tuple[Diagnostic, ...]:
         """What of a program is out of this robot's reach or limits."""
-        from assistant.robots.configuring import configure
+        from assistant.robots.program_solution import configure
 
         _, findings = configure(program, self)
         return findings
@@ -438,3 +483,26 @@ def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats
     require_same_length(p, q, "positions", "quaternions")
     with np.errstate(invalid="ignore", divide="ignore"):
         return p, q / norms(q)[:, None]
+
+
+Trait = Literal["stops-without-mass", "turning-speed"]
+"""A key of `programming.toml`, which says what it means."""
+
+
+@cache
+def controller_traits() -> Mapping[str, Mapping[Trait, bool]]:
+    """Language → its traits."""
+    text = files("assistant.robots").joinpath("programming.toml").read_text("utf-8")
+    return tomllib.loads(text)
+
+
+def programming_languages() -> tuple[str, ...]:
+    """Every language that a robot may be programmed in."""
+    return tuple(controller_traits())
+
+
+def has_trait(robot: Robot, trait: Trait) -> bool:
+    """Whether a controller of the robot has a trait, in any of the robot's languages."""
+    return any(
+        controller_traits()[name][trait] for name in robot.languages if name in controller_traits()
+    )

@@ -1,10 +1,18 @@
-"""Robot files: the TOML of a robot, read with a finding for each field that is wrong."""
+"""Robot files and the catalogue of them.
+
+A robot file is the TOML of a robot, or a URDF with what it lacks in a TOML; each field that is
+wrong gives a finding. The catalogue is the folder `catalogue` beside this module, one file a robot;
+`load` reads a file of the user.
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -17,11 +25,8 @@ from assistant.base.source_text import read_bytes
 from assistant.base.toml_text import parse_toml
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link
-from assistant.robots.arms.five_axis import FiveAxis
-from assistant.robots.arms.lengths import Lengths
-from assistant.robots.arms.scara import Scara
+from assistant.robots.arms.closed_form import FiveAxis, Lengths, Scara, SixAxis
 from assistant.robots.arms.serial import Serial
-from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot, usual_radii
 
 NO_TOML = error(
@@ -413,3 +418,35 @@ def _is_number(value: Any) -> bool:
         and not isinstance(value, bool)
         and abs(value) <= LARGEST_NUMBER
     )
+
+
+def names() -> tuple[str, ...]:
+    """The robots of the catalogue, in order of the alphabet."""
+    return tuple(sorted(f.name[: -len(".toml")] for f in _folder().iterdir() if _is_robot(f)))
+
+
+def get(name: str) -> Robot:
+    """The robot of that name; raises KeyError, with the names there are, if there is none."""
+    known = {n.lower(): n for n in names()}
+    if name.lower() not in known:
+        raise KeyError(f"no robot {name!r}; there are {', '.join(known.values())}")
+    return _of_catalogue(known[name.lower()])
+
+
+@cache
+def _of_catalogue(name: str) -> Robot:
+    file = _folder() / f"{name}.toml"
+    return read(file.read_bytes(), file.name)
+
+
+def load(path: str | FilePath) -> Robot:
+    """A robot from a file of the user's own; raises Unreadable or Refused."""
+    return read(read_bytes(path, most=SETTINGS_FILE), str(path))
+
+
+def _folder() -> Traversable:
+    return files(__package__).joinpath("catalogue")
+
+
+def _is_robot(file: Traversable) -> bool:
+    return file.name.endswith(".toml")

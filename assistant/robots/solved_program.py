@@ -1,4 +1,4 @@
-"""What solving a program for a robot leaves behind: where the arm is for every move."""
+"""A program that is solved for a robot: the joints and configurations of every move."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 """What stands around the work, as far as a source asks for it: how long travel takes, and from
-where the tool can come to a place. `cell.ways_in` answers it, which knows arms and bodies.
+where the tool can come to a place. `cell.planning.approaches` answers it, which knows arms and
+bodies.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from assistant.base.source_text import visible
 from assistant.cell.collision.model import Model
 from assistant.program.geometry import Pose
 from assistant.program.motion import UNSTATED
-from assistant.robots.arms import five_axis
+from assistant.robots.arms import closed_form
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg
 from assistant.studio.stages import DRAWING, Handle, Stage
@@ -78,8 +78,8 @@ def pose_at(handle: Handle, position: Sequence[float]) -> Pose:
     x, y, z = handle.frame.inverse().moved(np.array([position]))[0].tolist()
     if not handle.with_arm:
         return Pose((x, y, z), local.quaternion)
-    leans = five_axis.to_ab([local.position], [local.quaternion])
-    w, i, j, k = five_axis.from_ab([(x, y, z)], leans)[0].tolist()
+    leans = closed_form.to_ab([local.position], [local.quaternion])
+    w, i, j, k = closed_form.from_ab([(x, y, z)], leans)[0].tolist()
     return Pose((x, y, z), (w, i, j, k))
 
 

@@ -10,7 +10,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic
 from assistant.base.source_text import visible
 from assistant.cell.clearances import Closeness
-from assistant.cell.collision.carriers import Carriers
+from assistant.cell.collision.model import Carriers
 from assistant.cell.scene import CORE_SUFFIX
 from assistant.program.program import Program
 from assistant.view.located import Located

@@ -14,9 +14,8 @@ from assistant.cell.scene import PlacedRobot
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.rows import Mount
-from assistant.robots.timing.samples import samples_of
-from assistant.robots.timing.simulation import SAMPLE_PERIOD
+from assistant.robots.timing.course import Mount
+from assistant.robots.timing.simulation import SAMPLE_PERIOD, samples_of
 
 MOST_SAMPLES: Final = 20_000
 """Places of the arm that a page holds."""

@@ -15,8 +15,8 @@ from assistant.compiler.source_map import Places
 from assistant.program.motion import Kind
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.passed import MovesWithoutStop, stretches_of
-from assistant.robots.timing.pieces import Segment
+from assistant.robots.timing.segments import Segment
+from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop, stretches_of
 from assistant.view.motion import Record, column
 from assistant.view.stages import stages
 

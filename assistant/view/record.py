@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 
 from assistant.base.source_text import visible
-from assistant.cell.collision.carriers import Carriers, carrier_of
-from assistant.cell.scene import Body, PlacedRobot
-from assistant.cell.surfaces import part_surface
+from assistant.cell.collision.model import Carriers, carrier_of
+from assistant.cell.scene import Body, PlacedRobot, part_surface
 from assistant.program.geometry import Pose
 from assistant.program.program import Program
 from assistant.report.timing import statements

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from assistant.cell.clearances import carried_stretches
-from assistant.cell.collision.carriers import Carriers, carrier_of
-from assistant.cell.holding import CarriedBodies, takeable
+from assistant.cell.clearances import CarriedBodies, carried_stretches, takeable
+from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import Body, Scene
 from assistant.program.geometry import Pose
 from assistant.robots.timing import Simulation

@@ -127,7 +127,7 @@ def _moving(
 ) -> tuple[SolvedProgram, Simulation, list[_Marked]]:
     """A program as the arm goes through it, and what it touches. Raises Refused if it cannot."""
     from assistant import robots
-    from assistant.cell.holding import CarriedBodies, takeable
+    from assistant.cell.clearances import CarriedBodies, takeable
     from assistant.checks.clearances import placed_clearances
     from assistant.robots.timing import simulate
 
@@ -144,8 +144,8 @@ def _standing(sheet: Sheet) -> tuple[Scene, PlacedRobot | None]:
 
     It stands alone in the world if no cell is told.
     """
-    from assistant.cell.arms import place_robot
     from assistant.cell.clearances import robot_of
+    from assistant.cell.link_bodies import place_robot
     from assistant.cell.scene import Scene
 
     if sheet.arm is None:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from itertools import takewhile
 
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.passed import MovesWithoutStop
 from assistant.robots.timing.plan import Plan
-from assistant.robots.timing.state import History
+from assistant.robots.timing.segments import History
+from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 
 
 def stages(simulation: Simulation, until: float) -> Iterator[tuple[float, MovesWithoutStop]]:

@@ -16,7 +16,7 @@ from assistant.program.motion import Kind
 from assistant.program.program import Program, walk
 from assistant.program.statements import Moving
 from assistant.report.track import track
-from assistant.robots.timing.pieces import label_of
+from assistant.robots.timing.segments import label_of
 from assistant.view.motion import Record, column
 from assistant.view.moves import MOST_MOVES, MOST_TEXT, Key, text_records
 

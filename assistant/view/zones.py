@@ -10,9 +10,8 @@ from assistant.base.arrays import Floats
 from assistant.cell.scene import PlacedRobot
 from assistant.program.motion import Kind
 from assistant.robots.timing import Simulation
-from assistant.robots.timing.course import sums_by_move
-from assistant.robots.timing.passed import MovesWithoutStop
-from assistant.robots.timing.rows import join_moves
+from assistant.robots.timing.course import join_moves, sums_by_move
+from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 from assistant.view.stages import stages
 
 MOST_STAGES: Final = 1_000

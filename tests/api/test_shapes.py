@@ -14,7 +14,7 @@ from assistant.learning.calibration.measured import measured
 from assistant.program.geometry import Pose
 from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata
-from assistant.robots.crossing import joints_on_other_arm
+from assistant.robots.retargeting import joints_on_other_arm
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.triangulating import triangulate
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
+from assistant.cell.cell_file import read_scene
+from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
 from assistant.compiler import check_files
 
 FLAT = "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nf 1 2 3\nf 1 3 4\n"

@@ -11,8 +11,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.continuous import JointPath, clear, closest_approaches, hits
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Sphere
+from assistant.cell.scene import Body, Box, Capsule, Part, PlacedRobot, Scene, Sphere
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
 

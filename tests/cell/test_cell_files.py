@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.cell.cell_file import read_scene
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.map_file import save_map
-from assistant.cell.exploration.occupancy import Occupancy, keys_of
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.reading.meshes import read_mesh
-from assistant.cell.scene import Scene
-from assistant.cell.shapes import Box, Cylinder, Mesh
+from assistant.cell.exploration.occupancy import Occupancy, keys_of, save_map
+from assistant.cell.mesh_files import read_mesh
+from assistant.cell.scene import Box, Cylinder, Mesh, Scene
 from assistant.sources.cell import read_cell
 
 CELL = """
@@ -117,7 +115,7 @@ def stl(path: Path, mesh: Mesh) -> None:
 
 
 def cube(size: float) -> Mesh:
-    from assistant.cell.shapes import Convex
+    from assistant.cell.scene import Convex
 
     corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     return Convex(np.array(corners, dtype=np.float64) * size).hull

@@ -13,11 +13,21 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.arms import place_robot, touching_links
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
-from assistant.cell.writing.cell_text import cell_files
+from assistant.cell.cell_file import read_scene
+from assistant.cell.link_bodies import place_robot, touching_links
+from assistant.cell.scene import (
+    Body,
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Mesh,
+    Part,
+    Scene,
+    Shape,
+    Sphere,
+)
+from assistant.cell.scene_export import cell_files
 from assistant.program.geometry import Pose
 from tests.examples import drawn
 

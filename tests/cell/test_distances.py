@@ -11,8 +11,18 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Mesh, Shape, Sphere
+from assistant.cell.scene import (
+    Body,
+    Box,
+    Capsule,
+    Convex,
+    Mesh,
+    Part,
+    PlacedRobot,
+    Scene,
+    Shape,
+    Sphere,
+)
 from assistant.program.geometry import Pose
 from tests.cell.exact import point_box, point_segment, segment_box, segments
 

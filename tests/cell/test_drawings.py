@@ -20,10 +20,9 @@ from ezdxf.render.mesh import MeshBuilder
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.reading.drawings import Drawn, read_drawing
-from assistant.cell.scene import Body
-from assistant.cell.shapes import Convex, Cylinder, Mesh
+from assistant.cell.cell_file import read_scene
+from assistant.cell.drawing_bodies import Drawn, read_drawing
+from assistant.cell.scene import Body, Convex, Cylinder, Mesh
 
 
 @pytest.fixture

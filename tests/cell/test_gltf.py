@@ -9,10 +9,9 @@ import pytest
 import trimesh
 
 from assistant import robots
-from assistant.cell.arms import place_robot
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
-from assistant.cell.writing.gltf import gltf
+from assistant.cell.link_bodies import place_robot
+from assistant.cell.scene import Body, Box, Capsule, Convex, Cylinder, Part, Scene, Shape, Sphere
+from assistant.cell.scene_export import gltf
 from assistant.program.geometry import Pose
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.cell_file import read_scene
 from assistant.compiler import check_files
 
 PICK = """

@@ -16,8 +16,18 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.cell.collision.continuous import JointPath, hits
 from assistant.cell.collision.model import Item, Model
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere
+from assistant.cell.scene import (
+    Body,
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Part,
+    PlacedRobot,
+    Scene,
+    Shape,
+    Sphere,
+)
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 

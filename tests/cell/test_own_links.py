@@ -10,12 +10,11 @@ import pytest
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.cell.arms import arm_alone, place_robot, touching_links
 from assistant.cell.clearances import closeness
 from assistant.cell.collision.continuous import JointPath, closest_approaches
 from assistant.cell.collision.model import Model
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Cylinder, Sphere
+from assistant.cell.link_bodies import arm_alone, place_robot, touching_links
+from assistant.cell.scene import Body, Box, Capsule, Cylinder, Part, Scene, Sphere
 from assistant.checks.clearances import clearances
 from assistant.cli import main
 from assistant.program.expressions import JointValue

@@ -13,9 +13,8 @@ import pytest
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.cell.arms import place_robot, touching_links
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Shape, Sphere
+from assistant.cell.link_bodies import place_robot, touching_links
+from assistant.cell.scene import Body, Box, Capsule, Part, Scene, Shape, Sphere
 from assistant.checks.clearances import clearances
 from assistant.program.expressions import TargetValue
 from assistant.program.geometry import Pose, Target, Tool

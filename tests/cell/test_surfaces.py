@@ -8,9 +8,20 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from assistant.cell.scene import Part
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Shape, Sphere, extent
-from assistant.cell.surfaces import ROUND_SIDES, Surface, part_surface, surface
+from assistant.cell.scene import (
+    ROUND_SIDES,
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Part,
+    Shape,
+    Sphere,
+    Surface,
+    extent,
+    part_surface,
+    surface,
+)
 from assistant.program.geometry import Pose
 
 CUBE = np.indices((2, 2, 2)).reshape(3, -1).T * 10.0

@@ -10,11 +10,9 @@ import trimesh
 
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell.collision.carriers import Carriers
-from assistant.cell.collision.model import Model
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.scene import Scene
-from assistant.cell.shapes import Box, Capsule, Cylinder, Mesh, Sphere
+from assistant.cell.cell_file import read_scene
+from assistant.cell.collision.model import Carriers, Model
+from assistant.cell.scene import Box, Capsule, Cylinder, Mesh, Scene, Sphere
 
 LIMIT = '<limit lower="-2.5" upper="2.5" velocity="3.0" effort="1"/>'
 CHAIN = (

@@ -11,9 +11,9 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Severity
-from assistant.cell.planning.goals import goal_joints
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.ways_in import CellSurroundings
+from assistant.cell.cell_file import read_scene
+from assistant.cell.planning.approaches import CellSurroundings
+from assistant.cell.planning.space import goal_joints
 from assistant.program.geometry import Pose
 from assistant.sources.surroundings import ALONG, seconds
 

@@ -16,7 +16,7 @@ from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.arms.recognition import recognise_six_axis
+from assistant.robots.arms.spherical_wrist import recognise_six_axis
 
 NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
 FINE: Final = 3001

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assistant.cell.exploration.map_file import load_map, save_map
-from assistant.cell.exploration.occupancy import CellState, Occupancy, keys_of
+from assistant.cell.exploration.occupancy import CellState, Occupancy, keys_of, load_map, save_map
 from tests.cli.test_commands import run
 
 Capture = pytest.CaptureFixture[str]

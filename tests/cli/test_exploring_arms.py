@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.cell.exploration.map_file import load_map
-from assistant.cell.exploration.occupancy import CellState
+from assistant.cell.exploration.occupancy import CellState, load_map
 from assistant.cli import exploring_arms
 from assistant.cli.exploring_arms import NO_CONTACT
 from assistant.compiler.exploring import touching

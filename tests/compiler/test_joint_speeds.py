@@ -12,7 +12,7 @@ from assistant import robots
 from assistant.compiler import Translation, load, translate
 from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
-from assistant.robots.crossing import joints_on_other_arm
+from assistant.robots.retargeting import joints_on_other_arm
 from assistant.robots.timing import simulate
 
 ABB, MITSUBISHI = robots.get("irb1200-7-0.7"), robots.get("rv-4frl")

@@ -14,7 +14,7 @@ from assistant.compiler import Compiled, Translation, compile, load, translate
 from assistant.program import pseudo
 from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
-from assistant.robots.crossing import joints_on_other_arm
+from assistant.robots.retargeting import joints_on_other_arm
 
 CELL = Path(__file__).parents[2] / "samples" / "melfa" / "cell.process.toml"
 ABB, MITSUBISHI = robots.get("irb1200-7-0.7"), robots.get("rv-4frl")

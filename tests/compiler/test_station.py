@@ -17,11 +17,11 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.drawings import read_drawing
+from assistant.cell.drawing_bodies import read_drawing
 from assistant.compiler import check_files, compile, load
 from assistant.compiler.compiling import Compiled
 from assistant.robots.timing import simulate
-from assistant.robots.timing.passed import stretches_of
+from assistant.robots.timing.uninterrupted_moves import stretches_of
 from tests.cell.exact import segment_box
 
 pytest.importorskip("coal")

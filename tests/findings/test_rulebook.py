@@ -10,7 +10,7 @@ from string import Formatter
 import pytest
 
 from assistant.base.diagnostics import Refused, Rule, Severity
-from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.cell_file import read_scene
 from assistant.compiler import check_files
 from assistant.findings.rulebook import (
     adjustable,

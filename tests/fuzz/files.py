@@ -17,9 +17,9 @@ import numpy as np
 import assistant
 from assistant import robots
 from assistant.base.source_text import decode
-from assistant.cell.reading.cell_file import read_scene
-from assistant.cell.reading.links import drawn_links
-from assistant.cell.writing.cell_text import cell_files
+from assistant.cell.cell_file import read_scene
+from assistant.cell.link_bodies import drawn_links
+from assistant.cell.scene_export import cell_files
 from assistant.compiler.checking import check_files
 from assistant.compiler.filling import in_cell
 from assistant.compiler.script_file import parse_script

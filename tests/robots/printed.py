@@ -9,7 +9,7 @@ from assistant.base import rotations
 from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots.arms.five_axis import from_ab, to_ab
+from assistant.robots.arms.closed_form import from_ab, to_ab
 
 
 def printed(arm, positions, quaternions):

@@ -9,14 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.robots.branches.cheapest import (
+from assistant.robots.motion.branch_sequence import (
     BRANCH_CHANGE_COST,
     BROKEN_CHAIN_COST,
+    TURNS_NOT_STATED,
     BranchCosts,
+    add_whole_turns,
     cheapest_branches,
     choose_branches,
 )
-from assistant.robots.branches.turns import TURNS_NOT_STATED, add_whole_turns
 
 
 def free(chains: int) -> BranchCosts:

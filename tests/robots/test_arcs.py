@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant.base import rotations
-from assistant.robots.motion.arcs import arcs_of, circles, vias_of
+from assistant.robots.motion.interpolation import arcs_of, circles, vias_of
 
 shares = st.floats(0.02, 0.98)
 

@@ -9,7 +9,7 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused, Unreadable
-from assistant.robots import catalogue
+from assistant.robots import robot_file
 
 GOOD = (
     files("assistant.robots")
@@ -110,7 +110,7 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
 def test_a_wrong_field_is_named(old: str, new: str, field: str) -> None:
     assert old in GOOD
     with pytest.raises(Refused) as refused:
-        catalogue.read(GOOD.replace(old, new).encode(), "mine.toml")
+        robot_file.read(GOOD.replace(old, new).encode(), "mine.toml")
     assert refused.value.exit_status == 1
     assert field in {finding.place for finding in refused.value.findings}
     assert all(f.code == "RB002" and f.path == "mine.toml" for f in refused.value.findings)
@@ -121,7 +121,7 @@ def test_a_wrong_field_is_named(old: str, new: str, field: str) -> None:
 )
 def test_a_file_that_is_no_toml(data: bytes) -> None:
     with pytest.raises(Unreadable) as refused:
-        catalogue.read(data, "mine.toml")
+        robot_file.read(data, "mine.toml")
     assert [f.code for f in refused.value.findings] == ["RB001"]
 
 

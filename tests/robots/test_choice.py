@@ -17,7 +17,7 @@ from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.arms.recognition import recognise_six_axis
+from assistant.robots.arms.spherical_wrist import recognise_six_axis
 from tests.examples import drawn
 
 DOWN = (0.0, 0.0, 1.0, 0.0)

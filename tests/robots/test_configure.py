@@ -26,9 +26,9 @@ from assistant.program.statements import (
     MoveJoints,
     Statement,
 )
-from assistant.robots.branches.row_reach import NearestPoseCures
-from assistant.robots.branches.solving import solve_run
-from assistant.robots.motion.run_of_moves import path_part, run_of_parts
+from assistant.robots.motion.row_reach import NearestPoseCures
+from assistant.robots.motion.run import path_part, run_of_parts
+from assistant.robots.motion.run_solution import solve_run
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")

@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Refused
 from assistant.program.motion import Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots import Robot, catalogue
+from assistant.robots import Robot, robot_file
 
 PLAIN = robots.get("irb1600-10-1.45")
 TEXT = files("assistant.robots").joinpath("catalogue", "irb1600-10-1.45.toml").read_text("utf-8")
@@ -20,7 +20,7 @@ TEXT = files("assistant.robots").joinpath("catalogue", "irb1600-10-1.45.toml").r
 
 def coupled(coupling: float) -> Robot:
     text = TEXT.replace("repeatability_mm", f"coupling = {coupling}\nrepeatability_mm")
-    return catalogue.read(text.encode(), "rod.toml")
+    return robot_file.read(text.encode(), "rod.toml")
 
 
 def random_joints(robot: Robot, count: int) -> np.ndarray:
@@ -79,5 +79,5 @@ def test_roboticstoolbox_knows_no_coupling() -> None:
 def test_a_scara_has_no_coupling() -> None:
     text = files("assistant.robots").joinpath("catalogue", "rh-6frh5520.toml").read_text("utf-8")
     with pytest.raises(Refused) as refused:
-        catalogue.read(text.replace("reach_mm", "coupling = 1\nreach_mm").encode())
+        robot_file.read(text.replace("reach_mm", "coupling = 1\nreach_mm").encode())
     assert [f.place for f in refused.value.findings] == ["coupling"]

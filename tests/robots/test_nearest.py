@@ -14,8 +14,8 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.program import pseudo
 from assistant.program.geometry import Pose
-from assistant.robots.arms.five_axis import from_ab
-from assistant.robots.arms.nearest import find_nearest_pose
+from assistant.robots.arms.closed_form import from_ab
+from assistant.robots.arms.nearest_pose import find_nearest_pose
 from tests.examples import drawn
 
 ARM = robots.get("rv-2aj")

@@ -13,8 +13,7 @@ from assistant import robots
 from assistant.program.motion import UNSTATED, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots.branches.cheapest import BRANCH_CHANGE_COST
-from assistant.robots.branches.turns import LIMIT_CLEARANCE
+from assistant.robots.motion.branch_sequence import BRANCH_CHANGE_COST, LIMIT_CLEARANCE
 from tests.examples import drawn
 
 ARMS = [

@@ -14,7 +14,7 @@ from assistant.base.diagnostics import Refused
 from assistant.program.motion import UNSTATED, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots import Robot, catalogue
+from assistant.robots import Robot, robot_file
 from assistant.robots.arms import Link, Serial
 
 OFFSET = (  # axes 2, 3 and 4 parallel, 4, 5 and 6 not through one point
@@ -49,7 +49,7 @@ def toml(links, limits=(-180.0, 180.0), home=0.0, sliding=()) -> str:
 
 
 def read(text: str) -> Robot:
-    return catalogue.read(text.encode(), "own.toml")
+    return robot_file.read(text.encode(), "own.toml")
 
 
 def offset_arm() -> Robot:

@@ -15,7 +15,7 @@ from assistant.program.geometry import Pose, Target
 from assistant.program.motion import FINE, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move
-from assistant.robots import Robot, catalogue
+from assistant.robots import Robot, robot_file
 from assistant.robots.arms import Placed, Serial
 from tests.examples import drawn
 
@@ -70,7 +70,7 @@ OFFSET = jointed(  # axes 2, 3 and 4 parallel, and no point where 4, 5 and 6 mee
 
 
 def read(text: str) -> Robot:
-    return catalogue.read(text.encode(), "own.urdf")
+    return robot_file.read(text.encode(), "own.urdf")
 
 
 def random_joints(robot: Robot, n: int) -> np.ndarray:
@@ -309,7 +309,7 @@ def test_a_line_is_named() -> None:
 
 def test_a_file_in_utf_16_cannot_hide_a_document_type() -> None:
     with pytest.raises(Unreadable):
-        catalogue.read("<!DOCTYPE robot><robot/>".encode("utf-16"), "own.urdf")
+        robot_file.read("<!DOCTYPE robot><robot/>".encode("utf-16"), "own.urdf")
 
 
 def test_a_toml_beside_it_says_the_rest(tmp_path) -> None:

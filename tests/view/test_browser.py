@@ -13,8 +13,8 @@ import pytest
 
 from assistant import robots
 from assistant.base.arrays import Floats
-from assistant.cell.arms import place_robot
-from assistant.cell.collision.carriers import Carriers
+from assistant.cell.collision.model import Carriers
+from assistant.cell.link_bodies import place_robot
 from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
 from assistant.view.page import filled

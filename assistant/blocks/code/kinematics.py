@@ -17,8 +17,7 @@ from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 from assistant.robots.arms.arm import BOUNDARY, CLOSING
-from assistant.robots.arms.five_axis import ON_AXIS_1
-from assistant.robots.arms.six_axis import WRIST_IN_LINE
+from assistant.robots.arms.closed_form import ON_AXIS_1, WRIST_IN_LINE
 from assistant.robots.configurations import QUADRANTS
 from assistant.robots.robot import LIMIT_TOLERANCE
 

@@ -10,8 +10,8 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.code import rules
-from assistant.cell.reach.singularities import distance_from_singularity, jacobian
 from assistant.robots import Robot
+from assistant.robots.motion.singularities import distance_from_singularity, jacobian
 
 ROWS: Final = 200
 SEED: Final = 22

@@ -13,8 +13,8 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.library.rules import NO_ROBOT
+from assistant.cell.cell_file import read_scene
 from assistant.cell.collision.model import Model
-from assistant.cell.reading.cell_file import read_scene
 from assistant.cell.scene import Scene
 
 

@@ -38,7 +38,7 @@ def step_port(name: str) -> Port:
 def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
     """Return X, Y, Z, A, B, C (6,) of a pose (6,) or (7,); raises Refused, naming the block.
 
-    R = Rz(C)·Ry(B)·Rx(A); an arm of five axes has A and B only (`robots.arms.five_axis`).
+    R = Rz(C)·Ry(B)·Rx(A); an arm of five axes has A and B only (`robots.arms.closed_form`).
     posture: of the arm, as its controller writes it after a pose.
     """
     if len(pose) != POSE:
@@ -46,11 +46,11 @@ def shown(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
     turn = _turn(block, pose)
     if not robot.five_axis:
         return np.concatenate([pose[:3], rotations.to_euler(turn)[::-1]])
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
     place, turns = pose[None, :3], turn[None]
-    ab = five_axis.to_ab(place, turns)[0]
-    miss = float(five_axis.plane_miss(place, turns)[0])
+    ab = closed_form.to_ab(place, turns)[0]
+    miss = float(closed_form.plane_miss(place, turns)[0])
     reason = ""
     if miss > MISS:
         reason = f"the tool is {miss:.2f} degrees off what they reach there"

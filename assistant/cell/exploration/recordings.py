@@ -1,4 +1,4 @@
-"""Joints that were recorded while an arm moved, with an input that told of contacts."""
+"""Recordings of the joints of a moving arm, with an input that signals contacts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import read_bytes
-from assistant.cell.exploration.rules import (
+from assistant.cell.findings import (
     BLANK_ROWS,
     NO_RECORDED_COLUMN,
     NOT_RECORDED,

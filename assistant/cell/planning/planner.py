@@ -1,4 +1,4 @@
-"""Ways through a cell that touch nothing: `plan`.
+"""Plan paths through a cell that keep clear of everything: `plan`.
 
 scene, _ = read_scene("cell.toml")
 way = plan(scene, robot.home, Pose((450, 100, 300), (0, 0, 1, 0)))
@@ -17,15 +17,13 @@ from numpy.typing import ArrayLike
 from assistant.base.arrays import Floats, Truths, reals
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.continuous import RESOLUTION
-from assistant.cell.planning.goals import goal_joints
-from assistant.cell.planning.lines import goal_on_line, in_branch, with_lines
-from assistant.cell.planning.moves import Route, RouteCheck, round_corners
-from assistant.cell.planning.rules import (
+from assistant.cell.findings import (
     FEWER_LINES,
     GOAL_NOT_REACHED,
     GOAL_TOUCHES,
     LESS_MARGIN,
     NO_PATH,
+    NO_ROBOT,
     PATH_OUTSIDE_LIMITS,
     PATH_TILTED,
     SENSELESS_VALUE,
@@ -33,10 +31,16 @@ from assistant.cell.planning.rules import (
     STOPS_AT_CORNERS,
     WRONG_JOINT_COUNT,
 )
-from assistant.cell.planning.search import SearchResult, search_path
-from assistant.cell.planning.shortening import shorten_path
-from assistant.cell.planning.space import TILT_TOLERANCE, Cone, Space
-from assistant.cell.rules import NO_ROBOT
+from assistant.cell.planning.path_search import SearchResult, search_path, shorten_path
+from assistant.cell.planning.program_moves import (
+    Route,
+    RouteCheck,
+    goal_on_line,
+    in_branch,
+    round_corners,
+    with_lines,
+)
+from assistant.cell.planning.space import TILT_TOLERANCE, Cone, Space, goal_joints
 from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed

@@ -1,8 +1,9 @@
-"""The joints of one robot of a cell, and which places and straight moves of them are free.
+"""The joint space of one robot of a cell: free positions, free straight moves, and goals.
 
-A straight move is cut into parts until each is proven: nothing comes nearer on a part than in its
-middle, less what it can move from there to an end (`Model.leverage`). What is not proven in parts
-in which nothing moves more than `FINEST` counts as not free.
+A straight move is divided until each part is proven: nothing comes nearer on a part than in its
+middle, less what it can move from there to an end (`Model.leverage`). A move that is not proven in
+parts in which nothing moves more than `FINEST` counts as not free. A pose of the tool has a goal
+for each arm branch, with every whole turn of the axes inside their limits.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -20,7 +22,8 @@ from assistant.cell.collision.continuous import RESOLUTION, Hit, JointPath, hits
 from assistant.cell.collision.model import Contact, Model
 from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose, Vector
-from assistant.robots.timing.passed import Stretches
+from assistant.robots.robot import Robot
+from assistant.robots.timing.uninterrupted_moves import Stretches
 
 FINEST: Final = 0.1
 """mm that anything moves in the shortest part of a move that is looked at."""
@@ -200,8 +203,8 @@ class Space:
     ) -> Truths:
         """(n,) whether the tool stays in the cone: it tilts by no more than it turns.
 
-        beyond: degrees that it may be tilted further, `TILT` if it is not said. slack: (n, a) how
-        far the joints may be from a straight move.
+        beyond: degrees that it may be tilted further, `TILT_TOLERANCE` if it is not said. slack:
+        (n, a) how far the joints may be from a straight move.
         """
         if self.cone is None:
             return np.ones(len(starts), dtype=bool)
@@ -236,3 +239,45 @@ CONE_EDGE: Final = 1.0
 """degrees inside the edge of a cone, at most a fifth of it, that leave room for corners."""
 TILT_TOLERANCE: Final = 0.1
 """degrees that a tool may be tilted beyond its cone: targets at its edge are rounded."""
+
+
+MOST_GOALS: Final = 64
+"""Ways that are tried, of those nearest to where the arm comes from."""
+SAME_JOINTS: Final = 1e-3
+"""degrees (mm) by which two ways differ at least."""
+
+
+def goal_joints(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -> Floats:
+    """(k, a) joints that hold the tip of a tool at a pose, inside the limits, the nearest first.
+
+    pose: in the base of the robot. near: (a,) joints where the arm comes from. tool: the tip in
+    the flange. A turn of an axis that its limits allow is a way of its own.
+    """
+    flange = pose @ tool.inverse()
+    joints, valid = robot.ik([flange.position], [flange.quaternion])
+    found: list[Floats] = []
+    for row in joints[0][valid[0]]:
+        found += _with_whole_turns(robot, row)
+    some = np.array(found).reshape(-1, len(robot.axes))
+    order = np.argsort(np.linalg.norm((some - near) / robot.speeds, axis=1), kind="stable")
+    out: list[Floats] = []
+    for row in some[order]:
+        if all(np.abs(row - other).max() > SAME_JOINTS for other in out):
+            out.append(row)
+    return np.array(out[:MOST_GOALS]).reshape(-1, len(robot.axes))
+
+
+def _with_whole_turns(robot: Robot, row: Floats) -> list[Floats]:
+    """A row of joints with every whole turn of its axes that is inside the limits."""
+    low, high = robot.limits.T
+    turns = []
+    for axis in range(len(row)):
+        if robot.sliding[axis] or axis not in robot.winding():
+            turns.append([0.0])
+            continue
+        # Axes without an end are turned once at most.
+        least = max(-1.0, np.ceil((low[axis] - row[axis]) / 360.0 - 1e-9))
+        most = min(1.0, np.floor((high[axis] - row[axis]) / 360.0 + 1e-9))
+        turns.append([360.0 * k for k in np.arange(least, most + 0.5)])
+    rows = [row + np.array(turn) for turn in product(*turns)]
+    return [one for one in rows if bool(robot.inside(one))]

@@ -27,7 +27,7 @@ from assistant.learning.calibration.models import (
 )
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.robots.arms.chain import Chain, ChainPoses, Joint
+from assistant.robots.arms.arm import Chain, ChainPoses, Joint
 
 PARALLEL: Final = 0.1
 """Sine of the angle between two axes below which they count as parallel."""

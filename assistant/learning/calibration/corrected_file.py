@@ -15,7 +15,7 @@ from assistant.learning.calibration.models import LengthsModel
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Scara, SixAxis
-from assistant.robots.arms.chain import METRE, Chain
+from assistant.robots.arms.arm import METRE, Chain
 from assistant.robots.robot_file import LENGTH_NAMES, ROBOT_NAME
 
 DIGITS: Final = 9

@@ -16,7 +16,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
 from assistant.robots import Robot
 from assistant.robots.arms import Arm, FiveAxis, Scara, SixAxis
-from assistant.robots.arms.chain import Chain, ChainPoses
+from assistant.robots.arms.arm import Chain, ChainPoses
 from assistant.robots.robot_file import LENGTH_NAMES
 
 Unit = Literal["mm", "deg"]

@@ -16,9 +16,7 @@ from assistant.learning.maps.extended_map import Task
 from assistant.learning.maps.rules import NO_AXIS, NO_LENGTH
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.robots.arms.five_axis import FiveAxis
-from assistant.robots.arms.lengths import Lengths
-from assistant.robots.arms.six_axis import SixAxis
+from assistant.robots.arms.closed_form import FiveAxis, Lengths, SixAxis
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 
 LENGTHS: Final = ("d1", "a1", "a2", "a3", "d4", "d6")

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from assistant.robots.arms.arm import Arm, Link
-from assistant.robots.arms.chain import Joint
-from assistant.robots.arms.five_axis import FiveAxis
-from assistant.robots.arms.lengths import Lengths
-from assistant.robots.arms.placed import Placed
-from assistant.robots.arms.scara import Scara
+from assistant.robots.arms.arm import Arm, Joint, Link
+from assistant.robots.arms.closed_form import FiveAxis, Lengths, Scara, SixAxis
 from assistant.robots.arms.serial import Serial
-from assistant.robots.arms.six_axis import SixAxis
+from assistant.robots.arms.spherical_wrist import Placed
 
 __all__ = ["Arm", "FiveAxis", "Joint", "Lengths", "Link", "Placed", "Scara", "Serial", "SixAxis"]

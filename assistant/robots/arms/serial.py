@@ -23,8 +23,17 @@ from numpy.typing import NDArray
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.robots.arms.arm import CLOSING, Arm, Link, turn_between
-from assistant.robots.arms.chain import METRE, Chain, ChainPoses, Joint, pose_matrices
+from assistant.robots.arms.arm import (
+    CLOSING,
+    METRE,
+    Arm,
+    Chain,
+    ChainPoses,
+    Joint,
+    Link,
+    pose_matrices,
+    turn_between,
+)
 
 SIGNS: Final = 3
 STARTS: Final = (16384, 5)

@@ -1,1 +1,3 @@
-"""Moves that follow each other, in columns, and the poses and joints on the way between targets."""
+"""The motion of an arm along runs of moves: arm branches, whole turns, reach and joints."""
+
+from __future__ import annotations

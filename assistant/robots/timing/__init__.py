@@ -12,13 +12,17 @@ from assistant.base.budgets import TIMING, staged
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.program.program import Program
 from assistant.robots.solved_program import SolvedProgram
-from assistant.robots.timing.carrying import Carried
-from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
-from assistant.robots.timing.on_way import OutputTime
-from assistant.robots.timing.samples import Samples
-from assistant.robots.timing.simulation import NO_PERIOD, MoveTimes, Simulation, Unknown
-from assistant.robots.timing.state import Duration, State
-from assistant.robots.timing.walking import Walker
+from assistant.robots.timing.plan import TIME_TO_SPEED, Drive, drive_of
+from assistant.robots.timing.program_walk import Walker
+from assistant.robots.timing.segments import Carried, Duration, State
+from assistant.robots.timing.simulation import (
+    NO_PERIOD,
+    MoveTimes,
+    OutputTime,
+    Samples,
+    Simulation,
+    Unknown,
+)
 
 __all__ = [
     "TIME_TO_SPEED",
@@ -51,7 +55,7 @@ def simulate(
     acceleration: mm/s² of the tool on lines and arcs at most; None if only the axes bound it.
     start: (a,) joints where the program begins, None for home. drive: speeds and accelerations
     of the axes, None for those of the robot. carried: what the arm carries at first, None if that
-    need not be known; `Piece.carried` of what is passed then tells it.
+    need not be known; `Segment.carried` of what is passed then tells it.
     Raises Refused if the solution has errors: what cannot be reached has no time.
     """
     if has_errors(solution.findings):

@@ -206,7 +206,7 @@ def _moved(start: Pose, away: Floats, turn: Floats, mode: int) -> Pose:
 
 def _five_axes(tip: Pose) -> Pose:
     """What an arm of five axes makes of a pose: it keeps A and B."""
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
     p, q = np.array([tip.position]), np.array([tip.quaternion])
-    return Pose.of(p[0], rotations.canonical(five_axis.from_ab(p, five_axis.to_ab(p, q))[0]))
+    return Pose.of(p[0], rotations.canonical(closed_form.from_ab(p, closed_form.to_ab(p, q))[0]))

@@ -46,7 +46,7 @@ def pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) -
     tip = foot @ Pose.of(positions[0], quaternions[0]) @ tool
     values = list(tip.position)
     if robot.five_axis:
-        from assistant.robots.arms.five_axis import to_ab
+        from assistant.robots.arms.closed_form import to_ab
 
         found = to_ab(np.array([tip.position]), np.array([tip.quaternion]))
         values += [float(v) for v in found[0]]

@@ -18,13 +18,19 @@ from assistant.base.arrays import Floats, Rows, norms
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import UNSTATED, Kind
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.motion.arcs import arcs_of
+from assistant.robots.motion.interpolation import arcs_of
 from assistant.robots.motion.run import from_flange
 from assistant.robots.robot import Robot
-from assistant.robots.timing.course import NO_STEP, ON_THE_SPOT, TURN_OF_ZONE, sums_by_move
-from assistant.robots.timing.drive import Drive, drive_of
-from assistant.robots.timing.plan import Plan, plan_of
-from assistant.robots.timing.rows import Mount, Moves, join_moves
+from assistant.robots.timing.course import (
+    NO_STEP,
+    ON_THE_SPOT,
+    TURN_OF_ZONE,
+    Mount,
+    Moves,
+    join_moves,
+    sums_by_move,
+)
+from assistant.robots.timing.plan import Drive, Plan, drive_of, plan_of
 from assistant.virtual.events import Moved, OnWay, Place, Switched
 from assistant.virtual.kernel.kernel import Progress, Timer
 from assistant.virtual.kernel.task import Task

@@ -19,7 +19,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
-from assistant.robots.timing.drive import Drive
+from assistant.robots.timing.plan import Drive
 from assistant.virtual.events import Logged, Moved, Noted, Place, Switched
 from assistant.virtual.kernel.flight import (
     NO_TIME,

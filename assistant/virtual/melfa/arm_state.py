@@ -39,14 +39,14 @@ SIX: Final = 6
 def pose_of(value: Position, robot: Robot | None = None) -> Pose:
     """The pose of a position; raises Failed where an element of it is not defined.
 
-    robot: of five axes, whose A and B are counted otherwise (see robots.arms.five_axis).
+    robot: of five axes, whose A and B are counted otherwise (see robots.arms.closed_form).
     """
     six = value.values[:6]
     if robot is not None and robot.five_axis:
-        from assistant.robots.arms import five_axis
+        from assistant.robots.arms import closed_form
 
         x, y, z, a, b = _all_numbers(six[:5])
-        made = five_axis.from_ab(np.array([[x, y, z]]), np.array([[a, b]]))[0]
+        made = closed_form.from_ab(np.array([[x, y, z]]), np.array([[a, b]]))[0]
         return Pose.of(np.array([x, y, z]), rotations.canonical(made))
     x, y, z, a, b, c = _all_numbers(six)
     return Pose.of(np.array([x, y, z]), rotations.from_euler((c, b, a), "ZYX"))
@@ -55,10 +55,10 @@ def pose_of(value: Position, robot: Robot | None = None) -> Pose:
 def position_of(pose: Pose, like: Position | None = None, robot: Robot | None = None) -> Position:
     """A pose as a position with the flags and additional axes of another one."""
     if robot is not None and robot.five_axis:
-        from assistant.robots.arms import five_axis
+        from assistant.robots.arms import closed_form
 
         p, q = np.array([pose.position]), np.array([pose.quaternion])
-        angles = (*(float(v) for v in five_axis.to_ab(p, q)[0]), 0.0)
+        angles = (*(float(v) for v in closed_form.to_ab(p, q)[0]), 0.0)
     else:
         found = rotations.to_euler(np.array(pose.quaternion), "ZYX")
         angles = (float(found[2]), float(found[1]), float(found[0]))

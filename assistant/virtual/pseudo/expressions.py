@@ -13,7 +13,7 @@ import numpy as np
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import configuration_of, configuration_row
-from assistant.robots.target_lookup import SHIFTS
+from assistant.robots.program_values import SHIFTS
 from assistant.virtual.kernel import kernel
 from assistant.virtual.pseudo import machine
 from assistant.virtual.pseudo.machine import (

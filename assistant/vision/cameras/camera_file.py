@@ -27,8 +27,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, has_errors, near_names
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.cell.reading.bodies import pose_of
-from assistant.cell.reading.keys import PLACE_KEYS
+from assistant.cell.body_tables import PLACE_KEYS, pose_of
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import Table, Wrong, kind_of

@@ -171,7 +171,7 @@ def _of_folder(camera: Camera, folder: FilePath) -> Iterator[Frame]:
 
 def _drawn(camera: Camera, cell: FilePath) -> Iterator[Frame]:
     """A cell as a camera that stands in it sees it; each picture has noise of its own."""
-    from assistant.cell.reading.cell_file import read_scene
+    from assistant.cell.cell_file import read_scene
     from assistant.vision.cameras.drawing import draw, things_of
     from assistant.vision.cameras.standing import in_world
 

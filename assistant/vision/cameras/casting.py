@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
+from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
 
 Met = tuple[Floats, Floats]
 AT_ONCE: Final = 2_000_000

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
-from assistant.cell.collision.carriers import Carriers, carrier_of
-from assistant.cell.scene import Scene
-from assistant.cell.shapes import Shape, Sphere, extent
+from assistant.cell.collision.model import Carriers, carrier_of
+from assistant.cell.scene import Scene, Shape, Sphere, extent
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.casting import met

@@ -8,7 +8,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import Body, Scene
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera

@@ -14,7 +14,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.cell_file import read_scene
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture, draw, things_of
 from assistant.vision.cameras.standing import in_world

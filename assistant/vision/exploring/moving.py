@@ -12,11 +12,10 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.explorer import Explorer
-from assistant.cell.exploration.filling import STEP_IN_CELLS
+from assistant.cell.exploration.explorer import Explorer, best_of, drawn_in, ranges_of, way_to
+from assistant.cell.exploration.filled_cells import STEP_IN_CELLS
 from assistant.cell.exploration.recordings import clear_runs
-from assistant.cell.exploration.rules import NOT_CLEAR
-from assistant.cell.exploration.wandering import best_of, drawn_in, ranges_of, way_to
+from assistant.cell.findings import NOT_CLEAR
 from assistant.controllers.leading.carrier import Carrier
 from assistant.controllers.recording import Recording
 from assistant.robots import Robot

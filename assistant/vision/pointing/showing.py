@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from assistant.cell.arms import capsule_between
-from assistant.cell.shapes import Sphere
+from assistant.cell.link_bodies import capsule_between
+from assistant.cell.scene import Sphere
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.drawing import Colour, Thing
 from assistant.vision.pointing.devices import Ball, Device

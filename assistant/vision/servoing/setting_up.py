@@ -10,7 +10,7 @@ from typing import Final
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.reading.cell_file import read_scene
+from assistant.cell.cell_file import read_scene
 from assistant.cell.scene import FLANGE, PlacedRobot, Scene
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot

@@ -37,8 +37,7 @@ from typing import Any, Final, Literal
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.cell.reading.bodies import pose_of
-from assistant.cell.reading.keys import PLACE_KEYS
+from assistant.cell.body_tables import PLACE_KEYS, pose_of
 from assistant.program import settings_tables
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.settings_tables import Table, Wrong, kind_of

@@ -19,9 +19,9 @@ from assistant.base.diagnostics import Refused
 from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
 from assistant.blocks.code.templates import identifier, words
-from assistant.cell.reach.singularities import distance_from_singularity
-from assistant.robots import Robot, catalogue
+from assistant.robots import Robot, robot_file
 from assistant.robots.arms import Placed
+from assistant.robots.motion.singularities import distance_from_singularity
 from tests.blocks.code.compiled import Library, compiled
 from tests.robots.test_urdf import OFFSET, WRISTED
 
@@ -33,7 +33,7 @@ COUNT = 60
 def own(name: str, text: str) -> Robot:
     """A robot of the catalogue, its file changed."""
     file = files("assistant.robots").joinpath("catalogue", f"{name}.toml")
-    return catalogue.read(file.read_text("utf-8").replace(*text.split(" → ")).encode(), "own.toml")
+    return robot_file.read(file.read_text("utf-8").replace(*text.split(" → ")).encode(), "own.toml")
 
 
 def tilted() -> Robot:
@@ -42,7 +42,7 @@ def tilted() -> Robot:
     origin = '<origin xyz="{}" rpy="{}"/>'
     upright = origin.format("0 0 0.3991", "0 0 0")
     leaning = origin.format("0.1 0 0.4", "0.3 -0.2 0.5")
-    robot = catalogue.read(text.replace(upright, leaning).encode(), "own.urdf")
+    robot = robot_file.read(text.replace(upright, leaning).encode(), "own.urdf")
     assert isinstance(robot.arm, Placed) and robot.arm.base.quaternion[0] < 0.99
     return robot
 
@@ -207,7 +207,7 @@ def test_what_no_arm_reaches_is_valid_in_no_branch(tmp_path: Path) -> None:
 
 
 def test_an_arm_without_a_closed_form_is_refused() -> None:
-    robot = catalogue.read(OFFSET.encode(), "own.urdf")
+    robot = robot_file.read(OFFSET.encode(), "own.urdf")
     with pytest.raises(Refused) as refused:
         kinematics(robot, "c")
     assert [one.code for one in refused.value.findings] == ["BL301"]

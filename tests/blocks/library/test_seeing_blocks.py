@@ -17,8 +17,8 @@ from assistant.blocks.library.arriving import Live
 from assistant.blocks.library.clearance import CollisionDistance
 from assistant.blocks.library.seeing import PointingDevice, ProjectedMarker, SeenMarker
 from assistant.blocks.library.sources import Constant, PoseToPose, Table
+from assistant.cell.cell_file import read_scene
 from assistant.cell.collision.model import Model
-from assistant.cell.reading.cell_file import read_scene
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.cameras.camera_file import Rig

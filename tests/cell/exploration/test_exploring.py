@@ -15,17 +15,24 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints
 from assistant.base.diagnostics import Refused
-from assistant.cell import arms
-from assistant.cell.collision.carriers import Carriers, carrier_of
+from assistant.cell import link_bodies
 from assistant.cell.collision.continuous import JointPath, clear, hits
-from assistant.cell.collision.geometry import coal_geometry
-from assistant.cell.collision.model import Model
-from assistant.cell.exploration.explorer import Explorer, Touch
-from assistant.cell.exploration.known import with_map
+from assistant.cell.collision.distances import coal_geometry
+from assistant.cell.collision.model import Carriers, Model, carrier_of
+from assistant.cell.exploration.explorer import Explorer, Touch, asked, in_scene, ranges_of, wander
+from assistant.cell.exploration.known_space import with_map
 from assistant.cell.exploration.occupancy import CellState, Occupancy
-from assistant.cell.exploration.wandering import asked, in_scene, ranges_of, wander
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from assistant.cell.scene import (
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Part,
+    PlacedRobot,
+    Scene,
+    Shape,
+    Sphere,
+)
 from assistant.program.geometry import Pose
 from assistant.program.pseudo import parse
 from assistant.robots.timing import Simulation, simulate
@@ -39,8 +46,8 @@ BASE = Pose((120.0, -40.0, 30.0), (np.cos(0.3), 0.0, 0.0, np.sin(0.3)))
 @cache
 def own(base: Pose = BASE) -> Scene:
     """An arm, alone."""
-    placed = arms.place_robot("arm", robots.get("rv-2aj"), base)
-    return Scene((), (placed,), allowed=arms.touching_links(placed))
+    placed = link_bodies.place_robot("arm", robots.get("rv-2aj"), base)
+    return Scene((), (placed,), allowed=link_bodies.touching_links(placed))
 
 
 def arm() -> PlacedRobot:

@@ -10,10 +10,20 @@ import pytest
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell.exploration.filling import Filler
+from assistant.cell.exploration.filled_cells import Filler
 from assistant.cell.exploration.occupancy import cells_of_keys
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
+from assistant.cell.scene import (
+    Body,
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Mesh,
+    Part,
+    Scene,
+    Shape,
+    Sphere,
+)
 from assistant.program.geometry import Pose
 from tests.cell.exact import point_segment
 from tests.cell.gantry import TURN, gantry, joints

@@ -13,15 +13,12 @@ from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Refused
 from assistant.cell.collision.continuous import JointPath, clear
 from assistant.cell.collision.model import Model
-from assistant.cell.exploration.boxes import boxes_of, surface_of
-from assistant.cell.exploration.explorer import Explorer
-from assistant.cell.exploration.known import with_map
+from assistant.cell.exploration.explorer import Explorer, in_scene, wander
+from assistant.cell.exploration.known_space import boxes_of, surface_of, with_map
 from assistant.cell.exploration.occupancy import Occupancy, keys_of
-from assistant.cell.exploration.wandering import in_scene, wander
+from assistant.cell.placement import best_base
 from assistant.cell.planning.planner import plan
-from assistant.cell.reach.placing import best_base
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Shape, Sphere
+from assistant.cell.scene import Body, Box, Capsule, Part, PlacedRobot, Scene, Shape, Sphere
 from assistant.program.geometry import Pose
 from assistant.robots.robot_file import read
 from tests.cell.exploration.test_exploring import arm, hidden, own

@@ -9,14 +9,15 @@ import pytest
 
 from assistant.base.arrays import Ints
 from assistant.base.diagnostics import Refused, Unreadable
-from assistant.cell.exploration.boxes import boxes_of
-from assistant.cell.exploration.map_file import load_map, save_map
+from assistant.cell.exploration.known_space import boxes_of
 from assistant.cell.exploration.occupancy import (
     CellState,
     Comparison,
     Occupancy,
     cells_of_keys,
     keys_of,
+    load_map,
+    save_map,
 )
 
 

@@ -12,11 +12,10 @@ import pytest
 from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell import arms
+from assistant.cell import link_bodies
 from assistant.cell.planning.planner import Planned, plan
 from assistant.cell.planning.space import Space
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from assistant.cell.scene import Body, Box, Capsule, Cylinder, Part, Scene, Shape, Sphere
 from assistant.program.geometry import Pose
 from tests.cell.gantry import gantry
 from tests.cell.planning.test_planner import proven
@@ -37,8 +36,8 @@ class Drawn:
 
 
 def drawn(name: str, count: int, seed: int) -> Iterator[Drawn]:
-    arm = gantry("arm") if name == "gantry" else arms.place_robot("arm", robots.get(name))
-    touching = arms.touching_links(arm)
+    arm = gantry("arm") if name == "gantry" else link_bodies.place_robot("arm", robots.get(name))
+    touching = link_bodies.touching_links(arm)
     draw = np.random.default_rng(seed)
     low, high = np.clip(arm.robot.limits, -1000.0, 1000.0).T
     reach = 1.3 * float(np.abs(arm.robot.fk(arm.robot.home[None])[0]).max()) + 100.0

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.cell import arms
-from assistant.cell.planning.goals import goal_joints
+from assistant.cell import link_bodies
 from assistant.cell.planning.planner import Planned, plan
-from assistant.cell.planning.space import Cone
-from assistant.cell.scene import Body, Part, Scene
-from assistant.cell.shapes import Cylinder
+from assistant.cell.planning.space import Cone, goal_joints
+from assistant.cell.scene import Body, Cylinder, Part, Scene
 from assistant.program.geometry import Pose
 from assistant.robots.timing import simulate
 from benchmarks.cells import AHEAD, ARM, TIP, box, scene_of
@@ -93,9 +91,9 @@ def test_a_carried_glass_stays_level() -> None:
 
 def test_five_axes_keep_their_tool_upright() -> None:
     robot = robots.get("rv-2aj")
-    arm = arms.place_robot("arm", robot)
+    arm = link_bodies.place_robot("arm", robot)
     post = box("post", (30, 30, 320), (250, 0, 160))
-    scene = Scene((post,), (arm,), allowed=arms.touching_links(arm))
+    scene = Scene((post,), (arm,), allowed=link_bodies.touching_links(arm))
     begin, goal = (
         goal_joints(robot, Pose((220.0, y, 220.0), DOWN), robot.home)[0] for y in (-120.0, 120.0)
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from assistant.cell.collision.model import Model
-from assistant.cell.planning.goals import goal_joints
 from assistant.cell.planning.planner import Planned, plan
+from assistant.cell.planning.space import goal_joints
 from assistant.cell.scene import Scene
 from assistant.program import pseudo
 from assistant.program.geometry import Pose

@@ -14,7 +14,7 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.cell import arms
+from assistant.cell import link_bodies
 from assistant.cell.collision.continuous import hits
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.planner import Planned, plan
@@ -22,7 +22,7 @@ from assistant.cell.planning.space import Cone, Space
 from assistant.cell.scene import Scene
 from assistant.program.geometry import Pose
 from assistant.robots.timing import simulate
-from assistant.robots.timing.passed import stretches_of
+from assistant.robots.timing.uninterrupted_moves import stretches_of
 from benchmarks.cells import (
     AHEAD,
     ARM,
@@ -231,11 +231,11 @@ def test_a_goal_within_a_margin_is_reached_and_told_of() -> None:
 
 def test_five_axes() -> None:
     robot = robots.get("rv-2aj")
-    arm = arms.place_robot("arm", robot)
+    arm = link_bodies.place_robot("arm", robot)
     scene = Scene(
         (box("post", (40, 40, 900), (230, 0, 450)),),
         (arm,),
-        allowed=arms.touching_links(arm),
+        allowed=link_bodies.touching_links(arm),
     )
     start, goal = (robot.home + np.array([turn, 30, 0, 0, 0.0]) for turn in (-60, 60))
     way = plan(scene, start, goal)

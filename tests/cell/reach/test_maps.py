@@ -10,22 +10,24 @@ import pytest
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
-from assistant.cell import arms
+from assistant.cell import link_bodies
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.space import Space
-from assistant.cell.reach.holding import (
+from assistant.cell.reach_map import (
     ENOUGH_AWAY,
     ENOUGH_CLEAR,
     ENOUGH_LIMITS,
+    NumberRange,
     best_postures,
+    grid,
     limit_shares,
+    parse_directions,
+    parse_range,
+    reach_map,
 )
-from assistant.cell.reach.mapping import reach_map
-from assistant.cell.reach.region import NumberRange, grid, parse_directions, parse_range
-from assistant.cell.reach.singularities import distance_from_singularity, jacobian
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Sphere
+from assistant.cell.scene import Body, Box, Part, PlacedRobot, Scene, Sphere
 from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.motion.singularities import distance_from_singularity, jacobian
 from assistant.robots.robot_file import read
 from tests.cell.gantry import TURN, gantry
 
@@ -148,8 +150,8 @@ def test_the_best_way_is_the_best_of_all():
     table = Body("table", (Part(Box((900.0, 900.0, 40.0))),), Pose((700.0, 0.0, 180.0)))
     post = Body("post", (Part(Box((60.0, 60.0, 500.0))),), Pose((430.0, 180.0, 400.0)))
     tool = Body("tool", (Part(Box((30.0, 30.0, 80.0)), Pose((0, 0, 40.0))),), parent="arm.flange")
-    placed = arms.place_robot("arm", IRB)
-    scene = Scene((table, post, tool), (placed,), allowed=arms.touching_links(placed))
+    placed = link_bodies.place_robot("arm", IRB)
+    scene = Scene((table, post, tool), (placed,), allowed=link_bodies.touching_links(placed))
     tip = Pose((10.0, 0.0, 90.0))
     points = np.random.default_rng(5).uniform([250, -250, 210], [650, 350, 600], (30, 3))
     turned = parse_directions(["0.2,0,-1"], 6).quaternions[0]

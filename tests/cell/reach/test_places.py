@@ -10,19 +10,18 @@ import pytest
 from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell import arms
-from assistant.cell.reach.placing import (
+from assistant.cell import link_bodies
+from assistant.cell.placement import (
     Goals,
     best_base,
     best_place,
     locations,
     shifted,
+    targets_of,
     turned_about_z,
 )
-from assistant.cell.reach.region import NumberRange, grid
-from assistant.cell.reach.targets import targets_of
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Mesh
+from assistant.cell.reach_map import NumberRange, grid
+from assistant.cell.scene import Body, Box, Mesh, Part, PlacedRobot, Scene
 from assistant.program import pseudo
 from assistant.program.geometry import Pose
 from assistant.robots.robot_file import read
@@ -148,10 +147,10 @@ def test_places_in_something_else_are_left_out(shape):
 
 
 def test_the_base_is_not_put_into_what_stands_there():
-    placed = arms.place_robot("arm", IRB)
+    placed = link_bodies.place_robot("arm", IRB)
     post = Body("post", (Part(Box((100, 100, 1000))),), Pose((600.0, 0.0, 0.0)),
                 locations={"top": Pose((0.0, 0.0, 600.0), DOWN)})  # fmt: skip
-    scene = Scene((post,), (placed,), allowed=arms.touching_links(placed))
+    scene = Scene((post,), (placed,), allowed=link_bodies.touching_links(placed))
     offsets = grid([NumberRange(0, 600, 100), NOWHERE, NOWHERE, NOWHERE])
     found = best_base(scene, placed, offsets, [locations(scene)])
     assert max(place.offset[0] for place in found.places) == 400.0

@@ -11,11 +11,10 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.cell import arms
-from assistant.cell.holding import CarriedBodies
-from assistant.cell.reach.swept import BEYOND, MOST_CELLS, SweptSpace, swept_space
-from assistant.cell.scene import Body, Part, PlacedRobot, Scene
-from assistant.cell.shapes import Box, Capsule, Mesh, Sphere
+from assistant.cell import link_bodies
+from assistant.cell.clearances import CarriedBodies
+from assistant.cell.scene import Body, Box, Capsule, Mesh, Part, PlacedRobot, Scene, Sphere
+from assistant.cell.swept_space import BEYOND, MOST_CELLS, SweptSpace, swept_space
 from assistant.program import pseudo
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import JointTarget, Pose
@@ -90,7 +89,7 @@ def test_a_ball_that_goes_straight_sweeps_a_capsule(size):
 
 def test_every_place_of_the_arm_at_every_time_is_in_it_and_little_else():
     """The surface of each capsule, at times of which the sweep knows nothing."""
-    placed = arms.place_robot("arm", IRB, Pose((100.0, 50.0, 0.0), (0.8, 0.0, 0.0, 0.6)))
+    placed = link_bodies.place_robot("arm", IRB, Pose((100.0, 50.0, 0.0), (0.8, 0.0, 0.0, 0.6)))
     tool = Body("tool", (Part(Box((20.0, 60.0, 90.0)), Pose((0, 0, 45.0))),), parent="arm.flange")
     scene = Scene((tool,), (placed,))
     done = simulate(robots.solve_program(pseudo.parse(PROGRAM), IRB), period=0.0331)
@@ -132,7 +131,7 @@ def test_what_is_carried_sweeps_from_where_it_is_taken():
         line for line in PROGRAM.splitlines() if not line.startswith("  wait")
     ).replace("target a", "signal grip digital output\n\ntarget a")
     text = plain.replace("  move linear b", "  set grip = 1\n  move linear b")
-    placed = arms.place_robot("arm", IRB)
+    placed = link_bodies.place_robot("arm", IRB)
     finger = Body("finger", (Part(Sphere(5.0)),), parent="arm.flange")
     part = Body("part", (Part(Sphere(20.0)),), Pose((400.0, -150.0, 330.0)), taken=("grip", 1.0))
     scene = Scene((part, finger), (placed,))

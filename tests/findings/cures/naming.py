@@ -19,7 +19,7 @@ from typing import Any, Final
 import typer
 
 from assistant.base.diagnostics import Rule
-from assistant.cell.reading import keys as of_cells
+from assistant.cell import body_tables as of_cells
 from assistant.cli.app import app
 from assistant.compiler import script_file
 from assistant.controllers.address import SCHEMES

@@ -106,7 +106,7 @@ def test_long_paths_are_split(name: str, most: int) -> None:
 @pytest.mark.parametrize("name", DIALECTS)
 def test_five_axes(name: str) -> None:
     from assistant import robots
-    from assistant.robots.arms import five_axis
+    from assistant.robots.arms import closed_form
 
     robot = robots.get("rv-2aj")
     rng = np.random.default_rng(5)
@@ -117,7 +117,7 @@ def test_five_axes(name: str) -> None:
         rng.uniform(250, 500, n),
     ])  # fmt: skip
     ab = np.column_stack([rng.uniform(-90, 90, n), rng.uniform(60, 180, n)])
-    in_base = five_axis.from_ab(position, ab)
+    in_base = closed_form.from_ab(position, ab)
     table = Pose((200.0, 50.0, 10.0), tuple(rotations.about((0, 0, 1), 30.0)))  # type: ignore[arg-type]
     back = table.inverse()
     local = rotations.rotate(back.quaternion, position) + back.position

@@ -12,7 +12,7 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move, MoveJoints
 from assistant.robots.timing import simulate
-from assistant.robots.timing.passed import stretches_of
+from assistant.robots.timing.uninterrupted_moves import stretches_of
 
 ARM = robots.get("irb1200-7-0.7")
 

@@ -9,8 +9,14 @@ import pytest
 
 from assistant import robots
 from assistant.robots import Robot
-from assistant.robots.turning.search import FoundPath, NoPath, TurnProblem, TurnSearch
-from assistant.robots.turning.steps import Station, Step
+from assistant.robots.free_turn_search import (
+    FoundPath,
+    NoPath,
+    Station,
+    Step,
+    TurnProblem,
+    TurnSearch,
+)
 
 ARM = robots.get("rv-2aj")
 BRANCHES = (0, 1)

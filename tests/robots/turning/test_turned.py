@@ -16,8 +16,8 @@ from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
 from assistant.program.statements import Branch, Follow, If, Motion, Move, Statement
-from assistant.robots.configuring import solve_program
-from assistant.robots.turning.programs import with_chosen_turns
+from assistant.robots.free_turns import with_chosen_turns
+from assistant.robots.program_solution import solve_program
 
 ARM = robots.get("irb1200-7-0.7")
 DOWN = (0.0, 1.0, 0.0, 0.0)

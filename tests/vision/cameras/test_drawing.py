@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from assistant.base import rotations
-from assistant.cell.shapes import Box, Capsule, Convex, Cylinder, Mesh, Sphere
+from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Sphere
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.casting import met
@@ -74,7 +74,7 @@ def test_what_is_nearer_hides_what_is_behind() -> None:
     "shape", [Sphere(10.0), Capsule(6.0, 20.0), Cylinder(8.0, 24.0), Box((20.0, 14.0, 10.0))]
 )
 def test_rays_meet_a_shape_as_they_meet_its_triangles(shape) -> None:
-    from assistant.cell.surfaces import surface
+    from assistant.cell.scene import surface
 
     drawn = surface(shape)
     mesh = Mesh(drawn.points, drawn.triangles)

@@ -9,10 +9,10 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
+from assistant.cell.cell_file import parse_scene
 from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
 from assistant.cell.exploration.occupancy import CellState
-from assistant.cell.reading.cell_file import parse_scene
 from assistant.cell.scene import Scene
 from assistant.vision.exploring.contacts import (
     AnyContacts,

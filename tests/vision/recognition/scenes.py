@@ -14,7 +14,7 @@ from shapely import constrained_delaunay_triangles
 from shapely.geometry import Polygon
 
 from assistant.base import rotations
-from assistant.cell.shapes import Mesh
+from assistant.cell.scene import Mesh
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.drawing import Card, Optics, Thing, draw

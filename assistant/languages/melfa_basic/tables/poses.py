@@ -51,9 +51,9 @@ def to_values(
 ) -> Floats:
     """(n, 6 … 8) mm and degrees; L1 and L2 as far as any row uses them, 0 where one does not."""
     if robot is not None and robot.five_axis:
-        from assistant.robots.arms import five_axis
+        from assistant.robots.arms import closed_form
 
-        ab = five_axis.to_ab(positions, quaternions)
+        ab = closed_form.to_ab(positions, quaternions)
         angles = np.column_stack([ab, np.zeros(len(ab))])
     else:
         angles = rotations.to_euler(quaternions, "ZYX")[..., ::-1]
@@ -68,9 +68,9 @@ def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Fl
     values = np.nan_to_num(values) if values.shape[1] <= 6 else values
     positions, angles = np.nan_to_num(values[:, :3]), np.nan_to_num(values[:, 3:6])
     if robot is not None and robot.five_axis:
-        from assistant.robots.arms import five_axis
+        from assistant.robots.arms import closed_form
 
-        quaternions = five_axis.from_ab(positions, angles[:, :2])
+        quaternions = closed_form.from_ab(positions, angles[:, :2])
     else:
         quaternions = rotations.from_euler(angles[:, ::-1], "ZYX")
     external = np.full((len(values), 6), np.nan)

@@ -1,1 +1,0 @@
-"""Arm branches and whole turns: which ones a run of moves is followed in."""

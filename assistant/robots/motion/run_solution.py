@@ -1,0 +1,364 @@
+"""Joints and configurations of a run of moves, with findings for what the robot cannot do.
+
+Two passes over the columns, a chunk at a time: the first finds which arm branches every row allows,
+then a branch is chosen for each row, and the second computes its joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of
+from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.program.motion import UNSTATED
+from assistant.robots import findings as rules
+from assistant.robots.arms.arm import CLOSING
+from assistant.robots.configurations import BACK, QUADRANTS
+from assistant.robots.motion.between_targets import MotionBetweenTargets, motion_between_targets
+from assistant.robots.motion.branch_choice import Choice, Choices, chain_starts, choices
+from assistant.robots.motion.branch_sequence import (
+    TURNS_NOT_STATED,
+    add_whole_turns,
+    filled_forward,
+    may_be_quicker,
+    open_turns,
+    quickest_turns,
+)
+from assistant.robots.motion.rounding_tolerance import split_wrist_roll
+from assistant.robots.motion.row_reach import (
+    NearestPoseCures,
+    RoundingTolerance,
+    finite_poses,
+    straighten_wrists,
+    survey_rows,
+)
+from assistant.robots.motion.run import Run, continued
+from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
+
+MOST_ROWS_RETRIED: Final = 20_000
+"""Rows of a run up to which other branches are tried, where one fails between the rows or turns
+have to be longer than they could be."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSolution:
+    """joints: (n, a) deg, NaN where there are none. configurations: (n, 6), as stated, else
+    those of the joints, UNSTATED where there are none.
+    """
+
+    joints: Floats
+    configurations: NDArray[np.int8]
+    findings: tuple[Diagnostic, ...]
+
+
+def solve_run(
+    run: Run, robot: Robot, cures: NearestPoseCures, theirs: Truths | None = None
+) -> RunSolution:
+    """Chooses the configurations that a run of at least one move leaves open.
+
+    What cannot be done is reported; of rows that state their branches themselves a change
+    of branch is a warning only: their controller may have been told to allow it. theirs: (n,)
+    which rows do, where configurations come from elsewhere as well; None: all that have one.
+    """
+    stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
+    own = np.where(stated, robot.branch_of(run.configurations), -1)
+    survey, every = survey_rows(run, robot, own)
+    kept = stated & survey.allowed[own, np.arange(len(run))]
+    plan = choices(run, robot, survey, every, np.where(kept, own, -1))
+    first, slack = plan.best(), survey.slack
+    others = plan if len(run) <= MOST_ROWS_RETRIED else None
+    del every, plan  # of long runs the largest columns
+    report = survey.findings(run, robot, cures)
+    said = np.where(kept[:, None], run.configurations, UNSTATED)
+    given = _RunProblem(said, slack, look=not report)
+    done = _best(run, robot, first, others, given)
+    report += done.findings
+    joints, broken = done.joints, done.choice.broken
+    found = robot.configuration(np.nan_to_num(joints))
+    solved = all_of(np.isfinite(joints))
+    fill = ~stated & solved & robot.arm.named
+    configurations = np.where(fill[:, None], found, run.configurations)
+    report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
+    report += _other_quadrant(run, robot, done.off, found)
+    free = (kept if theirs is None else kept & theirs)[broken]
+    for rows, severity in ((broken[~free], None), (broken[free], Severity.WARNING)):
+        if len(rows):
+            report.append(_branch_change(run, robot, rows, joints, severity))
+    if not robot.arm.named:
+        report.append(rules.UNNAMED(robot=robot.title))
+    if len(done.choice.through):
+        through = run.what(done.choice.through)
+        report.append(rules.THROUGH_WRIST(about=through, robot=robot.title))
+    for axis, rows in done.wound:
+        if len(rows):
+            low, high = robot.limits[axis]
+            name = robot.axes[axis]
+            report.append(rules.WOUND_UP(about=run.what(rows), axis=name, low=low, high=high))
+    return RunSolution(joints, configurations, tuple(report))
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """A choice of branches with what a closer look at it shows.
+
+    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows
+    that state a quadrant (or turn) which their axes cannot have. bad: rows to which the way
+    is none in the chosen branch. longer: whether a joint move takes longer than by the short way.
+    """
+
+    choice: Choice
+    joints: Floats
+    wound: list[tuple[int, Rows]]
+    off: Rows
+    bad: Rows
+    longer: bool
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _RunProblem:
+    """What every choice of branches is tried with.
+
+    said: (n, 6) configurations that rows state and can have, else UNSTATED. slack: see `RowSurvey`.
+    look: whether to look at what is between the rows.
+    """
+
+    said: NDArray[np.integer]
+    slack: RoundingTolerance
+    look: bool
+
+
+def _best(
+    run: Run, robot: Robot, choice: Choice, others: Choices | None, given: _RunProblem
+) -> _Attempt:
+    """The choice with the fewest rows to which there is no way, the cheapest of these.
+
+    A choice knows the rows, not what is between them: what turns out to be no way is ruled out
+    and the next choice out of others tried. Nor does it know what whole turns cost, which counts
+    where joint moves are not all as short as they could be.
+    """
+    best = last = _attempt(run, robot, choice, given)
+    for _ in range(robot.branches):
+        if others is None or not len(last.bad) or len(last.choice.broken):
+            break
+        if not others.bar(last.choice, last.bad):
+            break
+        last = _attempt(run, robot, others.best(), given)
+        if len(last.bad) < len(best.bad) and not len(last.choice.broken):
+            best = last
+    if others is None or len(best.bad) or len(best.choice.broken) or not best.longer:
+        return best
+    quickest = others.quickest(given.said)
+    if quickest is None or np.array_equal(quickest.branches, best.choice.branches):
+        return best
+    last = _attempt(run, robot, quickest, given)
+    worse = len(last.bad) or len(last.choice.broken) or last.findings
+    return best if worse else last
+
+
+def _attempt(run: Run, robot: Robot, choice: Choice, given: _RunProblem) -> _Attempt:
+    findings: list[Diagnostic] = []
+    joints, straight = _joints(run, robot, choice.branches, given.slack)
+    lost = np.flatnonzero((choice.branches >= 0) & any_of(np.isnan(joints)))
+    if len(lost):
+        where = run.label(int(lost[0]))
+        findings.append(rules.NOT_CLOSED(about=run.what(lost), robot=robot.title, where=where))
+    way = None
+    if given.look and not findings and not len(choice.broken):
+        way = motion_between_targets(run, robot, joints, choice.branches)
+    joints, unmet, off = _turned(run, robot, joints, straight, given.said, way)
+    bad = np.empty(0, np.intp)
+    if way is not None:
+        bad, faults = way.faults(run, robot, joints)
+        findings += faults
+    wound = []
+    for axis, rows in unmet:
+        if continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
+            rows = np.append(0, rows)
+        wound.append((axis, np.setdiff1d(rows, choice.broken)))
+    bad = np.unique(np.concatenate([bad, *(rows for _, rows in wound)]))
+    longer = may_be_quicker(run, robot, joints, chain_starts(run))
+    return _Attempt(choice, joints, wound, off, bad, longer, tuple(findings))
+
+
+def _joints(
+    run: Run, robot: Robot, branch: Rows, slack: RoundingTolerance
+) -> tuple[Floats, Truths]:
+    """(n, a) deg of the chosen branch, each axis nearest to the middle of its range, but for rows
+    that are settled otherwise; and in which rows (n,) the wrist is straight.
+    """
+    out = np.full((len(run), len(robot.axes)), np.nan)
+    line = np.zeros(len(run), dtype=bool)
+    for start in range(0, len(run), CHUNK):
+        rows = slice(start, min(start + CHUNK, len(run)))
+        p, q, _ = finite_poses(run, rows)
+        chosen = branch[rows]
+        solved = chosen >= 0
+        if not solved.any():
+            continue
+        needed = tuple(int(b) for b in np.unique(chosen[solved]))
+        found, _ = robot.solve(p, q, needed)
+        at = np.searchsorted(needed, np.where(solved, chosen, needed[0]))
+        joints = np.ascontiguousarray(found[:, at, np.arange(len(p))].T)
+        joints[~(solved & robot.closes(joints, p, q))] = np.nan
+        if robot.arm.spherical:
+            line[rows] = straighten_wrists(run, robot, joints.T[:, None], start)[0]
+        out[rows] = joints
+    slack.put(out, branch)
+    return out, line
+
+
+def _turned(
+    run: Run,
+    robot: Robot,
+    joints: Floats,
+    straight: Truths,
+    said: NDArray[np.integer],
+    way: MotionBetweenTargets | None,
+) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
+    """Joints with their whole turns.
+
+    With them, by axis, the rows before which it would be wound back, and the rows that
+    state a quadrant (or turn) which their axes cannot have.
+    """
+    stated = said[:, BACK] != UNSTATED
+    out = joints.copy()
+    if straight.any():
+        _hold(out, straight, float(run.before[3]), robot, np.where(stated[:, None], said, UNSTATED))
+    off = np.empty(0, np.intp)
+    wanted: Floats | None = None
+    free = ~stated
+    if stated.any():
+        wanted, fits = robot.turned(out, said)
+        if robot.arm.spherical:  # their sum counts, which any quadrants of both may have
+            fits[np.abs(out[:, 4]) < IN_LINE, 1:] = True
+        kept = stated & fits.all(axis=1) & robot.inside(wanted)
+        off = np.flatnonzero(stated & ~kept & np.isfinite(out).all(axis=1) & run.exact_rows)
+        free = ~kept
+    wound, options = [], []
+    starts, plain = chain_starts(run), out.copy()
+    for axis in robot.winding():
+        angles = plain[:, axis]
+        turns = None
+        if wanted is not None:
+            whole = np.round((wanted[:, axis] - angles) / 360.0)
+            turns = np.where(free, 0.0, whole).astype(np.int64)
+            turns[free] = TURNS_NOT_STATED
+        low, high = (float(limit) for limit in robot.limits[axis])
+        near = float(run.before[axis])
+        moving = way.of(axis, len(out)) if way is not None and len(way.rows) else None
+        result = add_whole_turns(angles, (low, high), starts, near, turns, moving)
+        out[:, axis] = result.angles
+        wound.append((axis, result.broken))
+        options.append((angles, (low, high), starts, turns, moving))
+    if not any(len(rows) for _, rows in wound) and may_be_quicker(run, robot, out, starts):
+        quicker = quickest_turns(run, robot, plain, starts, [open_turns(*each) for each in options])
+        out = out if quicker is None else quicker
+    return out, wound, off
+
+
+def _hold(
+    joints: Floats, straight: Truths, before: float, robot: Robot, said: NDArray[np.integer]
+) -> None:
+    """Axes 4 and 6 in line: leaves axis 4 where it was, as far as limits and what is said allow,
+    and lets axis 6 do the turn, nearest to the middle of its range.
+    """
+    four = np.where(straight, np.nan, joints[:, 3])
+    rows = np.flatnonzero(straight)
+    held = filled_forward(four)[rows] if np.isfinite(four).any() else np.full(len(rows), before)
+    stated = said[rows, BACK] != UNSTATED
+    low, high = (np.tile(limit, (len(rows), 1)) for limit in robot.limits.T)
+    if stated.any():
+        low[stated], high[stated] = robot.ranges(said[rows[stated]])
+    roll = joints[rows, 3] + robot.arm.rolls * joints[rows, 5]
+    new = joints[rows].copy()
+    new[:, 3], new[:, 5] = split_wrist_roll(roll, held, (low, high), robot.arm.rolls)
+    inside = ((new >= low - LIMIT_TOLERANCE) & (new <= high + LIMIT_TOLERANCE))[:, 3::2].all(axis=1)
+    for axis in (3, 5):
+        middle = float(robot.limits[axis].mean())
+        new[:, axis] -= 360.0 * np.round((new[:, axis] - middle) / 360.0)
+    joints[rows[inside]] = new[inside]
+
+
+def _branch_change(
+    run: Run, robot: Robot, rows: Rows, joints: Floats, severity: Severity | None
+) -> Diagnostic:
+    """What keeps the first of some rows from having the branch of the row before it."""
+    row = int(rows[0])
+    solved = np.flatnonzero(np.isfinite(joints[:row]).all(axis=1))
+    last = joints[solved[-1]] if len(solved) else run.before
+    before = robot.configuration(last)
+    branch = int(robot.branch_of(before)[0])
+    p, q, _ = finite_poses(run, slice(row, row + 1))
+    found, excess = robot.solve(p, q, (branch,))
+    angles = found[:, 0, 0]
+    low, high = robot.limits.T
+    beyond = np.maximum(low - angles, angles - high)
+    axis = int(beyond.argmax())
+    if excess[0, 0] >= CLOSING / 2.0:
+        reason = f"is {excess[0, 0]:.1f} mm short of it"
+    elif beyond[axis] > LIMIT_TOLERANCE:
+        limit = low[axis] if angles[axis] < low[axis] else high[axis]
+        value = f"{angles[axis]:.2f} {robot.units[axis]}"
+        reason = f"would have {robot.axes[axis]} at {value}, limit {limit:g}"
+    else:
+        reason = "is not what is stated or what the rest of the path allows"
+    return rules.BRANCH_CHANGE(
+        about=run.what(rows),
+        severity=severity,
+        robot=robot.title,
+        branch=robot.arm.words(before[0, : QUADRANTS.start]),
+        reason=reason,
+        where=run.label(row),
+    )
+
+
+def _not_as_stated(run: Run, robot: Robot, rows: Rows, found: NDArray[np.int8]) -> list[Diagnostic]:
+    if not len(rows):
+        return []
+    row = int(rows[0])
+    return [
+        rules.NOT_AS_STATED(
+            about=run.what(rows),
+            robot=robot.title,
+            where=run.label(row),
+            stated=_described(run.configurations[row], robot),
+            cure=f"{_described(found[row], robot)} would work there; state it, or state none",
+        )
+    ]
+
+
+def _other_quadrant(
+    run: Run, robot: Robot, rows: Rows, found: NDArray[np.int8]
+) -> list[Diagnostic]:
+    if not len(rows):
+        return []
+    row = int(rows[0])
+    return [
+        rules.OTHER_QUADRANT(
+            about=run.what(rows),
+            robot=robot.title,
+            where=run.label(row),
+            # A turn that does not fit can only be one beyond the limits.
+            severity=Severity.ERROR if robot.counts == "turns" else None,
+            counts=robot.counts,
+            stated=_counted(run.configurations[row], robot),
+            found=_counted(found[row], robot),
+        )
+    ]
+
+
+def _described(row: NDArray[np.integer], robot: Robot) -> str:
+    """A configuration in words."""
+    return f"{robot.arm.words(row[: QUADRANTS.start])}, {robot.counts} {_counted(row, robot)}"
+
+
+def _counted(row: NDArray[np.integer], robot: Robot) -> str:
+    """Quadrants, or for a maker that counts only those, whole turns of axes 1, 4 and 6."""
+    quadrants = [int(q) for q in row[QUADRANTS]]
+    counts = quadrants if robot.counts == "quadrants" else [(q + 2) // 4 for q in quadrants]
+    return " ".join(str(count) for count in counts)

@@ -1,0 +1,406 @@
+"""Solve a program for a robot: joints and configurations of every move.
+
+Targets and paths that state no configuration get one. The moves of a procedure are taken in the
+order of the text: where one surely follows the other they are solved together, so that a linear
+move keeps the arm branch that it starts with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.base.arrays import Floats
+from assistant.base.budgets import SOLVING, staged
+from assistant.base.diagnostics import Declared, Diagnostic, Goal, NumberedMove, fold
+from assistant.program.expressions import Expression, JointValue, Name
+from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
+from assistant.program.motion import FINE, MAXIMUM_SPEED, UNSTATED, Kind, Path, configuration_of
+from assistant.program.program import Procedure, Program, bodies
+from assistant.program.rewriting import records, rewrite
+from assistant.program.statements import (
+    Assign,
+    Follow,
+    If,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Moving,
+    Statement,
+    Travel,
+    trait,
+)
+from assistant.robots import findings as rules
+from assistant.robots.configurations import BACK
+from assistant.robots.motion.row_reach import NearestPoseCures
+from assistant.robots.motion.run import (
+    Configurations,
+    RunPart,
+    SingleMove,
+    first_configurations,
+    moves_part,
+    path_part,
+    run_of_parts,
+)
+from assistant.robots.motion.run_solution import solve_run
+from assistant.robots.program_values import Names, Place
+from assistant.robots.robot import Robot
+from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
+
+
+def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """Fills in the configurations that targets and paths leave open; see `solve_program`."""
+    solved = solve_program(program, robot)
+    return solved.program, solved.findings
+
+
+@staged(SOLVING, lambda program, *_: program.size())
+def solve_program(program: Program, robot: Robot) -> SolvedProgram:
+    """Solves every move of a program, and fills in the configurations that it leaves open.
+
+    Findings tell what is out of reach, outside joint limits, or not as stated; such
+    targets keep what they say. A target that no move names is configured for the
+    program's only tool and frame, or the flange in the base, where that is within reach.
+    """
+    survey = _ProgramSolver(program, robot)
+    for procedure in program.procedures:
+        survey.procedure(procedure)
+    survey.joint_targets()
+    survey.unused()
+    done = survey.done
+
+    def visit(value: Any) -> Any:
+        if isinstance(value, Path):
+            return survey.paths.get(id(value), value)
+        if isinstance(value, Target) and value.configuration is None and id(value) in done:
+            return replace(value, configuration=configuration_of(done[id(value)]))
+        return value
+
+    configured = rewrite(program, visit)
+    return SolvedProgram(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
+
+
+UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
+TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
+"""Traits of statements behind which nothing tells where the arm is."""
+"""How a target would be reached that no move names."""
+
+
+def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
+    run, joints = solved_run.run, solved_run.joints
+    start = joints[rows.start - 1] if rows.start else run.before if run.joined else None
+    known = start is not None and bool(np.isfinite(start).all())
+    return Leg(statement, solved_run, rows, joints[rows], start if known else None)
+
+
+UNUSED_AXIS: Final = 9e9
+"""Stands for an axis of the arm that a target says nothing of."""
+
+
+class _ProgramSolver:
+    """Goes through a program in order of text and solves its moves run by run.
+
+    done: id of a target → its configuration row. paths: id of a path → the configured one.
+    aimed: name of a target → tool and frame of the first move to a place that is computed from
+    it as the program runs. origins: name of a variable → names that its value comes from.
+    """
+
+    def __init__(self, program: Program, robot: Robot) -> None:
+        self.program, self.robot = program, robot
+        self.names = Names(program)
+        self.findings: list[Diagnostic] = []
+        self.cures = NearestPoseCures(robot)
+        self.done: dict[int, NDArray[np.int8]] = {}
+        self.paths: dict[int, Path] = {}
+        self.followed: dict[int, Path] = {}
+        self.used: set[tuple[str, str]] = set()
+        self.aimed: dict[str, tuple[str, str]] = {}
+        self.origins: dict[str, set[str]] = {}
+        self.moves: list[SingleMove] = []
+        self.parts: list[RunPart] = []
+        self.before, self.joined = robot.home, False
+        self.where, self.count = "", 0
+        self.legs: dict[str, tuple[Leg, ...]] = {}
+        self.pending: list[tuple[Moving, int, int]] = []
+        self.made: list[Leg] = []
+        self.rows = self.flushes = 0
+
+    def procedure(self, procedure: Procedure) -> None:
+        self.where, self.count = procedure.name, 0
+        self.names.enter(procedure)
+        self.joined = False
+        self.body(procedure.body)
+        self.legs[procedure.name], self.made = tuple(self.made), []
+
+    def body(self, body: tuple[Statement, ...]) -> None:
+        for statement in body:
+            match statement:
+                case Move():
+                    kind = Kind.JOINT if statement.kind == "joint" else Kind.LINEAR
+                    self.moving(statement, (kind, statement.target))
+                case MoveCircular():
+                    via, end = (Kind.VIA, statement.via), (Kind.END, statement.target)
+                    self.moving(statement, via, end)
+                case MoveJoints():
+                    self.flush()
+                    before = self.before if self.joined else None
+                    joints = self.move_joints(statement)
+                    self.made.append(
+                        self.unsolved(statement)
+                        if joints is None
+                        else Leg(statement, None, slice(0), joints[None], before)
+                    )
+                case Follow():
+                    self.follow(statement)
+                case Travel():
+                    self.flush()  # what stands before it does not depend on what comes after
+                case Assign(Name(name), value):
+                    self.origins[name.lower()] = self.coming_from(value)
+                case _ if trait(statement) == "holds":
+                    self.nested(statement, bodies(statement))
+                case _ if trait(statement) in TRAITS_LEADING_AWAY:
+                    self.flush()
+                    self.joined = False
+        self.flush()
+
+    def nested(self, statement: Statement, inner: tuple[tuple[Statement, ...], ...]) -> None:
+        self.flush()
+        # A loop's body is entered from its own end as well; a branch only from before.
+        before, joined = self.before, self.joined and isinstance(statement, If)
+        for each in inner:
+            self.before, self.joined = before, joined
+            self.body(each)
+        self.joined = False
+
+    def moving(self, statement: Move | MoveCircular, *targets: tuple[Kind, Expression]) -> None:
+        start, flushes = self.rows, self.flushes
+        for kind, target in targets:
+            self.move(kind, target, statement.motion)
+        if self.rows == start + len(targets) and self.flushes == flushes:
+            self.pending.append((statement, start, self.rows))
+        else:
+            self.made.append(self.unsolved(statement))
+
+    def unsolved(self, statement: Moving) -> Leg:
+        return Leg(statement, None, slice(0), np.empty((0, len(self.robot.axes))), None)
+
+    def move(self, kind: Kind, target: Expression, motion: Motion) -> None:
+        label = self.label(target)
+        tool, frame = self.tool(motion.tool, label), self.frame(motion.frame, label)
+        self.used.add((motion.tool, motion.frame))
+        place = self.names.place(target)
+        if place is None or tool is None or frame is None:
+            for name in self.coming_from(target):
+                self.aimed.setdefault(name, (motion.tool, motion.frame))
+            self.flush()
+            self.joined = False
+            return
+        self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
+        self.rows += 1
+
+    def label(self, target: Expression) -> Goal:
+        """What the next move is called in a finding."""
+        self.count += 1
+        if isinstance(target, Name):
+            return Declared(target.name)
+        return NumberedMove(self.count, self.where)
+
+    def coming_from(self, value: Expression) -> set[str]:
+        """The names in an expression, and those that the variables among them come from."""
+        names = {part.name.lower() for part in records(value) if isinstance(part, Name)}
+        return names.union(*(self.origins.get(name, ()) for name in names))
+
+    def follow(self, statement: Follow) -> None:
+        path = statement.path
+        about = Declared(path.name, "paths", in_full=True)
+        tools = [self.tool(name, about) for name in path.tools]
+        frames = [self.frame(name, about) for name in path.frames]
+        self.used.update((tool, frame) for tool in path.tools for frame in path.frames)
+        known_tools = [tool for tool in tools if tool is not None]
+        known_frames = [frame for frame in frames if frame is not None]
+        if not len(path):
+            self.pending.append((statement, self.rows, self.rows))
+            return
+        if len(known_tools) < len(tools) or len(known_frames) < len(frames):
+            self.flush()
+            self.joined = False
+            self.made.append(self.unsolved(statement))
+            return
+        self.close_moves()
+        configurations = self.paths.get(id(path), path).configurations
+        self.parts.append(path_part(path, configurations, known_tools, known_frames))
+        self.followed[id(path)] = path
+        self.pending.append((statement, self.rows, self.rows + len(path)))
+        self.rows += len(path)
+
+    def close_moves(self) -> None:
+        """Makes a part of the single moves that have come together."""
+        if self.moves:
+            self.parts.append(moves_part(self.where, self.moves, self.done))
+            self.moves = []
+
+    def flush(self) -> None:
+        """Solves the parts that have come together."""
+        self.close_moves()
+        parts, self.parts = self.parts, []
+        pending, self.pending = self.pending, []
+        self.rows, self.flushes = 0, self.flushes + 1
+        solved_run = self.solved(parts) if parts else None
+        for moving, first, end in pending:
+            self.made.append(
+                self.unsolved(moving)
+                if solved_run is None or first == end
+                else _leg(moving, solved_run, slice(first, end))
+            )
+
+    def solved(self, parts: Sequence[RunPart]) -> SolvedRun:
+        run = run_of_parts(parts, self.before, self.joined)
+        solved = solve_run(run, self.robot, self.cures)
+        first = first_configurations(parts, solved.configurations)
+        if first is not solved.configurations:
+            # What is met twice has one configuration: the first one it got.
+            theirs = run.configurations[:, BACK] != UNSTATED
+            fixed = replace(run, configurations=first)
+            solved = solve_run(fixed, self.robot, self.cures, theirs)
+        self.keep(parts, solved.configurations)
+        self.findings.extend(solved.findings)
+        solved_run = SolvedRun(run, solved.joints, solved.configurations)
+        last = solved.joints[-1]
+        self.joined = bool(np.isfinite(last).all())
+        if self.joined:
+            self.before = last
+        return solved_run
+
+    def keep(self, parts: Sequence[RunPart], configurations: Configurations) -> None:
+        """Remembers the configurations of targets and paths."""
+        at = 0
+        for part in parts:
+            rows = configurations[at : at + len(part)]
+            at += len(part)
+            if part.is_path:
+                path = self.followed[part.keys[0]]
+                if not np.array_equal(rows, path.configurations):
+                    self.paths[id(path)] = replace(path, configurations=rows)
+                continue
+            for i in np.argsort(~part.exact, kind="stable"):  # computed places come last
+                if rows[i, BACK] != UNSTATED:
+                    self.done.setdefault(part.keys[i], rows[i])
+
+    def move_joints(self, statement: MoveJoints) -> Floats | None:
+        """Where it goes, if the text tells and the arm can."""
+        target = self.names.joints(statement.target)
+        label = self.label(statement.target)
+        self.tool(statement.motion.tool, label)
+        if self.names.frame(statement.motion.frame) is None:
+            self.frame(statement.motion.frame, label)
+        self.joined = False
+        if target is None:
+            return None
+        if _is_of_other_axes(target):
+            self.findings.append(rules.NO_JOINTS(about=label, robot=self.robot.title))
+            return None
+        # A declared one is reported once, by its own name.
+        literal = isinstance(statement.target, JointValue)
+        joints = self.joints(target, label if literal else None)
+        if joints is not None:
+            self.before, self.joined = joints, True
+        return joints
+
+    def joints(self, target: JointTarget, label: Goal | None) -> Floats | None:
+        """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
+        robot = self.robot
+        given = np.array(robot.own_joints(target.joints), dtype=np.float64)
+        if len(given) != len(robot.axes) or not np.isfinite(given).all():
+            if label is not None:
+                self.findings.append(
+                    rules.JOINT_COUNT(
+                        about=label,
+                        robot=robot.title,
+                        count=len(target.joints),
+                        axes=" ".join(robot.axes),
+                    )
+                )
+            return None
+        low, high = robot.limits.T
+        for axis in np.flatnonzero((given < low) | (given > high)) if label is not None else ():
+            self.findings.append(
+                rules.JOINT_OUTSIDE(
+                    about=label,
+                    axis=robot.axes[axis],
+                    unit=robot.units[axis],
+                    value=given[axis],
+                    low=low[axis],
+                    high=high[axis],
+                )
+            )
+        return given if robot.inside(given) else None
+
+    def joint_targets(self) -> None:
+        for name, target in self.program.joint_targets.items():
+            if not _is_of_other_axes(target):
+                self.joints(target, Declared(name, "joint_targets"))
+
+    def unused(self) -> None:
+        """Configures what no move names, in silence: nobody says how it will be used."""
+        usual = next(iter(self.used)) if len(self.used) == 1 else (FLANGE, BASE)
+        aimed = {
+            id(target): self.aimed[name.lower()]
+            for name, target in self.program.targets.items()
+            if name.lower() in self.aimed
+        }
+        targets: dict[int, Target] = {}
+
+        def visit(value: Any) -> Any:
+            if isinstance(value, Target) and value.configuration is None:
+                targets.setdefault(id(value), value)
+            return value
+
+        rewrite(self.program, visit)
+        moves: list[SingleMove] = []
+        for key, target in targets.items():
+            tool, frame = aimed.get(key, usual)
+            known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
+            if key not in self.done and known_tool is not None and known_frame is not None:
+                place = Place(target, target.pose)
+                label = NumberedMove(len(moves) + 1, "")
+                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, UNMOVED, label))
+        if not moves:
+            return
+        parts = [moves_part("", moves, self.done)]
+        run = run_of_parts(parts, self.robot.home, joined=False)
+        solved = solve_run(run, self.robot, NearestPoseCures(self.robot, 0))
+        self.keep(parts, solved.configurations)
+
+    def tool(self, name: str, about: Goal) -> Tool | None:
+        tool = self.names.tool(name)
+        if tool is None:
+            self.findings.append(self._unknown("tool", name, [FLANGE, *self.program.tools], about))
+        return tool
+
+    def _unknown(self, kind: str, name: str, there: Sequence[str], about: Goal) -> Diagnostic:
+        """A tool or frame that is not declared, or whose declaration only its language reads."""
+        kept = (one.effect for one in self.program.declarations)
+        if any(effect is not None and name.lower() in effect.writes for effect in kept):
+            return rules.VALUELESS_TOOL(about=about, kind=kind, name=name)
+        return rules.UNKNOWN_TOOL(about=about, kind=kind, name=name, names=", ".join(there))
+
+    def frame(self, name: str, about: Goal) -> Frame | None:
+        frame = self.names.frame(name)
+        if frame is None:
+            self.findings.append(self._unknown("frame", name, [BASE, *self.program.frames], about))
+        elif frame.mechanism:
+            self.findings.append(
+                rules.MOVED_FRAME(about=about, name=name, mechanism=frame.mechanism)
+            )
+            return None
+        return frame
+
+
+def _is_of_other_axes(target: JointTarget) -> bool:
+    """True if a target states external axes and none of the arm."""
+    return bool(target.joints) and all(value >= UNUSED_AXIS for value in target.joints)
