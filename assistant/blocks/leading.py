@@ -25,7 +25,7 @@ from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.rules import BEHIND, NO_MEASURING, NO_WAY
 from assistant.compiler.teaching import own_joints
 from assistant.controllers import Controller, connect
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.controllers.leading import MODES, Arm, Carrier
 from assistant.controllers.leading.data_link import DataLinkCarrier
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
@@ -175,7 +175,7 @@ def led(
     by: str = "data-link",
     percent: float = 10.0,
     tool: Pose = IDENTITY,
-    wishes: Wishes | None = None,
+    wishes: LinkOptions | None = None,
     servo: bool = True,
     timeout: float = 10.0,
 ) -> Connection[Leader]:
@@ -188,7 +188,7 @@ def led(
     """
     if by not in CONTINUOUS:
         raise Refused(NO_WAY(name=name, by=by, known=", ".join(CONTINUOUS)), exit_status=2)
-    arm, mode, given = arm_of(robot, percent, tool), MODES[by], wishes or Wishes()
+    arm, mode, given = arm_of(robot, percent, tool), MODES[by], wishes or LinkOptions()
 
     @contextmanager
     def opening() -> Iterator[Leader]:

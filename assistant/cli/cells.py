@@ -42,10 +42,10 @@ def client_of(one: Named, timeout: float | None = None) -> Programs:
 
 def _tell_clear_text(one: Named) -> None:
     """Says that what is sent can be read on the way, once, unless the project has accepted it."""
-    from assistant.controllers.clear_text import clear_text
+    from assistant.controllers.clear_text import clear_text_finding
     from assistant.findings.severities import severities_for
 
-    told = clear_text(one.address)
+    told = clear_text_finding(one.address)
     wanted = told and severities_for(Path.cwd()).of(told)
     if wanted:
         note(str(one.address), wanted)

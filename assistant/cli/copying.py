@@ -118,18 +118,18 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
 
 def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
     """Delete programs; all of them are checked before the first one is deleted."""
-    from assistant.deploy.removing import check_removable, found_there, unseen
+    from assistant.deploy.removing import check_removable, found_programs, unseen_use
 
     with reached(cell, "rm") as there:
         address = there.one.address
-        found = found_there(there.session, names)
+        found = found_programs(there.session, names)
         missing = [NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one]
         wanted = list(dict.fromkeys(one for one in found.values() if one))
         check_removable(there.session, [name for name, one in found.items() if not one])
         if missing:
             raise Refused(*missing)
         check_removable(there.session, wanted)
-        for finding in unseen(there.session, wanted):
+        for finding in unseen_use(there.session, wanted):
             note(str(address), finding)
         listed = ", ".join(f"`{name}`" for name in wanted)
         confirmed(there.one, f"deletes {listed}, which nothing brings back", yes)

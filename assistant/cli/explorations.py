@@ -138,7 +138,7 @@ def wander(
     """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
     from assistant.cli.exploring import check_moving, check_still, run_wander
     from assistant.cli.exploring_arms import Bounds, run_wander_arm
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
 
     if cell is None:
         moved: dict[str, object] = {"--contact": contact, "--key": key, "--camera": camera}
@@ -149,7 +149,7 @@ def wander(
         raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
     check_moving(hidden)
     asked = _asked(cell, chart, robot, size, thinner)
-    wishes = Wishes(port, tuple(lines or ()), None, replace)
+    wishes = LinkOptions(port, tuple(lines or ()), None, replace)
     bounds = Bounds(range or (), box, speed, by, wishes)
     live = _live(contact, key, camera, region, seconds, log, yes, format)
     raise typer.Exit(run_wander_arm(where, asked, bounds, live, runs, seed))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.compiler.exploring import Asked, Ready
     from assistant.controllers import Controller
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.exploring.contacts import AnyContacts, Contacts, Region
     from assistant.vision.exploring.moving import Log
@@ -115,7 +115,7 @@ class Bounds:
     box: str | None
     speed: float
     by: str
-    wishes: Wishes
+    wishes: LinkOptions
 
 
 def run_wander_arm(

@@ -16,7 +16,7 @@ from assistant.cli.moving import NO_SPEED, moving
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.controllers.following import Mode, Progress, Wishes
+    from assistant.controllers.following import LinkOptions, Mode, Progress
 
 NO_WAY: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
 NO_ROBOT: Final = error(
@@ -47,7 +47,7 @@ class Options:
     speed: float
     interval: float | None
     log: Path | None
-    wishes: Wishes
+    wishes: LinkOptions
     yes: bool
     format: Format
 

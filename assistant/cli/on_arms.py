@@ -139,9 +139,9 @@ def follow(
 ) -> None:
     """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
     from assistant.cli.following import Options, run_follow
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
 
-    wishes = Wishes(port, tuple(lines or ()), cycle, replace)
+    wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
     options = Options(by, speed, interval, log, wishes, yes, format)
     raise typer.Exit(run_follow(cell, trajectory, options))
 
@@ -180,7 +180,7 @@ def servo(
 ) -> None:
     """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
     from assistant.cli.servoing import Options, run_servo
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
 
-    wishes = Wishes(port, tuple(lines or ()), cycle, replace)
+    wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
     raise typer.Exit(run_servo(cell, task, Options(cameras, by, log, wishes, yes, format)))

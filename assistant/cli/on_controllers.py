@@ -282,7 +282,7 @@ def teach(
     if point is not None:
         from assistant.cli.pointing import run_point
         from assistant.cli.shown import Options as Pointing
-        from assistant.controllers.following import Wishes
+        from assistant.controllers.following import LinkOptions
 
         words = [cell, *(names or ())] if cell is not None else []
         pointing = Pointing(
@@ -301,7 +301,7 @@ def teach(
             step=step,
             go=go,
             by=by,
-            wishes=Wishes(port, tuple(lines or ()), None, replace),
+            wishes=LinkOptions(port, tuple(lines or ()), None, replace),
             above=above,
             speed=speed,
             servo=servo,

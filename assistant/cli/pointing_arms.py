@@ -22,7 +22,7 @@ from assistant.cli.shown import Shown, next_place, place_line, recorded, surenes
 
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place
-    from assistant.controllers.following import Mode, Wishes
+    from assistant.controllers.following import LinkOptions, Mode
     from assistant.controllers.leading import Mode as ByPictures
     from assistant.robots import Robot
     from assistant.vision.pointing.holding import Held
@@ -45,7 +45,7 @@ class _Leader:
     robot: Robot
     shown: Shown
     mode: Mode
-    wishes: Wishes
+    wishes: LinkOptions
     pictures: tuple[ByPictures, ServoFile] | None
 
     def led(self, place: Place, held: Held) -> dict[str, float]:
@@ -106,13 +106,13 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.shown_places import check_names
-    from assistant.controllers.following import MODES, Wishes
+    from assistant.controllers.following import MODES, LinkOptions
 
     options = shown.options
     if options.by not in MODES:
         known = ", ".join(MODES)
         raise Refused(NO_MODE(by=options.by, known=known), exit_status=2)
-    mode, wishes = MODES[options.by], options.wishes or Wishes()
+    mode, wishes = MODES[options.by], options.wishes or LinkOptions()
     pictures = _pictures(options.servo, options.by)
     stored: list[dict[str, object]] = []
     with moving(cell, "teach --go") as motion:

@@ -19,7 +19,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.controllers import Programs
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
     from assistant.controllers.leading import Mode
     from assistant.robots import Robot
     from assistant.vision.servoing.loop import Served
@@ -41,7 +41,7 @@ class Options:
     cameras: Path
     by: str
     log: Path | None
-    wishes: Wishes
+    wishes: LinkOptions
     yes: bool
     format: Format
 

@@ -16,7 +16,7 @@ from assistant.cli.presentation import Format, print_findings, say
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place
     from assistant.compiler.teaching import Wanted
-    from assistant.controllers.following import Wishes
+    from assistant.controllers.following import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
@@ -50,7 +50,7 @@ class Options:
     step: float = 5.0
     go: bool = False
     by: str = "data-link"
-    wishes: Wishes | None = None
+    wishes: LinkOptions | None = None
     above: float = 50.0
     speed: float = 10.0
     servo: Path | None = None

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
 from assistant.cli.presentation import say
-from assistant.controllers.credentials import PASSWORD
+from assistant.controllers.credentials import PASSWORD_VARIABLE
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -64,7 +64,7 @@ def run_irc5(
     from assistant.virtual.irc5.controller import DEVICES
     from assistant.virtual.irc5.rws_faults import Fault
 
-    arm, given = robot_of(robot), os.environ.get(PASSWORD)
+    arm, given = robot_of(robot), os.environ.get(PASSWORD_VARIABLE)
     assert arm is not None
     controller = VirtualIrc5(
         folder,
@@ -248,7 +248,7 @@ def _run(
         if tell is not None:
             tell(controller)
         if password is not None:
-            say(f"password: {password} (set {PASSWORD} to choose one)")
+            say(f"password: {password} (set {PASSWORD_VARIABLE} to choose one)")
         sys.stdout.flush()
         wait_for_termination()
     except KeyboardInterrupt as caught:

@@ -16,7 +16,7 @@ from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import load
 from assistant.compiler.teaching import own_joints
 from assistant.compiler.turning import with_turns
-from assistant.controllers.following import Led
+from assistant.controllers.following import TimedMotion
 from assistant.controllers.states import Position
 from assistant.program.program import Program
 from assistant.program.statements import Comment, Moving, Statement, Wait
@@ -38,7 +38,7 @@ NOT_KNOWN: Final = error(
 
 def led_along(
     source: str, robot: Robot, position: Position | None, period: float, speed: float
-) -> Led:
+) -> TimedMotion:
     """The motion of a trajectory, or of a program that only moves, from where the arm is now.
 
     It begins with the way to the first target, as the source says to go there (a joint move, if
@@ -58,7 +58,7 @@ def led_by(
     speed: float,
     source: str,
     findings: Sequence[Diagnostic] = (),
-) -> Led:
+) -> TimedMotion:
     """The same of a program that is there already. source: what findings call it."""
     _only_moves(program, source)
     program, changed = for_arm(program, taught_on(program, Arms(robot)), robot)
@@ -81,7 +81,7 @@ def led_by(
     # So many that the last one is at the end.
     count = max(1, math.ceil(done.seconds / (period * scale)))
     samples = replace(done, wanted_period=done.seconds / count).samples
-    return Led(
+    return TimedMotion(
         axes=robot.axes,
         sliding=tuple(bool(slides) for slides in robot.sliding),
         seconds=samples.t / scale,

@@ -30,35 +30,35 @@ class Scheme:
     options: Mapping[str, str] = field(default_factory=dict)
 
 
-END: Final = {"end": "cr|crlf|none"}
+END_OPTION: Final = {"end": "cr|crlf|none"}
 """What ends a command of the controller link."""
-SERIAL: Final = {
-    **END,
+SERIAL_OPTIONS: Final = {
+    **END_OPTION,
     "baud": "[1-9][0-9]{2,5}",
     "bits": "7|8",
     "parity": "even|odd|none",
     "stop": "1|2",
     "framing": "plain|procedural",
 }
-FTP: Final = {"mode": "passive|active"}
+FTP_OPTIONS: Final = {"mode": "passive|active"}
 """Who connects for a transfer: the client, or the controller."""
-SFTP: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
+SFTP_OPTIONS: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
 """Of the host's key; a `+` that was not quoted is read as a blank."""
-DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
+SERIAL_DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
 """A file of a serial line, or its name in Windows."""
 
 SCHEMES: Final = {
-    "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=FTP),
-    "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=FTP),
-    "sftp": Scheme("ABB OmniCore by SFTP", 22, login=True, options=SFTP),
+    "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=FTP_OPTIONS),
+    "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=FTP_OPTIONS),
+    "sftp": Scheme("ABB OmniCore by SFTP", 22, login=True, options=SFTP_OPTIONS),
     "rws": Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
     "rwss": Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
-    "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END),
+    "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END_OPTION),
     "melfa-serial": Scheme(
         "Mitsubishi CR controller by controller link on a serial line",
         0,
         device=True,
-        options=SERIAL,
+        options=SERIAL_OPTIONS,
     ),
 }
 """Kinds of addresses. Port 10001 is the first controller-link line (parameter CPRCE11 = 0)."""
@@ -165,7 +165,7 @@ def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
 def _wrong_device(parts: SplitResult) -> str | None:
     """The first thing wrong with the name of a serial line."""
     name = parts.netloc + parts.path
-    if not DEVICE.fullmatch(name) or ".." in name.split("/"):
+    if not SERIAL_DEVICE.fullmatch(name) or ".." in name.split("/"):
         return "a serial line is a file such as `/dev/ttyS0`, or `COM3`"
     return None
 
@@ -194,7 +194,7 @@ BEGINNING: Final = re.compile(
 )
 """What an address begins with, also one whose `://` is mistyped. No word with a `:` alone: that may
 be a user with a password."""
-SECRET: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
+SECRET_IN_ADDRESS: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
 """A user and a password, with whatever a password may hold."""
 HARMLESS: Final = re.compile(
     r"(?:\[[0-9A-Fa-f:.]*\]|[^:=\s\[\]]*)(?::[0-9]{0,5}(?=/|$))?(?:/[^:]*(?:\bHOME:[^:]*)?)?",
@@ -213,7 +213,11 @@ def holds_password(text: str) -> bool:
     rest = text[_beginning(text) :]
     inside = re.split(r"[/?#]", rest, maxsplit=1)[0]
     user = inside.rpartition("@")[0]
-    return bool(SECRET.match(rest) or SECRET.match(_plain(inside)) or ":" in _plain(user))
+    return bool(
+        SECRET_IN_ADDRESS.match(rest)
+        or SECRET_IN_ADDRESS.match(_plain(inside))
+        or ":" in _plain(user)
+    )
 
 
 def without_password(text: str) -> str:

@@ -10,7 +10,7 @@ from typing import Final, Protocol, Self, runtime_checkable
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.address import SCHEMES, Address
-from assistant.controllers.credentials import Credentials, Question, find
+from assistant.controllers.credentials import Credentials, Question, find_credentials
 from assistant.controllers.named import Named, named
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
@@ -219,7 +219,7 @@ def connect(
     client = getattr(importlib.import_module(module), name)
     if not SCHEMES[place.scheme].login:
         return client(place, timeout=waiting)  # type: ignore[no-any-return]
-    found = credentials or find(
+    found = credentials or find_credentials(
         place, controller=one.variables, user=user, password=password, ask=ask
     )
     trusted = certificate or one.certificate

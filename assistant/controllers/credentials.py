@@ -11,10 +11,10 @@ from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
 
-USER: Final = "ROBOT_ASSISTANT_USER"
-PASSWORD: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
-PREFIX: Final = "ROBOT_ASSISTANT_"
-SERVICE: Final = "robot-assistant"
+USER_VARIABLE: Final = "ROBOT_ASSISTANT_USER"
+PASSWORD_VARIABLE: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
+VARIABLE_PREFIX: Final = "ROBOT_ASSISTANT_"
+KEYRING_SERVICE: Final = "robot-assistant"
 """Service name in the keyring; the entry is `user@host`."""
 
 Question = Callable[[str], str | None]
@@ -34,12 +34,12 @@ class Credentials:
         return text.replace(self.password, "***") if self.password else text
 
 
-def variable(controller: str, what: str) -> str:
+def password_variable(controller: str, what: str) -> str:
     """The environment variable of one controller: `ROBOT_ASSISTANT_CELL1_PASSWORD`.
 
     what: USER or PASSWORD.
     """
-    return f"{PREFIX}{controller.upper().replace('-', '_')}_{what}"
+    return f"{VARIABLE_PREFIX}{controller.upper().replace('-', '_')}_{what}"
 
 
 def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
@@ -47,11 +47,11 @@ def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, 
     return {
         name: value
         for name, value in environment.items()
-        if not (name.upper().startswith(PREFIX) and name.upper().endswith("PASSWORD"))
+        if not (name.upper().startswith(VARIABLE_PREFIX) and name.upper().endswith("PASSWORD"))
     }
 
 
-def find(
+def find_credentials(
     address: Address,
     *,
     controller: str = "",
@@ -67,17 +67,17 @@ def find(
     """
 
     def stated(what: str, of_all: str) -> str | None:
-        own = environment.get(variable(controller, what)) if controller else None
+        own = environment.get(password_variable(controller, what)) if controller else None
         return environment.get(of_all) if own is None else own
 
-    name = user or address.user or stated("USER", USER)
+    name = user or address.user or stated("USER", USER_VARIABLE)
     if not name:
         raise Refused(rules.NO_USER(place=str(address), address=address), exit_status=2)
     if ":" in name:
         raise Refused(rules.USER_AND_PASSWORD(place=str(address), address=address), exit_status=2)
     sources: tuple[Callable[[], str | None], ...] = (
         lambda: password,
-        lambda: stated("PASSWORD", PASSWORD),
+        lambda: stated("PASSWORD", PASSWORD_VARIABLE),
         lambda: _from_keyring(f"{name}@{address.host}"),
         lambda: ask(f"Password of {name} on {address.host}: ") if ask else None,
     )
@@ -96,7 +96,7 @@ def _from_keyring(entry: str) -> str | None:
     except ImportError:
         return None
     try:
-        found: str | None = keyring.get_password(SERVICE, entry)
+        found: str | None = keyring.get_password(KEYRING_SERVICE, entry)
     except keyring.errors.KeyringError:
         return None  # locked or without a backend: the next source is asked
     return found

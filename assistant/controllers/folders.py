@@ -25,7 +25,7 @@ FORMAT: Final = 1
 
 
 @contextmanager
-def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
+def appearing_folder(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
     """A new folder to write into, which is `folder` when the block ends well and gone else.
 
     kind: of the controller, kept in the index. Raises Refused if there is one already, or if
@@ -43,21 +43,21 @@ def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
         raise Refused(rules.BACKUP_WRITE(folder=target, reason=reason, path=str(target))) from None
 
 
-def put(folder: FilePath, name: str, data: bytes) -> None:
+def put_file(folder: FilePath, name: str, data: bytes) -> None:
     """Writes a file below the folder; raises OSError."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     file_access.write_new(path, data)
 
 
-def files(folder: FilePath) -> tuple[str, ...]:
+def backup_files(folder: FilePath) -> tuple[str, ...]:
     """Names of all files of a backup but its index, relative to it, sorted."""
     found = (path for path in folder.rglob("*") if path.is_file())
     names = {path.relative_to(folder).as_posix() for path in found}
     return tuple(sorted(names - {INDEX}))
 
 
-def contents(folder: str | FilePath, kind: str) -> Mapping[str, bytes]:
+def backup_contents(folder: str | FilePath, kind: str) -> Mapping[str, bytes]:
     """The files of a backup that is whole, by name.
 
     Raises Refused if a file is missing or has changed, or if it is of another kind of controller.
@@ -95,9 +95,9 @@ def _checked(place: FilePath, name: str, digest: object) -> bytes:
 
 
 def _seal(folder: FilePath, kind: str) -> None:
-    hashes = {name: _digest(read_file(folder / name)) for name in files(folder)}
+    hashes = {name: _digest(read_file(folder / name)) for name in backup_files(folder)}
     index = {"format": FORMAT, "kind": kind, "files": hashes}
-    put(folder, INDEX, (json.dumps(index, indent=2) + "\n").encode())
+    put_file(folder, INDEX, (json.dumps(index, indent=2) + "\n").encode())
 
 
 def _digest(data: bytes) -> str:

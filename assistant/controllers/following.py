@@ -29,7 +29,7 @@ Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Led:
+class TimedMotion:
     """k moments of a motion from where the arm is now.
 
     axes: J1, J2 … of the arm, sliding: (a,) which of them slide. seconds: (k,) from 0. joints:
@@ -63,7 +63,7 @@ class Led:
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class LinkOptions:
     """port: where the other side listens, or this one; None for the usual. lines: targets of the
     lines of data, one a purpose; () for the usual. cycle: seconds, None for the usual.
     replace: programs of ours on the controller take the place of others of their names.
@@ -90,8 +90,8 @@ class Done:
         save_columns(path, self.columns)
 
 
-Run = Callable[[Programs, Led, Wishes, Progress], Done]
-Check = Callable[[Programs, Wishes], None]
+Run = Callable[[Programs, TimedMotion, LinkOptions, Progress], Done]
+Check = Callable[[Programs, LinkOptions], None]
 """Raises Refused for a controller that cannot be led that way, or that not all is known of."""
 
 
@@ -99,13 +99,13 @@ OPTIONS: Final = {"port": "--port", "lines": "--line", "cycle": "--cycle"}
 """Of `Wishes` → how commands name them."""
 
 
-def taking(*names: str, then: Check | None = None) -> Check:
+def check_of(*names: str, then: Check | None = None) -> Check:
     """A check that refuses wishes which this way would ignore; names: of those that it takes.
 
     then: what else is to be checked.
     """
 
-    def check(session: Programs, wishes: Wishes) -> None:
+    def check(session: Programs, wishes: LinkOptions) -> None:
         for name, option in OPTIONS.items():
             if name not in names and getattr(wishes, name):
                 reason = f"`{option}` belongs to another way to lead it"
@@ -133,7 +133,7 @@ class Mode:
     unbegun: frozenset[str] = frozenset()
 
 
-def _limits(led: Led) -> Limits:
+def _limits(led: TimedMotion) -> Limits:
     """What no cycle may exceed; an axis that the arm lacks stays where it is."""
     from assistant.controllers.cyclic import Limits
 
@@ -151,7 +151,7 @@ def _limits(led: Led) -> Limits:
 NOTHING_SENT: Final = "nothing that moves the robot was sent"
 
 
-def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:  # noqa: ARG001
+def _exchange(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:  # noqa: ARG001
     """Poses by files, one after the other; the program of the exchange runs already.
 
     What breaks it off gets a note of what is known of the robot then.
@@ -176,7 +176,7 @@ def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -
     return Done(f"{len(recording)} poses were answered", columns)
 
 
-def _egm(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+def _egm(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:
     """Joints cycle by cycle; a program on the controller is to come and ask for them."""
     from assistant.controllers.abb.egm import guidance
     from assistant.controllers.cyclic import Trajectory
@@ -202,11 +202,11 @@ LINES_NEEDED: Final = (
     "set COMDEV = OPT12, OPT13 and CPRCE12 = CPRCE13 = 2 on the controller and switch it off and "
     "on (a virtual one: --line COM1=PORT --line COM2=PORT), or name the two lines by --line"
 )
-STEP_MORE: Final = 0.1
+STEP_TOLERANCE: Final = 0.1
 """Degrees that the arm may have moved since the points were worked out."""
 
 
-def lines_of(session: Programs, wishes: Wishes) -> tuple[str, str]:
+def lines_of(session: Programs, wishes: LinkOptions) -> tuple[str, str]:
     """Targets of the control line and of the status line; raises Refused."""
     from assistant.controllers.mitsubishi.data_link.streams import stream_to
 
@@ -227,7 +227,7 @@ def lines_of(session: Programs, wishes: Wishes) -> tuple[str, str]:
     return control, status
 
 
-def _has_lines(session: Programs, wishes: Wishes) -> None:
+def _has_lines(session: Programs, wishes: LinkOptions) -> None:
     """Raises Refused where the lines of the programs cannot be those that are named.
 
     A line on a port of the controller itself needs an Ethernet option behind `COM1:` or `COM2:`
@@ -253,7 +253,7 @@ def _of_cr(session: Programs) -> None:
         raise _not_here(session, reason, "choose another way by --by")
 
 
-def on_network(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
+def on_network(session: Programs, wishes: LinkOptions) -> None:  # noqa: ARG001 - as of each way
     """Raises Refused for an address that packets do not get to."""
     _of_cr(session)
     if SCHEMES[session.address.scheme].device:
@@ -267,7 +267,9 @@ def _not_here(session: Programs, reason: str, cure: str) -> Refused:
     return Refused(finding, exit_status=2)
 
 
-def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+def _data_link(
+    session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress
+) -> Done:
     """Joint positions on one line, the status on another; the programs are installed."""
     from assistant.controllers.mitsubishi.control_mode import ControlMode
 
@@ -276,7 +278,7 @@ def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) 
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
     points = led.numbered(led.joints, np.nan)
-    farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + STEP_MORE
+    farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + STEP_TOLERANCE
     mode = ControlMode(
         controller, control, status, limits=limits, most_step=farthest, replace=wishes.replace
     )
@@ -289,11 +291,11 @@ def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) 
 
 MXT_PROGRAM: Final = "FOLLOW"
 """Name of the program that waits for the packets."""
-OPENING: Final = 10.0
+FIRST_PACKET_TIMEOUT: Final = 10.0
 """Seconds in which a program that was started must answer the first packet."""
 
 
-def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:
     """Joints cycle by cycle; the program that waits for them is installed and started."""
     from assistant.controllers.cyclic import Settings, Trajectory
     from assistant.controllers.mitsubishi.mxt import client
@@ -311,7 +313,7 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
         cycle=wishes.cycle or client.CYCLES["CR750"],
         axes=joints.shape[1],
         sliding=sliding,
-        settings=Settings(opening=OPENING),
+        settings=Settings(opening=FIRST_PACKET_TIMEOUT),
     )
     with mxt_installed(controller, wishes):
         controller.load(MXT_PROGRAM)
@@ -330,7 +332,7 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
 
 
 @contextmanager
-def mxt_installed(controller: Controller, wishes: Wishes) -> Iterator[None]:
+def mxt_installed(controller: Controller, wishes: LinkOptions) -> Iterator[None]:
     """Install the program that waits for packets of this computer; restore the controller after it.
 
     A program of that name stays if it has the same steps, whatever the values of its variables.
@@ -373,17 +375,17 @@ def _operated(session: Programs) -> Controller:
 
 MODES: Final[Mapping[str, Mode]] = {
     "exchange": Mode(
-        "poses by files, one after the other", _exchange, 0.5, taking(), operates=False
+        "poses by files, one after the other", _exchange, 0.5, check_of(), operates=False
     ),
     "data-link": Mode(
-        "joint positions on a line of data", _data_link, 0.1, taking("lines", then=_has_lines)
+        "joint positions on a line of data", _data_link, 0.1, check_of("lines", then=_has_lines)
     ),
-    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, taking("port", "cycle", then=on_network)),
+    "mxt": Mode("joints cycle by cycle", _mxt, 0.01, check_of("port", "cycle", then=on_network)),
     "egm": Mode(
         "joints cycle by cycle, as a program asks for them",
         _egm,
         0.01,
-        taking("port", "cycle"),
+        check_of("port", "cycle"),
         operates=False,
         unbegun=frozenset({"CN701", "CN702", "CN703", "CN704", "CN711"}),
     ),

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.controllers import rules
 from assistant.controllers.address import Address, holds_password, parse, without_password
-from assistant.controllers.credentials import variable
+from assistant.controllers.credentials import password_variable
 
 if TYPE_CHECKING:
     from assistant.program.settings_tables import Table
@@ -152,7 +152,9 @@ class _Reader:
         table = self.table.table(name)
         secrets = [key for key in table.content if SECRET.search(key)]
         for key in secrets:
-            table.say(rules.PASSWORD_IN_FILE, key, name=name, variable=variable(name, "PASSWORD"))
+            table.say(
+                rules.PASSWORD_IN_FILE, key, name=name, variable=password_variable(name, "PASSWORD")
+            )
         kept = {key: value for key, value in table.content.items() if key not in secrets}
         found = replace(table, content=kept).read(self.keys)
         if "address" not in table.content and isinstance(given, dict):
@@ -162,7 +164,10 @@ class _Reader:
             return None
         if NO_USER.search(found.get("user", "")):
             table.say(
-                rules.PASSWORD_IN_FILE, "user", name=name, variable=variable(name, "PASSWORD")
+                rules.PASSWORD_IN_FILE,
+                "user",
+                name=name,
+                variable=password_variable(name, "PASSWORD"),
             )
         elif "user" in found:
             if address.user not in (None, found["user"]):
@@ -180,7 +185,12 @@ class _Reader:
         """The address, or None with the finding that it gives, placed at its key."""
         page, path = self.table.page, (*self.table.path, *at)
         if holds_password(text):
-            page.say(rules.PASSWORD_IN_FILE, path, name=at[0], variable=variable(at[0], "PASSWORD"))
+            page.say(
+                rules.PASSWORD_IN_FILE,
+                path,
+                name=at[0],
+                variable=password_variable(at[0], "PASSWORD"),
+            )
             return None
         kind = _virtual(text)
         if kind is not None:
@@ -196,7 +206,7 @@ class _Reader:
         """Names whose variables of the environment would be the same are told apart by nobody."""
         seen: dict[str, str] = {}
         for name in self.table.content:
-            other = seen.setdefault(variable(name, ""), name)
+            other = seen.setdefault(password_variable(name, ""), name)
             if other != name:
                 self.table.say(rules.SAME_VARIABLE, name, name=name, other=other)
 

@@ -10,13 +10,13 @@ import threading
 from collections.abc import Callable
 from typing import Final, Self
 
-LEAST: Final = 1024
+LEAST_BYTES: Final = 1024
 """Bytes that have to go through in each time-out; fewer only at the end."""
-LARGEST: Final = 1 << 30
+LARGEST_TRANSFER: Final = 1 << 30
 """Bytes after which what comes is taken for garbage."""
 
 
-class Pace:
+class TransferDeadline:
     """A context manager around a transfer, which ends with a TimeoutError once the line was cut.
 
     seconds: of the time-out. cut: ends the line, so that whoever waits for it meets an error.
@@ -44,7 +44,7 @@ class Pace:
     def moved(self, count: int) -> None:
         """So many bytes have gone through; raises TimeoutError where they never end."""
         self._count += count
-        if self._count > LARGEST:
+        if self._count > LARGEST_TRANSFER:
             self._over.set()
             raise TimeoutError
 
@@ -52,7 +52,7 @@ class Pace:
         seen = 0
         while not self._done.wait(self._seconds):
             count = self._count
-            if count - seen < LEAST:
+            if count - seen < LEAST_BYTES:
                 with self._deciding:
                     if self._done.is_set():
                         return

@@ -18,7 +18,7 @@ from assistant.deploy.journal import Entry, Journal, Step
 from assistant.deploy.outcome import FileState
 from assistant.deploy.site import RECORD, Site
 
-PATIENCE: Final = 20.0
+PUT_BACK_TIMEOUT: Final = 20.0
 """Seconds for which what cannot be put back is tried again: a controller keeps a dead session,
 and the program that it had open, for a while."""
 Progress = Callable[[Entry], None]
@@ -27,10 +27,10 @@ Tell = Callable[[Diagnostic], None]
 """Is given what a user has to know before all is over."""
 
 
-class Carrying:
+class Transfer:
     """A journal on its way. states: of its programs, by name."""
 
-    def __init__(self, site: Site, journal: Journal, patience: float = PATIENCE) -> None:
+    def __init__(self, site: Site, journal: Journal, patience: float = PUT_BACK_TIMEOUT) -> None:
         self.site, self.journal, self.patience = site, journal, patience
         site.patience = min(site.patience, patience)
         self.states: dict[str, FileState] = {}
@@ -155,7 +155,7 @@ class Carrying:
         pairs = ((wanted.file, now.file), (wanted.loaded, now.loaded))
         for sent, read in pairs:
             if sent != read:
-                raise Refused(_altered(entry.name, sent or b"", read or b""))
+                raise Refused(_altered_finding(entry.name, sent or b"", read or b""))
 
     def _restore(self, entry: Entry) -> bool:
         if self.site.same(self._now(entry), entry.before):
@@ -171,7 +171,7 @@ class Carrying:
         return rules.NOT_PUT_BACK(place=entry.name, name=entry.name, backup=old)
 
 
-def _altered(name: str, sent: bytes, read: bytes) -> Diagnostic:
+def _altered_finding(name: str, sent: bytes, read: bytes) -> Diagnostic:
     """The finding with the first line that differs."""
     left, right = (data.split(b"\r\n") for data in (sent, read))
     shorter = min(len(left), len(right))

@@ -15,24 +15,24 @@ from assistant.base import file_access
 from assistant.base.diagnostics import Refused
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
-from assistant.deploy.journal import failing
-from assistant.deploy.record import Record, plain
+from assistant.deploy.journal import report_file_errors
+from assistant.deploy.record import Record, plain_text
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
 
-LOCK: Final = "lock"
+LOCK_FILE: Final = "lock"
 
 
 @contextmanager
-def alone_here(place: FilePath) -> Iterator[None]:
+def lock_on_this_computer(place: FilePath) -> Iterator[None]:
     """While no other process of this computer deploys to the controller of a folder.
 
     The system frees the lock when the process dies. Raises Refused.
     """
     from filelock import FileLock, Timeout
 
-    with failing(place):
+    with report_file_errors(place):
         file_access.make_folders(place)
-        lock = FileLock(place / LOCK, timeout=0)
+        lock = FileLock(place / LOCK_FILE, timeout=0)
         try:
             lock.acquire()
         except Timeout:  # which is an OSError
@@ -78,7 +78,9 @@ def holder(site: Site) -> Holder:
     data = site.controller.read(CLAIMANT)
     try:
         content = json.loads((data or b"")[:10_000])
-        return Holder(*(plain(str(content[key])[:200]) for key in ("deployment", "who", "time")))
+        return Holder(
+            *(plain_text(str(content[key])[:200]) for key in ("deployment", "who", "time"))
+        )
     except (ValueError, KeyError, TypeError, RecursionError):
         return Holder()
 

@@ -14,12 +14,12 @@ from assistant import languages
 from assistant.base.source_text import decode, lines_of, visible
 
 
-def said(data: bytes, language: str) -> bytes:
+def module_form(data: bytes, language: str) -> bytes:
     """What a module says, a line each declaration or statement, without its layout."""
-    return "\r\n".join(form for form, _ in _pieces(data, language)).encode()
+    return "\r\n".join(form for form, _ in _module_pieces(data, language)).encode()
 
 
-def changed(
+def module_difference(
     before: bytes, after: bytes, language: str, labels: tuple[str, str], around: int = 3
 ) -> str:
     """A unified diff of two states of a module, "" if they say the same.
@@ -28,20 +28,22 @@ def changed(
     """
     written: dict[str, str] = {}
     left, right = (
-        [written.setdefault(form, text) for form, text in _pieces(data, language)]
+        [written.setdefault(form, text) for form, text in _module_pieces(data, language)]
         for data in (before, after)
     )
-    lines = difflib.unified_diff(_lines(left), _lines(right), *labels, n=around, lineterm="")
+    lines = difflib.unified_diff(
+        _visible_lines(left), _visible_lines(right), *labels, n=around, lineterm=""
+    )
     return "".join(f"{line}\n" for line in lines)
 
 
 @lru_cache(maxsize=32)
-def _pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
+def _module_pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
     spoken = languages.get(language)
     return tuple(spoken.said(decode(data, None, (*spoken.encodings, "latin-1")).text))
 
 
-def _lines(texts: Sequence[str]) -> list[str]:
+def _visible_lines(texts: Sequence[str]) -> list[str]:
     """With no character in them that a terminal would obey."""
     lines = (line for text in texts for line in lines_of(text))
     return [visible(line.rstrip()) for line in lines if line.strip()]

@@ -12,17 +12,17 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.termination import Termination, raise_on_termination
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
-from assistant.deploy.archive import packed
-from assistant.deploy.carrying import PATIENCE, Carrying, Progress, Tell
-from assistant.deploy.claiming import alone_here, check_claim, claim, holder, unclaim
+from assistant.deploy.archive import pack_journal
+from assistant.deploy.carrying import PUT_BACK_TIMEOUT, Progress, Tell, Transfer
+from assistant.deploy.claiming import check_claim, claim, holder, lock_on_this_computer, unclaim
 from assistant.deploy.held import Digests
 from assistant.deploy.identifying import of_another
-from assistant.deploy.journal import Entry, Journal, Step, create, open_journal, place_of
+from assistant.deploy.journal import Entry, Journal, Step, create_journal, open_journal, place_of
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import Change, Plan
 from assistant.deploy.record import Record, new_record
 from assistant.deploy.remembering import last_record
-from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
+from assistant.deploy.resting import check_not_running, pointers_lost, tasks
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
 
 
@@ -32,7 +32,7 @@ def deploy(
     history: str | FilePath | None = None,
     files_only: bool = False,
     progress: Progress | None = None,
-    patience: float = PATIENCE,
+    patience: float = PUT_BACK_TIMEOUT,
     tell: Tell | None = None,
     leave: Callable[[], bool] | None = None,
 ) -> Deployment:
@@ -74,7 +74,7 @@ class _Run:
         try:
             self._check_decided(files_only)
             if plan.changes or plan.unrecorded or open_journal(self.place) is not None:
-                with alone_here(self.place):
+                with lock_on_this_computer(self.place):
                     self._check_ended()
                     with self.site:
                         if self.site.identity() != plan.identity:
@@ -112,7 +112,7 @@ class _Run:
         record, _ = last_record(self.site, self.history)
         if of_another(self.plan.identity, record) is None and record != self.plan.record:
             raise Refused(rules.DEPLOYED_SINCE(place=str(self.plan.address)))
-        check_at_rest(self.site, [file.entry for file in self.plan.changes])
+        check_not_running(self.site, [file.entry for file in self.plan.changes])
 
     def _install(self, progress: Progress | None) -> None:
         entries = [file.entry for file in self.plan.changes]
@@ -147,7 +147,7 @@ def carry_out(
     patience: float,
     progress: Progress | None = None,
     leave: Callable[[], bool] | None = None,
-) -> Carrying:
+) -> Transfer:
     """Brings programs to a controller, with a journal; what fails is put back.
 
     So is what is interrupted, from outside or by Ctrl-C: only once, what comes after that waits,
@@ -159,7 +159,7 @@ def carry_out(
     with raise_on_termination(once=True) as ending:
         site.waiting = partial(_waiting, ending, leave or (lambda: False))
         journal = _begun(site, place, record, entries, check, patience, ending)
-        carrying = Carrying(site, journal, patience)
+        carrying = Transfer(site, journal, patience)
         try:
             try:
                 carrying.forward(journal.entries, progress)
@@ -209,9 +209,9 @@ def _begun(
         claim(site, record, patience)
         check()
         earlier = site.controller.read(RECORD) if site.disk is not None else None
-        journal = create(place, record, entries, earlier)
+        journal = create_journal(place, record, entries, earlier)
         if site.disk is not None:
-            site.controller.write(UNDER_WAY, packed(journal))
+            site.controller.write(UNDER_WAY, pack_journal(journal))
         check_claim(site, record)
     except BaseException as caught:
         ending.hold()
@@ -248,14 +248,14 @@ def _abandon(
     return []
 
 
-def settle(carrying: Carrying) -> None:
+def settle(carrying: Transfer) -> None:
     """Ends a deployment whose programs are all there."""
     carrying.keep_record()
     carrying.journal.add(Step.DONE)
     _let_go(carrying)
 
 
-def take_back(carrying: Carrying, *, connected: bool) -> None:
+def take_back(carrying: Transfer, *, connected: bool) -> None:
     """Puts back what was begun; others stay off the controller if that could not be done."""
     journal = carrying.journal
     with suppress(Refused):  # a full disk here is no reason to leave the controller as it is
@@ -270,7 +270,7 @@ def take_back(carrying: Carrying, *, connected: bool) -> None:
             _let_go(carrying)
 
 
-def _take_back(carrying: Carrying, *, connected: bool) -> None:
+def _take_back(carrying: Transfer, *, connected: bool) -> None:
     """Take the deployment back; leave it open if the user interrupts the wait for a lost line."""
     try:
         take_back(carrying, connected=connected)
@@ -279,7 +279,7 @@ def _take_back(carrying: Carrying, *, connected: bool) -> None:
         carrying.findings.append(rules.LEFT_OPEN(place=place, name=name))
 
 
-def _let_go(carrying: Carrying) -> None:
+def _let_go(carrying: Transfer) -> None:
     """Lets others deploy again; that this fails changes nothing of what is done."""
     site, record = carrying.site, carrying.journal.record
     try:

@@ -6,26 +6,26 @@ import difflib
 from typing import Final
 
 from assistant.base.source_text import decode, lines_of, visible
-from assistant.deploy.comparing import changed
+from assistant.deploy.comparing import module_difference
 from assistant.deploy.held import Held
 from assistant.deploy.site import Site
 
-ENCODINGS: Final = ("utf-8", "latin-1")
+SHOWN_ENCODINGS: Final = ("utf-8", "latin-1")
 """To show a program in; differences are found on its bytes."""
-NOWHERE: Final = "/dev/null"
+ABSENT_FILE: Final = "/dev/null"
 """Where a program is that is not there, as a unified difference says it."""
 
 
 def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
     """A unified diff of two versions of a program, "" if there is none. one, other: which ones."""
-    left, right = _shown(before or b""), _shown(after or b"")
-    origin = one if before is not None else NOWHERE
-    target = other if after is not None else NOWHERE
+    left, right = _shown_lines(before or b""), _shown_lines(after or b"")
+    origin = one if before is not None else ABSENT_FILE
+    target = other if after is not None else ABSENT_FILE
     lines = difflib.unified_diff(left, right, origin, target, lineterm="")
     return "".join(f"{line}\n" for line in lines)
 
 
-def since(site: Site, name: str, left: Held | None, now: Held) -> str:
+def difference_since(site: Site, name: str, left: Held | None, now: Held) -> str:
     """A unified difference from what the last deployment left to what is there, "" if unknown."""
     if left is None:
         return ""
@@ -34,13 +34,13 @@ def since(site: Site, name: str, left: Held | None, now: Held) -> str:
     text = difference(one.file, other.file, f"{name} (as it was left)", here)
     labels = (f"{name} (loaded, as it was left)", f"{name} (in memory)")
     if left.loaded is not None and now.loaded is not None:
-        text += changed(left.loaded, now.loaded, site.language, labels)
+        text += module_difference(left.loaded, now.loaded, site.language, labels)
     elif left.loaded is not None or now.loaded is not None:
         text += difference(left.loaded, now.loaded, *labels)
     return text
 
 
-def _shown(data: bytes) -> list[str]:
+def _shown_lines(data: bytes) -> list[str]:
     """The lines, with no character in them that a terminal would obey."""
-    lines = lines_of(decode(data, None, ENCODINGS).text)
+    lines = lines_of(decode(data, None, SHOWN_ENCODINGS).text)
     return [visible(line) for line in lines if line]

@@ -32,7 +32,7 @@ def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]
             raise Refused(rules.EMPTY_FOLDER(path=path), exit_status=2)
         files += inside
     for path in [file for file in files if file.lower().endswith(controller.lists)]:
-        files += _named_in(path, spoken[0])
+        files += _listed_files(path, spoken[0])
     places = {FilePath(file).absolute(): file for file in reversed(files)}
     return [file for file in dict.fromkeys(files) if places[FilePath(file).absolute()] == file]
 
@@ -51,10 +51,12 @@ def _is_program(file: FilePath, spoken: Sequence[Language[Any]], controller: Pro
         return True
     if not any(suffix in language.suffixes for language in spoken):
         return False
-    return _spoken(str(file), read_bytes(file, allow_empty=True), spoken) is not None
+    return _file_languages(str(file), read_bytes(file, allow_empty=True), spoken) is not None
 
 
-def _spoken(path: str, data: bytes, spoken: Sequence[Language[Any]]) -> Language[Any] | None:
+def _file_languages(
+    path: str, data: bytes, spoken: Sequence[Language[Any]]
+) -> Language[Any] | None:
     """Which of a controller's languages a file is in, or may be in as it is of an older version."""
     suffix = FilePath(path).suffix.lower()
     taking = [language for language in spoken if suffix in language.suffixes]
@@ -64,7 +66,7 @@ def _spoken(path: str, data: bytes, spoken: Sequence[Language[Any]]) -> Language
     return found
 
 
-def _named_in(path: str, language: Language[Any]) -> Iterator[str]:
+def _listed_files(path: str, language: Language[Any]) -> Iterator[str]:
     """The files that a list names; only from its own folder."""
     folder = FilePath(path).parent
     tree = language.parse(language.read(path))
@@ -77,7 +79,7 @@ def _named_in(path: str, language: Language[Any]) -> Iterator[str]:
         yield str(named)
 
 
-def names_of(paths: Sequence[str], controller: Programs) -> dict[str, str]:
+def controller_names(paths: Sequence[str], controller: Programs) -> dict[str, str]:
     """Local file → its name on the controller; no two may be the same there."""
     names: dict[str, str] = {}
     owner: dict[str, str] = {}
@@ -96,7 +98,7 @@ def names_of(paths: Sequence[str], controller: Programs) -> dict[str, str]:
     return names
 
 
-def looked_at(
+def file_findings(
     data: dict[str, bytes], names: Mapping[str, str], controller: Programs
 ) -> dict[str, tuple[Diagnostic, ...]]:
     """The findings of each file: of its own language, or that it is not the controller's.
@@ -135,7 +137,7 @@ def _language(path: str, data: bytes, controller: Programs) -> str | Diagnostic 
     """Name of the controller's language that a file is in, None for a list of modules."""
     if path.lower().endswith(controller.lists):
         return None
-    language = _spoken(path, data, [languages.get(name) for name in controller.languages])
+    language = _file_languages(path, data, [languages.get(name) for name in controller.languages])
     if language is not None:
         return language.name
     taken = ", ".join(languages.get(name).title for name in controller.languages)

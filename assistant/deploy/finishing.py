@@ -14,31 +14,31 @@ from assistant.base.termination import raise_on_termination
 from assistant.controllers import Programs
 from assistant.deploy import rules
 from assistant.deploy import site as site_names
-from assistant.deploy.archive import unpack
-from assistant.deploy.carrying import PATIENCE, Carrying, Tell
-from assistant.deploy.claiming import alone_here, claim, held_by, holder, unclaim
+from assistant.deploy.archive import unpack_journal
+from assistant.deploy.carrying import PUT_BACK_TIMEOUT, Tell, Transfer
+from assistant.deploy.claiming import claim, held_by, holder, lock_on_this_computer, unclaim
 from assistant.deploy.clashing import check_clashes
 from assistant.deploy.deployment import carry_out, settle, take_back
 from assistant.deploy.held import Digests, Held
 from assistant.deploy.identifying import check_same
 from assistant.deploy.journal import (
     ENDED,
-    RECORD,
+    RECORD_FILE,
     Entry,
     Journal,
     Step,
-    failing,
-    folders,
+    journal_folders,
     last_step,
     open_journal,
     place_of,
     read_journal,
+    report_file_errors,
 )
 from assistant.deploy.outcome import Deployment, FileState
 from assistant.deploy.plan import EVERY
 from assistant.deploy.record import new_record, read_record
 from assistant.deploy.remembering import last_record
-from assistant.deploy.resting import check_at_rest, pointers_lost, tasks
+from assistant.deploy.resting import check_not_running, pointers_lost, tasks
 from assistant.deploy.site import UNDER_WAY, Site
 
 
@@ -47,7 +47,7 @@ def resume(
     *,
     history: str | FilePath | None = None,
     replace: Collection[str] = (),
-    patience: float = PATIENCE,
+    patience: float = PUT_BACK_TIMEOUT,
 ) -> Deployment:
     """Finishes the deployment that was interrupted, here or on another computer.
 
@@ -55,7 +55,7 @@ def resume(
     meanwhile, `EVERY` for all. Raises Refused if there is none.
     """
     place = place_of(controller.address, history)
-    with alone_here(place), Site(controller, patience=patience) as site:
+    with lock_on_this_computer(place), Site(controller, patience=patience) as site:
         journal, freed = _open(site, place)
         if journal is not None:
             return _finish(site, journal, replace, patience, back=False)
@@ -70,7 +70,7 @@ def rollback(
     *,
     history: str | FilePath | None = None,
     replace: Collection[str] = (),
-    patience: float = PATIENCE,
+    patience: float = PUT_BACK_TIMEOUT,
     tell: Tell | None = None,
 ) -> Deployment:
     """Takes back a deployment: every program of it is again what it was before, byte for byte.
@@ -81,7 +81,7 @@ def rollback(
     is none.
     """
     place = place_of(controller.address, history)
-    with alone_here(place), Site(controller, patience=patience) as site:
+    with lock_on_this_computer(place), Site(controller, patience=patience) as site:
         site.tell = tell or site.tell
         journal, freed = _open(site, place)
         if journal is not None:
@@ -98,7 +98,7 @@ def rollback(
 
 def _chosen(controller: Programs, place: FilePath, number: int | None) -> list[Journal]:
     """The deployments that are to be taken back, the oldest first; raises Refused for none."""
-    done = [folder for folder in folders(place) if last_step(folder) is Step.DONE]
+    done = [folder for folder in journal_folders(place) if last_step(folder) is Step.DONE]
     if number is None:  # some only wrote the record anew
         last = next((one for one in map(read_journal, reversed(done)) if one.entries), None)
         chosen = [] if last is None else [last]
@@ -165,7 +165,7 @@ def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
     how = next((step for step in steps if step in ENDED and step is not Step.NOTHING), None)
     if how is None and one.name:
         data = site.controller.read(UNDER_WAY)
-        journal = None if data is None else unpack(data, place, one.name)
+        journal = None if data is None else unpack_journal(data, place, one.name)
         if journal is not None:
             journal.add(Step.BEGUN)
             return journal, None
@@ -181,10 +181,10 @@ def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
 
 def _named(place: FilePath, name: str) -> Iterator[FilePath]:
     """The folder of a deployment in the history; those that cannot be read are passed over."""
-    for folder in reversed(folders(place)):
+    for folder in reversed(journal_folders(place)):
         try:
-            with failing(folder):
-                record = read_record(read_file(folder / RECORD), str(folder))
+            with report_file_errors(folder):
+                record = read_record(read_file(folder / RECORD_FILE), str(folder))
         except Refused:
             continue
         if record.name == name:
@@ -208,11 +208,11 @@ def _check_not_ended_elsewhere(site: Site, journal: Journal) -> None:
     raise Refused(rules.NOT_OURS_ANY_MORE(place=place, name=record.name, other=other.name))
 
 
-def _checked(site: Site, journal: Journal, replace: Collection[str], patience: float) -> Carrying:
+def _checked(site: Site, journal: Journal, replace: Collection[str], patience: float) -> Transfer:
     """Raises Refused if it is another controller, or somebody has changed programs meanwhile."""
     check_same(site.identity(), journal.record, str(site.address))
-    check_at_rest(site, journal.entries)
-    carrying = Carrying(site, journal, patience)
+    check_not_running(site, journal.entries)
+    carrying = Transfer(site, journal, patience)
     allowed = {name.lower() for name in replace}
     asked = (
         [] if EVERY in allowed else [e for e in journal.entries if e.name.lower() not in allowed]
@@ -273,7 +273,7 @@ def _undo(
         if held.file is not None:
             programs[name] = site.digests(held)
     entries = [Entry(name, now[name], held) for name, held in wanted.items()]
-    check_at_rest(site, entries)
+    check_not_running(site, entries)
     told = check_clashes(site, entries, sent=False)
     record = changed(begun, programs=programs)
 

@@ -19,7 +19,7 @@ class Held:
     loaded: bytes | None = field(default=None, repr=False)
 
 
-NOTHING: Final = Held()
+NOTHING_INSTALLED: Final = Held()
 
 
 @dataclass(frozen=True, slots=True)

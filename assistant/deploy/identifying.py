@@ -8,10 +8,10 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
-from assistant.deploy.record import Record, plain
+from assistant.deploy.record import Record, plain_text
 
-WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
-CLOSE: Final = 0.05
+NAME_WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
+CLOSE_FIGURES: Final = 0.05
 """By how much two figures of a robot's name may differ: a reach of 0.58 m is also told as 0.6."""
 
 
@@ -54,9 +54,9 @@ def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
     """What is told otherwise than in a record, and what that says; what is not told is not."""
     told = identity or Identity()
     pairs = (
-        (plain(told.robot), record.robot),
-        (plain(told.controller), record.controller),
-        (plain(told.serial), record.serial),
+        (plain_text(told.robot), record.robot),
+        (plain_text(told.controller), record.controller),
+        (plain_text(told.serial), record.serial),
     )
     return next(((now, then) for now, then in pairs if now and then and now != then), None)
 
@@ -66,10 +66,10 @@ def same_robot(one: str, other: str) -> bool:
 
     The shorter name may lack what the other adds: the maker, a cable or a colour.
     """
-    shorter, longer = sorted((_words(one), _words(other)), key=len)
+    shorter, longer = sorted((_name_words(one), _name_words(other)), key=len)
     left = list(longer)
     for word in shorter:
-        found = next((there for there in left if _like(word, there)), None)
+        found = next((there for there in left if _similar_words(word, there)), None)
         if found is None:
             return False
         left.remove(found)
@@ -78,15 +78,15 @@ def same_robot(one: str, other: str) -> bool:
 
 def _is_model(name: str) -> bool:
     """Whether it is a model of a maker, with letters and figures."""
-    words = _words(name)
+    words = _name_words(name)
     return any(map(str.isalpha, words)) and not all(map(str.isalpha, words))
 
 
-def _words(name: str) -> list[str]:
-    return WORD.findall(name.lower())
+def _name_words(name: str) -> list[str]:
+    return NAME_WORD.findall(name.lower())
 
 
-def _like(one: str, other: str) -> bool:
+def _similar_words(one: str, other: str) -> bool:
     if "." in one and "." in other:
-        return abs(float(one) - float(other)) < CLOSE
+        return abs(float(one) - float(other)) < CLOSE_FIGURES
     return one == other

@@ -36,20 +36,20 @@ from assistant.base.file_access import read_file, read_text
 from assistant.controllers import Address
 from assistant.deploy import rules
 from assistant.deploy.held import Held
-from assistant.deploy.record import NAME, Record, read_record
+from assistant.deploy.record import PROGRAM_NAME, Record, read_record
 from assistant.deploy.site import of_deployments
 
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
 """Beside the project, one folder a controller in it."""
-RECORD: Final = "record.json"
-EARLIER: Final = "earlier.json"
-PROGRAMS: Final = "programs.json"
-STEPS: Final = "journal.jsonl"
-NUMBER: Final = re.compile(r"\d{4,}")
+RECORD_FILE: Final = "record.json"
+EARLIER_FILE: Final = "earlier.json"
+PROGRAMS_FILE: Final = "programs.json"
+STEPS_FILE: Final = "journal.jsonl"
+FOLDER_NUMBER: Final = re.compile(r"\d{4,}")
 PARTS: Final = ("before", "after")
-KEPT: Final = re.compile(rf"(before|after)/\d{{1,6}}-{NAME.pattern}", re.ASCII)
+KEPT_FILE: Final = re.compile(rf"(before|after)/\d{{1,6}}-{PROGRAM_NAME.pattern}", re.ASCII)
 """A file of a program in the folder; the number is that of its entry."""
-UNDER_WAY: Final = ".new"
+UNNUMBERED_PREFIX: Final = ".new"
 """What a folder begins with until it has its number."""
 
 
@@ -125,9 +125,9 @@ class Journal:
         if program:
             row["program"] = program
         try:
-            file_access.add_line(self.folder / STEPS, json.dumps(row))
+            file_access.add_line(self.folder / STEPS_FILE, json.dumps(row))
         except OSError as error:
-            raise refused(self.folder, error) from None
+            raise unusable_history(self.folder, error) from None
 
 
 def place_of(address: Address, history: str | FilePath | None = None) -> FilePath:
@@ -135,33 +135,33 @@ def place_of(address: Address, history: str | FilePath | None = None) -> FilePat
     return (FilePath(history) if history is not None else HISTORY) / address.label
 
 
-def create(
+def create_journal(
     place: FilePath, record: Record, entries: Sequence[Entry], earlier: bytes | None = None
 ) -> Journal:
     """Writes a new numbered folder, which appears whole; raises Refused."""
 
     def fill(new: FilePath) -> None:
-        file_access.write_new(new / RECORD, record.written())
+        file_access.write_new(new / RECORD_FILE, record.written())
         if earlier is not None:
-            file_access.write_new(new / EARLIER, earlier)
-        rows = [_written(new, number, entry) for number, entry in enumerate(entries, 1)]
-        file_access.write_new(new / PROGRAMS, (json.dumps(rows, indent=2) + "\n").encode())
+            file_access.write_new(new / EARLIER_FILE, earlier)
+        rows = [_write_program(new, number, entry) for number, entry in enumerate(entries, 1)]
+        file_access.write_new(new / PROGRAMS_FILE, (json.dumps(rows, indent=2) + "\n").encode())
 
-    journal = Journal(appeared(place, fill), record, tuple(entries), earlier)
+    journal = Journal(new_folder(place, fill), record, tuple(entries), earlier)
     journal.add(Step.BEGUN)
     return journal
 
 
-def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
+def new_folder(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
     """A new numbered folder, which is there when `fill` has written into it; raises Refused.
 
     Only who holds the lock of the place may call this: what a dead process left is cleared away.
     """
-    with failing(place):
+    with report_file_errors(place):
         file_access.make_folders(place)
-        for rest in place.glob(f"{UNDER_WAY}*"):
+        for rest in place.glob(f"{UNNUMBERED_PREFIX}*"):
             shutil.rmtree(rest, ignore_errors=True)
-        new = FilePath(tempfile.mkdtemp(prefix=UNDER_WAY, dir=place))
+        new = FilePath(tempfile.mkdtemp(prefix=UNNUMBERED_PREFIX, dir=place))
         try:
             fill(new)
             for folder in (*(new / part for part in PARTS), new):
@@ -177,22 +177,22 @@ def appeared(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
 
 def read_journal(folder: FilePath) -> Journal:
     """A deployment of a history; raises Refused if it is damaged."""
-    with failing(folder):
-        record = read_record(read_file(folder / RECORD), str(folder / RECORD))
-        rows = json.loads(read_file(folder / PROGRAMS))
-        entries = tuple(_entry(folder, row) for row in rows)
+    with report_file_errors(folder):
+        record = read_record(read_file(folder / RECORD_FILE), str(folder / RECORD_FILE))
+        rows = json.loads(read_file(folder / PROGRAMS_FILE))
+        entries = tuple(_read_entry(folder, row) for row in rows)
         if len({entry.name.lower() for entry in entries}) < len(entries):
             raise ValueError("a program is there twice")
-        kept = folder / EARLIER
+        kept = folder / EARLIER_FILE
         return Journal(folder, record, entries, read_file(kept) if kept.exists() else None)
 
 
-def folders(place: FilePath) -> list[FilePath]:
+def journal_folders(place: FilePath) -> list[FilePath]:
     """Those of the deployments to a controller, the oldest first; raises Refused."""
-    with failing(place):
+    with report_file_errors(place):
         if not place.is_dir():
             return []
-        found = [entry for entry in place.iterdir() if NUMBER.fullmatch(entry.name)]
+        found = [entry for entry in place.iterdir() if FOLDER_NUMBER.fullmatch(entry.name)]
     return sorted(found, key=lambda folder: int(folder.name))
 
 
@@ -201,7 +201,7 @@ def open_journal(place: FilePath) -> Journal | None:
 
     Of those that have ended none is read: that one of them is damaged keeps nobody from working.
     """
-    for folder in folders(place):
+    for folder in journal_folders(place):
         if last_step(folder) not in ENDED:
             return read_journal(folder)
     return None
@@ -210,9 +210,9 @@ def open_journal(place: FilePath) -> Journal | None:
 def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
     """What was done so far in the deployment of a folder; raises Refused."""
     found: list[tuple[Step, str]] = []
-    with failing(folder):
+    with report_file_errors(folder):
         try:
-            text = read_text(folder / STEPS, "utf-8", "replace")
+            text = read_text(folder / STEPS_FILE, "utf-8", "replace")
         except FileNotFoundError:
             return found
     lines = text.split("\n")
@@ -235,14 +235,14 @@ def last_step(folder: FilePath) -> Step:
     steps = steps_of(folder)
     if steps:
         return steps[-1][0]
-    with failing(folder):
-        file = folder / STEPS
+    with report_file_errors(folder):
+        file = folder / STEPS_FILE
         return Step.BEGUN if file.is_file() and b"\n" in read_file(file) else Step.NOTHING
 
 
 def journals(place: FilePath) -> tuple[Journal, ...]:
     """The deployments to a controller, the oldest first; raises Refused."""
-    return tuple(read_journal(folder) for folder in folders(place))
+    return tuple(read_journal(folder) for folder in journal_folders(place))
 
 
 def all_journals(history: str | FilePath | None = None) -> tuple[Journal, ...]:
@@ -252,7 +252,7 @@ def all_journals(history: str | FilePath | None = None) -> tuple[Journal, ...]:
     return tuple(journal for place in places for journal in journals(place))
 
 
-def _written(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object]:
+def _write_program(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object]:
     """Writes the bytes of a program; in which file each part of it stands, with its digest."""
     row: dict[str, object] = {"name": entry.name}
     digests: dict[str, str] = {}
@@ -269,21 +269,21 @@ def _written(folder: FilePath, number: int, entry: Entry) -> Mapping[str, object
     return {**row, "sha256": digests}
 
 
-def _entry(folder: FilePath, row: Mapping[str, Mapping[str, str | None]]) -> Entry:
+def _read_entry(folder: FilePath, row: Mapping[str, Mapping[str, str | None]]) -> Entry:
     name = row["name"]
-    if not isinstance(name, str) or NAME.fullmatch(name) is None or of_deployments(name):
+    if not isinstance(name, str) or PROGRAM_NAME.fullmatch(name) is None or of_deployments(name):
         raise ValueError(f"`{name}` is no name of a program")
-    before, after = (_held(folder, row[part], row["sha256"]) for part in PARTS)
+    before, after = (_read_installed(folder, row[part], row["sha256"]) for part in PARTS)
     return Entry(name, before, after)
 
 
-def _held(
+def _read_installed(
     folder: FilePath, names: Mapping[str, str | None], digests: Mapping[str, str | None]
 ) -> Held:
     def data(name: str | None) -> bytes | None:
         if name is None:
             return None
-        if KEPT.fullmatch(name) is None:
+        if KEPT_FILE.fullmatch(name) is None:
             raise ValueError(f"`{name}` is no file of it")
         found = read_file(folder / name)
         if hashlib.sha256(found).hexdigest() != digests[name]:
@@ -295,7 +295,7 @@ def _held(
 
 def _numbered(new: FilePath, place: FilePath) -> FilePath:
     """Gives a folder that is whole the next number; two runs at once get two."""
-    numbers = [int(entry.name) for entry in place.iterdir() if NUMBER.fullmatch(entry.name)]
+    numbers = [int(entry.name) for entry in place.iterdir() if FOLDER_NUMBER.fullmatch(entry.name)]
     number = max(numbers, default=0) + 1
     while True:
         folder = place / f"{number:04}"
@@ -308,18 +308,18 @@ def _numbered(new: FilePath, place: FilePath) -> FilePath:
 
 
 @contextmanager
-def failing(place: FilePath) -> Iterator[None]:
+def report_file_errors(place: FilePath) -> Iterator[None]:
     """Turns what goes wrong with files, or makes no sense in them, into a finding."""
     try:
         yield
     except Refused as refusal:
         if has_errors(refusal.findings):
             raise
-        raise refused(place, refusal) from None
+        raise unusable_history(place, refusal) from None
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise refused(place, error) from None
+        raise unusable_history(place, error) from None
 
 
-def refused(place: FilePath, error: Exception) -> Refused:
+def unusable_history(place: FilePath, error: Exception) -> Refused:
     reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return Refused(rules.NO_HISTORY(folder=place, reason=reason, path=str(place)))

@@ -9,9 +9,9 @@ from typing import Final
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic
 from assistant.deploy import rules
-from assistant.deploy.comparing import changed
-from assistant.deploy.differences import difference, since
-from assistant.deploy.held import NOTHING, Held
+from assistant.deploy.comparing import module_difference
+from assistant.deploy.differences import difference, difference_since
+from assistant.deploy.held import NOTHING_INSTALLED, Held
 from assistant.deploy.merging import merged, says_the_same
 from assistant.deploy.planned import Change, PlannedFile
 from assistant.deploy.record import Record
@@ -22,7 +22,7 @@ EVERY: Final = "*"
 """In place of the names of programs: all of them."""
 
 
-class Judging:
+class Classifier:
     """Judges programs by what a controller has of them. notes: whose they were found to be."""
 
     def __init__(
@@ -48,7 +48,9 @@ class Judging:
         in_memory = loads and (self.load or before.loaded is not None)
         after = Held(data, data if in_memory else None)
         now, wanted = self.site.forms(before), self.site.forms(after)
-        reason = "" if before == NOTHING or now == wanted else self._not_ours(name, before)
+        reason = (
+            "" if before == NOTHING_INSTALLED or now == wanted else self._not_ours(name, before)
+        )
         left = None
         if reason and self.record is not None:
             left = what_was_left(self.site, self.record, name, self.history)
@@ -60,7 +62,7 @@ class Judging:
         if before.loaded is not None:
             labels = (f"{name} (its file)", f"{name} (in memory)")
             file = before.file if before.file is not None else data
-            taught = changed(file, before.loaded, self.site.language, labels)
+            taught = module_difference(file, before.loaded, self.site.language, labels)
         return PlannedFile(
             path,
             name,
@@ -73,7 +75,7 @@ class Judging:
             findings,
             reason,
             left,
-            since(self.site, name, left, before),
+            difference_since(self.site, name, left, before),
         )
 
     def _change(
@@ -81,7 +83,7 @@ class Judging:
     ) -> Change:
         if self.site.same(before, after):
             return Change.SAME
-        if before == NOTHING:
+        if before == NOTHING_INSTALLED:
             return Change.NEW
         if not reason:
             return Change.CHANGED

@@ -18,7 +18,7 @@ from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Address
 from assistant.deploy import rules
-from assistant.deploy.carrying import PATIENCE, Tell
+from assistant.deploy.carrying import PUT_BACK_TIMEOUT, Tell
 from assistant.deploy.deployment import deploy
 from assistant.deploy.journal import Entry
 from assistant.deploy.outcome import Deployment
@@ -26,7 +26,7 @@ from assistant.deploy.plan import Plan
 
 PARALLEL: Final = 4
 """Controllers that are deployed to at the same time."""
-LOOKS: Final = 0.2
+DONE_POLL: Final = 0.2
 """Seconds between two looks whether all are done: a wait without end could not be interrupted on
 every system."""
 
@@ -120,7 +120,7 @@ def deploy_to_all(
     parallel: int = PARALLEL,
     history: str | FilePath | None = None,
     files_only: bool = False,
-    patience: float = PATIENCE,
+    patience: float = PUT_BACK_TIMEOUT,
     halt: Halt | None = None,
     tell: Tell | None = None,
 ) -> Rollout:
@@ -277,7 +277,7 @@ def _wait(under_way: Sequence[Future[None]], halt: Halt) -> None:
     noticed = halt.asked
     while True:
         try:
-            if not wait(under_way, timeout=LOOKS).not_done:
+            if not wait(under_way, timeout=DONE_POLL).not_done:
                 break
             if halt.asked and not noticed:
                 noticed = True

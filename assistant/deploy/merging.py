@@ -18,7 +18,7 @@ from typing import Final
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import decode, ended_lines, line_end
 
-Form = Callable[[bytes], bytes]
+StoredForm = Callable[[bytes], bytes]
 """The form in which a controller compares programs; see `Programs.stored`."""
 
 ENCODINGS: Final = ("utf-8", "latin-1")
@@ -43,7 +43,7 @@ class _Text:
     encoding: str
 
 
-def in_layout(own: bytes, other: bytes, form: Form, mark: str = "") -> bytes:
+def in_layout(own: bytes, other: bytes, form: StoredForm, mark: str = "") -> bytes:
     """What `other` says, in the layout of `own` as far as both say the same.
 
     mark: begins a comment where comments say nothing, because what is compared may have lost
@@ -56,7 +56,7 @@ def in_layout(own: bytes, other: bytes, form: Form, mark: str = "") -> bytes:
     return _bytes(_carried(mine, theirs, mark), mine.encoding)
 
 
-def merged(base: bytes, own: bytes, other: bytes, form: Form, mark: str = "") -> bytes | None:
+def merged(base: bytes, own: bytes, other: bytes, form: StoredForm, mark: str = "") -> bytes | None:
     """`own` with the changes that lead from `base` to `other`, None where it changed there too."""
     ground, mine = _text(base, form, DIGITS, mark), _text(own, form, DIGITS, mark)
     theirs = _text(in_layout(base, other, form, mark), form, DIGITS, mark)
@@ -77,7 +77,7 @@ def merged(base: bytes, own: bytes, other: bytes, form: Form, mark: str = "") ->
     return _bytes([*lines, *mine.lines[at:]], mine.encoding)
 
 
-def _in_order(own: bytes, other: bytes, form: Form) -> bytes:
+def _in_order(own: bytes, other: bytes, form: StoredForm) -> bytes:
     """The other text with its values in the order of ours, if that is all one to the controller.
 
     A controller may list values by their names, wherever they stood.
@@ -106,7 +106,7 @@ def _heads(text: _Text) -> list[str]:
     return [head if times[head] == 1 else "" for head in heads]
 
 
-def says_the_same(one: bytes, other: bytes, form: Form, mark: str = "") -> bool:
+def says_the_same(one: bytes, other: bytes, form: StoredForm, mark: str = "") -> bool:
     """Whether two texts say the same, numbers to DIGITS decimals."""
     return _text(one, form, DIGITS, mark).keys == _text(other, form, DIGITS, mark).keys
 
@@ -186,7 +186,7 @@ def _with_values(own: str, other: Sequence[str], mark: str) -> str | None:
         return None
     text, at = [], 0
     for (word, start), (new, _) in zip(mine, theirs, strict=True):
-        if _says(word) != _says(new):
+        if _line_form(word) != _line_form(new):
             if not (_NUMBER.match(word) and _NUMBER.match(new)):
                 return None
             text += [own[at:start], new]
@@ -228,20 +228,20 @@ def _end(line: str) -> str:
     return line[len(line.rstrip("\r\n")) :]
 
 
-def _text(data: bytes, form: Form, digits: int | None = None, mark: str = "") -> _Text:
+def _text(data: bytes, form: StoredForm, digits: int | None = None, mark: str = "") -> _Text:
     source = decode(data, None, ENCODINGS)
     lines = ended_lines(source.text)
-    known = {line: _key(line, source.encoding, form, digits, mark) for line in set(lines)}
+    known = {line: _word_key(line, source.encoding, form, digits, mark) for line in set(lines)}
     return _Text(lines, [known[line] for line in lines], source.encoding)
 
 
-def _key(line: str, encoding: str, form: Form, digits: int | None, mark: str) -> Key:
+def _word_key(line: str, encoding: str, form: StoredForm, digits: int | None, mark: str) -> Key:
     with suppress(Refused):  # a line alone may be no program
         line = form(line.encode(encoding)).decode(encoding, "replace")
-    return tuple(_says(word, digits) for word, _ in _words(line, mark))
+    return tuple(_line_form(word, digits) for word, _ in _words(line, mark))
 
 
-def _says(word: str, digits: int | None = None) -> str | float:
+def _line_form(word: str, digits: int | None = None) -> str | float:
     if not _NUMBER.match(word):
         return word
     return float(word) if digits is None else round(float(word), digits)

@@ -11,9 +11,9 @@ from assistant.controllers import Programs
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.clashing import check_clashes
-from assistant.deploy.files import looked_at, names_of
+from assistant.deploy.files import controller_names, file_findings
 from assistant.deploy.identifying import check_meant, of_another
-from assistant.deploy.judging import EVERY, Judging
+from assistant.deploy.judging import EVERY, Classifier
 from assistant.deploy.planned import Change, Plan, PlannedFile
 from assistant.deploy.remembering import last_record
 from assistant.deploy.site import Site, of_deployments
@@ -44,13 +44,13 @@ def plan(
         raise Refused(rules.NO_FILES())
     data = {str(file): read_bytes(file) for file in files}
     ordered = sorted(data, key=lambda path: path.lower().endswith(controller.lists))
-    names = names_of(ordered, controller)
+    names = controller_names(ordered, controller)
     site = Site(controller, task)
     with site:
         identity = site.identity()
         untold = check_meant(identity, meant, str(controller.address)) if meant else ()
         # Only a session knows which version of a language the controller takes.
-        notes = looked_at({path: data[path] for path in ordered}, names, controller)
+        notes = file_findings({path: data[path] for path in ordered}, names, controller)
         errors = [finding for found in notes.values() if has_errors(found) for finding in found]
         if errors:
             raise Refused(*errors)
@@ -59,7 +59,7 @@ def plan(
         stranger = of_another(identity, record)
         if stranger is not None:
             record, told = None, (*told, stranger)
-        look = Judging(site, record, load, replace, history)
+        look = Classifier(site, record, load, replace, history)
         planned = tuple(look.at(path, names[path], data[path], notes[path]) for path in ordered)
         told = (*told, *check_clashes(site, [file.entry for file in planned]))
     ours = {name.lower() for name in (record.programs if record else ())}

@@ -25,12 +25,12 @@ from assistant.deploy.held import Digests
 from assistant.deploy.repository import commit_of
 
 FORMAT: Final = 1
-NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
+PROGRAM_NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
 """Of a program; also a file of this computer can have it."""
 DIGEST: Final = re.compile("[0-9a-f]{64}")
 LONGEST_TEXT: Final = 1000
 """Characters of a text in it."""
-LONGEST: Final = 1_000_000
+LONGEST_RECORD: Final = 1_000_000
 """Bytes of a record that is looked at."""
 
 
@@ -68,16 +68,16 @@ def new_record(address: str, identity: Identity | None, task: str = "") -> Recor
         f"{now:%Y%m%dT%H%M%SZ}-{secrets.token_hex(3)}",
         address,
         now.isoformat(timespec="seconds"),
-        plain(f"{_user()}@{socket.gethostname()}"),
+        plain_text(f"{_user()}@{socket.gethostname()}"),
         commit_of(FilePath()),
-        plain(told.robot),
-        plain(told.controller),
-        plain(told.serial),
+        plain_text(told.robot),
+        plain_text(told.controller),
+        plain_text(told.serial),
         task,
     )
 
 
-def plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """Text from outside without what would steer a terminal, and not too long to be told."""
     return "".join(c if c.isprintable() else "?" for c in text[:LONGEST_TEXT])
 
@@ -85,7 +85,7 @@ def plain(text: str) -> str:
 def read_record(data: bytes, place: str) -> Record:
     """The record of a file; raises Refused if it is damaged."""
     try:
-        if len(data) > LONGEST:
+        if len(data) > LONGEST_RECORD:
             raise ValueError("it is too long")
         content = json.loads(data)
         told = content.pop("digest")
@@ -104,11 +104,11 @@ def read_record(data: bytes, place: str) -> Record:
 
 def _check_texts(texts: Iterable[str], programs: Mapping[str, Digests]) -> None:
     """Raises ValueError for what no deployment writes: anybody can work out a digest that fits."""
-    if not all(isinstance(text, str) and plain(text) == text for text in texts):
+    if not all(isinstance(text, str) and plain_text(text) == text for text in texts):
         raise ValueError("it holds characters that no deployment writes")
     for name, two in programs.items():
         digests = [one for one in (two.file, two.loaded) if one is not None]
-        named = NAME.fullmatch(name) is not None and plain(two.task) == two.task
+        named = PROGRAM_NAME.fullmatch(name) is not None and plain_text(two.task) == two.task
         if not named or not all(map(DIGEST.fullmatch, digests)):
             raise ValueError("it names programs as no deployment does")
 

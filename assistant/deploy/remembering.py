@@ -8,17 +8,17 @@ from pathlib import Path as FilePath
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.file_access import read_file
-from assistant.deploy.archive import archived
+from assistant.deploy.archive import archived_programs
 from assistant.deploy.held import Held
-from assistant.deploy.journal import RECORD as KEPT
+from assistant.deploy.journal import RECORD_FILE as KEPT
 from assistant.deploy.journal import (
     Entry,
     Step,
-    failing,
-    folders,
+    journal_folders,
     last_step,
     place_of,
     read_journal,
+    report_file_errors,
 )
 from assistant.deploy.record import Record, read_record
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
@@ -40,9 +40,9 @@ def last_record(
             return read_record(data, RECORD), ()
         except Refused as refused:
             return None, refused.findings
-    for folder in reversed(folders(place_of(site.address, history))):
+    for folder in reversed(journal_folders(place_of(site.address, history))):
         if last_step(folder) is Step.DONE:
-            with failing(folder):
+            with report_file_errors(folder):
                 return read_record(read_file(folder / KEPT), str(folder / KEPT)), ()
     return None, ()
 
@@ -56,7 +56,7 @@ def what_was_left(
     disk; what it holds is what the record says by its digests.
     """
     meant = {n.lower(): digests for n, digests in record.programs.items()}.get(name.lower())
-    for entry in _kept(site, history):
+    for entry in _earlier_programs(site, history):
         if entry.name.lower() != name.lower() or meant is None:
             continue
         for held in (entry.after, entry.before):
@@ -65,12 +65,12 @@ def what_was_left(
     return None
 
 
-def _kept(site: Site, history: str | FilePath | None) -> Iterator[Entry]:
+def _earlier_programs(site: Site, history: str | FilePath | None) -> Iterator[Entry]:
     """Programs of earlier deployments, the newest first."""
-    for folder in reversed(folders(place_of(site.address, history))):
+    for folder in reversed(journal_folders(place_of(site.address, history))):
         with suppress(Refused):  # nor does one that is damaged
             yield from read_journal(folder).entries
     data = site.controller.read(UNDER_WAY) if site.disk is not None else None
     if data is not None:
         with suppress(Refused):  # an archive that is cut or changed tells nothing
-            yield from archived(data)
+            yield from archived_programs(data)

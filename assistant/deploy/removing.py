@@ -11,7 +11,7 @@ from assistant.controllers.abilities import Disk, Memory
 from assistant.deploy import resting, rules
 
 
-def found_there(session: Programs, names: Sequence[str]) -> dict[str, str | None]:
+def found_programs(session: Programs, names: Sequence[str]) -> dict[str, str | None]:
     """Return each name as the controller writes it, None for a program that it does not have."""
     there = {name.lower(): name for name in session.names()}
     return {name: there.get(name.lower()) for name in names}
@@ -34,7 +34,7 @@ def check_removable(session: Programs, names: Sequence[str]) -> None:
         raise Refused(*found)
 
 
-def unseen(session: Programs, names: Sequence[str]) -> list[Diagnostic]:
+def unseen_use(session: Programs, names: Sequence[str]) -> list[Diagnostic]:
     """Warn of each program whose use a session that only transfers files cannot report."""
     if isinstance(session, Controller):
         return []
@@ -57,13 +57,13 @@ def _in_use(controller: Controller, names: Sequence[str]) -> Iterator[Diagnostic
         if not task.program:
             continue
         does = "runs" if task.running else "is loaded"
-        users.setdefault(resting.stem(task.program), f"it {does} in slot {task.name}")
-        if task.running and not all(resting.stem(name) in users for name in names):
+        users.setdefault(resting.program_stem(task.program), f"it {does} in slot {task.name}")
+        if task.running and not all(resting.program_stem(name) in users for name in names):
             reason = f"`{task.program}` runs, which uses it"
             for used in resting.with_called(
                 controller, controller.languages[0], task.program, there
             ):
                 users.setdefault(used, reason)
     for name in names:
-        if resting.stem(name) in users:
-            yield rules.IN_USE(place=name, name=name, reason=users[resting.stem(name)])
+        if resting.program_stem(name) in users:
+            yield rules.IN_USE(place=name, name=name, reason=users[resting.program_stem(name)])

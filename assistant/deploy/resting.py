@@ -19,7 +19,7 @@ MOST_PROGRAMS: Final = 200
 """That are followed from a running one through its calls."""
 
 
-def check_at_rest(site: Site, entries: Iterable[Entry]) -> None:
+def check_not_running(site: Site, entries: Iterable[Entry]) -> None:
     """Raises Refused if a program that would be replaced runs, or one that runs calls it.
 
     Modules of a task's memory: if that task runs, or any task of the foreground. Where the session
@@ -81,17 +81,19 @@ def _of_slots(
             users.setdefault(used, task.program)
     found = []
     for entry in entries:
-        used = stem(entry.name)
+        used = program_stem(entry.name)
         if used in users:
             user = users[used]
-            reason = "it is running" if stem(user) == used else f"`{user}` runs, which uses it"
+            reason = (
+                "it is running" if program_stem(user) == used else f"`{user}` runs, which uses it"
+            )
             found.append(rules.RUNNING(place=entry.name, name=entry.name, reason=reason))
     return found
 
 
 def by_stem(controller: Programs) -> dict[str, str]:
     """Return the programs of a controller by their stems."""
-    return {stem(name): name for name in controller.names()}
+    return {program_stem(name): name for name in controller.names()}
 
 
 def with_called(
@@ -104,7 +106,7 @@ def with_called(
     spoken = languages.get(language)
     open_ones, found = [program], set[str]()
     while open_ones and len(found) < MOST_PROGRAMS:
-        used = stem(open_ones.pop())
+        used = program_stem(open_ones.pop())
         if used in found:
             continue
         found.add(used)
@@ -115,6 +117,6 @@ def with_called(
     return found
 
 
-def stem(name: str) -> str:
+def program_stem(name: str) -> str:
     """A program's name without suffix, in lower case."""
     return FilePath(name).stem.lower()

@@ -14,8 +14,8 @@ from assistant.controllers.abilities import Disk, Memory, Rests
 from assistant.controllers.rules import Lost, Taken
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
-from assistant.deploy.comparing import said
-from assistant.deploy.held import NOTHING, Digests, Held, digest
+from assistant.deploy.comparing import module_form
+from assistant.deploy.held import NOTHING_INSTALLED, Digests, Held, digest
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
@@ -173,7 +173,7 @@ class Site:
         file = None if held.file is None else self.controller.stored(held.file)
         loaded = held.loaded
         if self.memory is not None and loaded is not None:
-            loaded = said(loaded, self.language)
+            loaded = module_form(loaded, self.language)
         return Held(file, loaded)
 
     def in_memory(self, data: bytes) -> bytes:
@@ -189,7 +189,7 @@ class Site:
         task = "" if forms.loaded is None else task or self.task
         return Digests(digest(forms.file), digest(forms.loaded), task)
 
-    def put(self, name: str, wanted: Held, instead: Held = NOTHING) -> None:
+    def put(self, name: str, wanted: Held, instead: Held = NOTHING_INSTALLED) -> None:
         """Makes that the controller's; done again after an interruption, it ends the same.
 
         What memory is to have is loaded from a file first, and the file that is to stay is

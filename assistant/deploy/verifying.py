@@ -11,9 +11,9 @@ from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import read_bytes
 from assistant.controllers import Address, Programs
 from assistant.deploy import rules
-from assistant.deploy.differences import since
-from assistant.deploy.files import names_of
-from assistant.deploy.held import NOTHING, Digests, Held
+from assistant.deploy.differences import difference_since
+from assistant.deploy.files import controller_names
+from assistant.deploy.held import NOTHING_INSTALLED, Digests, Held
 from assistant.deploy.identifying import of_another
 from assistant.deploy.journal import journals, place_of
 from assistant.deploy.record import Record
@@ -73,7 +73,7 @@ def verify(
     Raises Refused and Unreadable.
     """
     data = {str(file): read_bytes(file) for file in files}
-    names = names_of(list(data), controller)
+    names = controller_names(list(data), controller)
     built = {names[path].lower(): (names[path], data[path]) for path in data}
     with Site(controller) as site:
         record, told = last_record(site, history)
@@ -81,7 +81,7 @@ def verify(
         if stranger is not None:
             record, told = None, (*told, stranger)
         there = [name for name in site.controller.names() if not of_deployments(name)]
-        looking = _Looking(site, record, history, built)
+        looking = _Verification(site, record, history, built)
         left = {} if record is None else dict(record.programs)
         ours = [looking.at(name, digests) for name, digests in left.items()]
         known = {name.lower() for name in left}
@@ -101,7 +101,7 @@ def verify(
 
 
 @dataclass(frozen=True, slots=True)
-class _Looking:
+class _Verification:
     site: Site
     record: Record | None
     history: str | FilePath | None
@@ -114,11 +114,13 @@ class _Looking:
         self.site.task = digests.task or self.record.task
         now = self.site.held(name, None if left is None else left.file)
         as_built = self._as_built(name, now)
-        if now == NOTHING:
+        if now == NOTHING_INSTALLED:
             return SeenProgram(name, Seen.GONE, as_built=as_built)
         if self.site.digests(now) == digests:
             return SeenProgram(name, Seen.AS_LEFT, as_built=as_built)
-        return SeenProgram(name, Seen.CHANGED, since(self.site, name, left, now), as_built)
+        return SeenProgram(
+            name, Seen.CHANGED, difference_since(self.site, name, left, now), as_built
+        )
 
     def other(self, name: str) -> SeenProgram:
         given = name.lower() in self.built

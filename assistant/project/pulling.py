@@ -18,7 +18,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
 from assistant.deploy import Change, Held, Plan, PlannedFile
-from assistant.deploy.merging import Form, in_layout, merged
+from assistant.deploy.merging import StoredForm, in_layout, merged
 from assistant.deploy.repository import is_committed
 from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
@@ -106,7 +106,7 @@ class _Run:
         self.wanted[source] = with_targets(source, now, changes, file.name, spoken.precision)
         self.told.setdefault(source, []).extend(f"target `{one.name}`" for one in changes)
 
-    def _sides(self, file: PlannedFile) -> tuple[bytes | None, bytes, Form]:
+    def _sides(self, file: PlannedFile) -> tuple[bytes | None, bytes, StoredForm]:
         """What was left, what is there now, and how the two are compared."""
         left, now = file.left, file.before
         stored, in_memory = self.site.controller.stored, self.site.in_memory
@@ -127,7 +127,7 @@ class _Run:
         return self.site.forms(Held(None, now.file)) == self.site.forms(Held(None, now.loaded))
 
     def _as_text(
-        self, file: PlannedFile, base: bytes | None, own: bytes, there: bytes, form: Form
+        self, file: PlannedFile, base: bytes | None, own: bytes, there: bytes, form: StoredForm
     ) -> bytes:
         """Our text with what was changed there."""
         in_memory = there == file.before.loaded and there != file.before.file

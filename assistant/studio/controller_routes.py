@@ -121,10 +121,10 @@ def _kept(studio: Studio) -> FilePath:
 
 def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
     """Whether what is sent can be read on the way, unless the project has accepted that."""
-    from assistant.controllers.clear_text import clear_text
+    from assistant.controllers.clear_text import clear_text_finding
     from assistant.findings.severities import severities_for
 
-    told = clear_text(one.address)
+    told = clear_text_finding(one.address)
     wanted = severities_for(studio.folder).of(told) if told else None
     if wanted:
         yield wanted

@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.leading import led
 from assistant.blocks.running_bdsim import run_paced
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.virtual.cr import VirtualCr
 
 ROBOT = robots.get("rv-2aj")
@@ -49,7 +49,7 @@ def virtual(pace: float = 1.0):
 
 def model(sim, address: str, *lines: str):
     """The diagram, and the connection that its blocks share."""
-    arm = led(NAME, address, ROBOT, percent=PERCENT, wishes=Wishes(lines=lines))
+    arm = led(NAME, address, ROBOT, percent=PERCENT, wishes=LinkOptions(lines=lines))
 
     rows = np.zeros((FIRST + STEPS + 1, len(MOST)))
     rows[FIRST : FIRST + STEPS, 0] = MOST[0]

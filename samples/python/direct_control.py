@@ -15,7 +15,13 @@ from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Limits, Settings, Trajectory
-from assistant.controllers.following import MXT_PROGRAM, OPENING, Wishes, mxt_installed, on_network
+from assistant.controllers.following import (
+    FIRST_PACKET_TIMEOUT,
+    MXT_PROGRAM,
+    LinkOptions,
+    mxt_installed,
+    on_network,
+)
 from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
 
 
@@ -38,7 +44,7 @@ def main():
     limits = Limits(tuple(speeds), lowest=tuple(lowest), highest=tuple(highest))
     times = np.linspace(0.0, 2.0, 101)
     swing = given.degrees * np.sin(np.pi * times / 2.0) ** 2
-    wishes = Wishes(port=given.port)
+    wishes = LinkOptions(port=given.port)
 
     with connect(given.address) as controller:
         on_network(controller, wishes)
@@ -51,7 +57,9 @@ def main():
             port=given.port,
             cycle=CYCLES[given.cycle],
             limits=limits,
-            settings=Settings(opening=OPENING),  # the program may not wait for packets yet
+            settings=Settings(
+                opening=FIRST_PACKET_TIMEOUT
+            ),  # the program may not wait for packets yet
         )
         controller.motors(True)
         try:

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.cli import main
 from assistant.controllers import parse
-from assistant.controllers.clear_text import clear_text
+from assistant.controllers.clear_text import clear_text_finding
 from tests.controllers.abb.bad_ftp import FtpPeer
 
 
@@ -39,7 +39,7 @@ def run(capsys, *arguments):
     ],
 )  # fmt: skip
 def test_what_is_not_encrypted_on_its_way(text, code):
-    told = clear_text(parse(text))
+    told = clear_text_finding(parse(text))
     assert code == (told and told.code)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from assistant import robots
 from assistant.controllers import connect
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.controllers.leading import MODES
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import Signal
@@ -190,6 +190,6 @@ def test_an_exchange_leaves_the_files_as_they_were(capsys, monkeypatch, tmp_path
         guard = Guard(ARM, Bounds())
         with connect("cell1") as session:
             mode = MODES["exchange"]
-            with mode.make(session, guard.arm(), Wishes(), np.array(ARM.home)) as carrier:
+            with mode.make(session, guard.arm(), LinkOptions(), np.array(ARM.home)) as carrier:
                 carrier.move(carrier.joints(), 0.5)
         assert set(files(robot.controller)) == before

@@ -7,7 +7,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import Credentials, connect, parse
-from assistant.controllers.credentials import PASSWORD, USER, find
+from assistant.controllers.credentials import PASSWORD_VARIABLE, USER_VARIABLE, find_credentials
 
 ADDRESS = parse("ftp://irc5")
 
@@ -27,16 +27,20 @@ def keyring(monkeypatch):
 
 
 def test_the_order_of_sources(keyring):
-    environment = {USER: "anna", PASSWORD: "from-environment"}
-    given = find(ADDRESS, user="bert", password="from-argument", environment=environment)
+    environment = {USER_VARIABLE: "anna", PASSWORD_VARIABLE: "from-environment"}
+    given = find_credentials(
+        ADDRESS, user="bert", password="from-argument", environment=environment
+    )
     assert (given.user, given.password) == ("bert", "from-argument")
-    assert find(ADDRESS, environment=environment).password == "from-environment"
-    stored = find(ADDRESS, user="anna", environment={}, ask=lambda _: "asked")
+    assert find_credentials(ADDRESS, environment=environment).password == "from-environment"
+    stored = find_credentials(ADDRESS, user="anna", environment={}, ask=lambda _: "asked")
     assert stored.password == "from-keyring"
     prompts = []
-    asked = find(ADDRESS, user="carl", environment={}, ask=lambda p: prompts.append(p) or "asked")
+    asked = find_credentials(
+        ADDRESS, user="carl", environment={}, ask=lambda p: prompts.append(p) or "asked"
+    )
     assert asked.password == "asked" and "carl" in prompts[0] and "irc5" in prompts[0]
-    named = find(parse("ftp://dora@irc5"), password="x", environment=environment)
+    named = find_credentials(parse("ftp://dora@irc5"), password="x", environment=environment)
     assert named.user == "dora"
 
 
@@ -45,7 +49,10 @@ def test_a_locked_keyring_is_passed_over(keyring):
         raise keyring.errors.KeyringError("locked")
 
     keyring.get_password = locked
-    assert find(ADDRESS, user="a", environment={}, ask=lambda _: "asked").password == "asked"
+    assert (
+        find_credentials(ADDRESS, user="a", environment={}, ask=lambda _: "asked").password
+        == "asked"
+    )
 
 
 @pytest.mark.parametrize(
@@ -55,7 +62,7 @@ def test_a_locked_keyring_is_passed_over(keyring):
 def test_nothing_known_is_a_finding(monkeypatch, user, ask, code):
     monkeypatch.setitem(sys.modules, "keyring", None)
     with pytest.raises(Refused) as refused:
-        find(ADDRESS, user=user, environment={}, ask=ask)
+        find_credentials(ADDRESS, user=user, environment={}, ask=ask)
     assert [f.code for f in refused.value.findings] == [code]
 
 

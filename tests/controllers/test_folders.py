@@ -15,9 +15,9 @@ FILES = {"programs/SEAM.prg": b"10 END\r\n", "parameters.txt": b"RLNG=1\n"}
 
 
 def made(folder):
-    with folders.appearing(folder, "toy") as place:
+    with folders.appearing_folder(folder, "toy") as place:
         for name, data in FILES.items():
-            folders.put(place, name, data)
+            folders.put_file(place, name, data)
     return folder
 
 
@@ -27,8 +27,8 @@ def codes(refused):
 
 def test_it_comes_back_and_nothing_else_is_left(tmp_path):
     folder = made(tmp_path / "deep" / "copy")
-    assert folders.contents(folder, "toy") == FILES
-    assert folders.files(folder) == ("parameters.txt", "programs/SEAM.prg")
+    assert folders.backup_contents(folder, "toy") == FILES
+    assert folders.backup_files(folder) == ("parameters.txt", "programs/SEAM.prg")
     assert [path.name for path in folder.parent.iterdir()] == ["copy"]
 
 
@@ -40,27 +40,33 @@ def test_two_backups_of_the_same_are_the_same_bytes(tmp_path):
 def test_line_ends_may_change_in_version_control(tmp_path):
     folder = made(tmp_path / "copy")
     (folder / "programs" / "SEAM.prg").write_bytes(b"10 END\n")
-    assert folders.contents(folder, "toy")["programs/SEAM.prg"] == b"10 END\n"
+    assert folders.backup_contents(folder, "toy")["programs/SEAM.prg"] == b"10 END\n"
 
 
 def test_what_fails_leaves_nothing(tmp_path):
-    with pytest.raises(KeyboardInterrupt), folders.appearing(tmp_path / "copy", "toy") as place:
-        folders.put(place, "a", b"1")
+    with (
+        pytest.raises(KeyboardInterrupt),
+        folders.appearing_folder(tmp_path / "copy", "toy") as place,
+    ):
+        folders.put_file(place, "a", b"1")
         raise KeyboardInterrupt
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_is_there_is_left_alone(tmp_path):
     folder = made(tmp_path / "copy")
-    with pytest.raises(Refused) as refused, folders.appearing(folder, "toy"):
+    with pytest.raises(Refused) as refused, folders.appearing_folder(folder, "toy"):
         pass
     assert codes(refused) == ["CN401"]
-    assert folders.contents(folder, "toy") == FILES
+    assert folders.backup_contents(folder, "toy") == FILES
 
 
 def test_a_place_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(Refused) as refused, folders.appearing(tmp_path / "file" / "x", "toy"):
+    with (
+        pytest.raises(Refused) as refused,
+        folders.appearing_folder(tmp_path / "file" / "x", "toy"),
+    ):
         pass
     assert codes(refused) == ["CN402"]
 
@@ -73,7 +79,7 @@ def test_names_that_lead_out_of_it(tmp_path):
         index["files"] = {name: "0"}
         (folder / folders.INDEX).write_text(json.dumps(index))
         with pytest.raises(Refused) as refused:
-            folders.contents(folder, "toy")
+            folders.backup_contents(folder, "toy")
         assert "outside" in refused.value.findings[0].message
 
 
@@ -94,7 +100,7 @@ def test_what_is_not_whole_is_refused(tmp_path, spoil):
     folder = made(tmp_path / "copy")
     spoil(folder)
     with pytest.raises(Refused) as refused:
-        folders.contents(folder, "toy")
+        folders.backup_contents(folder, "toy")
     assert codes(refused) == ["CN403"] and refused.value.exit_status == 2
 
 
@@ -105,7 +111,7 @@ def test_a_pipe_in_it_keeps_nobody_waiting(tmp_path, name):
     (folder / name).unlink()
     os.mkfifo(folder / name)
     with pytest.raises(Refused) as refused:
-        folders.contents(folder, "toy")
+        folders.backup_contents(folder, "toy")
     assert codes(refused) == ["CN403"]
 
 
@@ -141,5 +147,5 @@ def test_what_cannot_be_taken_back_is_there_whole_and_told(tmp_path, monkeypatch
     when_the_disk_fails(monkeypatch, tmp_path / "copy", renamed_back=False)
     with pytest.warns(RuntimeWarning, match="CO206: .*copy` is there whole"):
         folder = made(tmp_path / "copy")
-    assert folders.contents(folder, "toy") == FILES
+    assert folders.backup_contents(folder, "toy") == FILES
     assert list(tmp_path.iterdir()) == [folder]

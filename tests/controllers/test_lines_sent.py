@@ -151,10 +151,10 @@ def test_what_was_there_goes_back_as_it_was(tmp_path):
 
 
 def other_backup(source, target, kind, **texts):
-    files = {**folders.contents(source, kind), **texts}
-    with folders.appearing(target, kind) as place:
+    files = {**folders.backup_contents(source, kind), **texts}
+    with folders.appearing_folder(target, kind) as place:
         for name, data in files.items():
-            folders.put(place, name, data)
+            folders.put_file(place, name, data)
 
 
 @pytest.mark.parametrize("cell", ["rws", "melfa"], indirect=True)

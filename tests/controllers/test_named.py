@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, controllers_of, named, parse
-from assistant.controllers.credentials import find, variable
+from assistant.controllers.credentials import find_credentials, password_variable
 from assistant.findings.severities import severities_for
 
 TABLE = """
@@ -120,7 +120,7 @@ def test_connecting_by_name(tmp_path, monkeypatch):
 
 
 def test_a_controller_has_variables_of_its_own():
-    assert variable("cell-1", "PASSWORD") == "ROBOT_ASSISTANT_CELL_1_PASSWORD"
+    assert password_variable("cell-1", "PASSWORD") == "ROBOT_ASSISTANT_CELL_1_PASSWORD"
     environment = {
         "ROBOT_ASSISTANT_USER": "anna",
         "ROBOT_ASSISTANT_PASSWORD": "of-all",
@@ -128,7 +128,7 @@ def test_a_controller_has_variables_of_its_own():
         "ROBOT_ASSISTANT_CELL1_PASSWORD": "of-cell-1",
     }
     address = parse("ftp://irc5")
-    own = find(address, controller="cell1", environment=environment)
+    own = find_credentials(address, controller="cell1", environment=environment)
     assert (own.user, own.password) == ("bert", "of-cell-1")
-    other = find(address, controller="cell2", environment=environment)
+    other = find_credentials(address, controller="cell2", environment=environment)
     assert (other.user, other.password) == ("anna", "of-all")

@@ -20,7 +20,7 @@ from assistant.controllers import connect
 from assistant.deploy import EVERY, Held, Step
 from assistant.deploy import archive as archives
 from assistant.deploy.held import Digests
-from assistant.deploy.journal import Entry, create, journals
+from assistant.deploy.journal import Entry, create_journal, journals
 from assistant.deploy.record import new_record, read_record
 from assistant.deploy.site import CLAIM, CLAIMANT, RECORD, UNDER_WAY
 from assistant.virtual.irc5 import VirtualIrc5
@@ -236,11 +236,11 @@ def packed(tmp_path, entries=None):
     entries = entries or [Entry("seam.mod", Held(OLD), Held(NEW))]
     programs = {entry.name: Digests() for entry in entries}
     record = replace(new_record("ftp://elsewhere", None), name=NAME, programs=programs)
-    return archives.packed(create(tmp_path / "elsewhere", record, entries))
+    return archives.pack_journal(create_journal(tmp_path / "elsewhere", record, entries))
 
 
 def unpack(data, place):
-    return archives.unpack(data, place, NAME)
+    return archives.unpack_journal(data, place, NAME)
 
 
 def rewritten(archive, change):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.deploy.files import gathered, looked_at
+from assistant.deploy.files import file_findings, gathered
 
 
 @dataclass
@@ -49,7 +49,7 @@ VI_TEXT = b"Function Main\nMov P1\nFEnd\nP1=(400,0,450,180,0,180)(7,0)\n"
 )
 def test_a_controller_takes_programs_of_older_versions(level, name, data, taken, tmp_path):
     controller: Any = Stated((f"melfa-basic-{level}",))
-    (found,) = looked_at({name: data}, {name: "A"}, controller).values()
+    (found,) = file_findings({name: data}, {name: "A"}, controller).values()
     assert any(finding.code == "DP103" for finding in found) != taken
     (tmp_path / name).write_bytes(data)
     assert _counts(tmp_path, controller) == taken

@@ -15,7 +15,7 @@ import pytest
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused
 from assistant.deploy import FileState
-from assistant.deploy.claiming import alone_here
+from assistant.deploy.claiming import lock_on_this_computer
 from assistant.deploy.journal import place_of
 from assistant.deploy.site import Site
 from tests.deploy.benches import CrBench, Irc5Bench, files_below, make_files
@@ -240,7 +240,7 @@ def evil(record):
 
 
 def test_an_archive_that_somebody_made_up_does_nothing(bench, tmp_path, monkeypatch):
-    monkeypatch.setattr("assistant.deploy.archive.MOST_BYTES", 2_500_000)
+    monkeypatch.setattr("assistant.deploy.archive.MOST_ARCHIVE_BYTES", 2_500_000)
     record = (place(bench) / "0001" / "record.json").read_bytes()
     bench.history = tmp_path / "elsewhere"
     hold(bench, json.loads(record)["name"])
@@ -280,7 +280,7 @@ def test_a_rest_that_is_ours_goes(died):
 
 
 def test_a_second_process_is_told_that_there_is_one(died):
-    with alone_here(place(died)):
+    with lock_on_this_computer(place(died)):
         assert codes(died.deploy().findings) == ["DP209"]
         assert refused(died.rollback) == refused(died.resume) == ["DP209"]
 

@@ -26,7 +26,7 @@ from assistant.controllers.mitsubishi import answers as link
 from assistant.controllers.mitsubishi import backup, framing, listing, parameter_files
 from assistant.controllers.mitsubishi.data_link import Form
 from assistant.controllers.mitsubishi.mxt import packet
-from assistant.deploy.archive import archived
+from assistant.deploy.archive import archived_programs
 from tests.fuzz.target import Target, file, folder, promise, refusing
 
 CUT: Final = b"\n=====\n"
@@ -150,18 +150,18 @@ def link_client(data: bytes) -> None:
 
 def listings(data: bytes) -> None:
     lines = data.decode("latin-1").split("\n")
-    for read in (ftp_folders.listed, ftp_folders.told):
+    for read in (ftp_folders.parse_list, ftp_folders.parse_mlsd):
         for entry in read(lines) or ():
             promise(entry.size is None or entry.size >= 0, "a file of less than no bytes")
 
 
 def rws_answer(data: bytes) -> None:
     with suppress(ValueError):
-        rows, following, number, text = rws.parse(data)
+        rows, following, number, text = rws.parse_answer(data)
         promise(isinstance(following, str) and isinstance(text, str), "no text")
         promise(number is None or abs(number) < 10**12, "a number without end")
         for row in rows:
-            rws.plain(row.title)
+            rws.plain_message(row.title)
             with suppress(ValueError):
                 rws.numbers(row, tuple(row.values))
 
@@ -171,11 +171,11 @@ def link_answer(data: bytes) -> None:
     link.parse_answer(text)
     framing.unframed(data)
     promise(framing.unframed(framing.frame(data[:200])[1:-1]) in (None, data[:200]), "framed anew")
-    for line in listing.lines_of(data):
-        listing.code(line.text)
-        listing.values(line.text)
-    again = listing.listed(data)
-    promise(listing.listed(again) == again, "a listing that is another one when listed")
+    for line in listing.program_lines(data):
+        listing.statement_form(line.text)
+        listing.rounded_values(line.text)
+    again = listing.listed_form(data)
+    promise(listing.listed_form(again) == again, "a listing that is another one when listed")
     backup.assignments(data)
 
 
@@ -189,10 +189,13 @@ def egm_packet(data: bytes) -> None:
 
 
 def mxt_packet(data: bytes) -> None:
-    fields = packet.unpack(data)
-    promise((fields is None) == (len(data) != packet.SIZE), "a packet of another length")
+    fields = packet.unpack_packet(data)
+    promise((fields is None) == (len(data) != packet.PACKET_SIZE), "a packet of another length")
     if fields is not None:
-        promise(packet.unpack(packet.pack(fields)) == fields, "packed again it is another one")
+        promise(
+            packet.unpack_packet(packet.pack_packet(fields)) == fields,
+            "packed again it is another one",
+        )
 
 
 def record_line(data: bytes) -> None:
@@ -203,14 +206,14 @@ def record_line(data: bytes) -> None:
 
 
 def exchange_answer(data: bytes) -> None:
-    answer = exchange.parse(data)
+    answer = exchange.parse_answer(data)
     if answer is not None:
         exchange.is_of(answer, 1)
 
 
 def plain_answer(data: bytes) -> None:
     texts = [*data.split(b"|"), b"", b"", b""][:3]
-    answer = plain.parse(1, texts)
+    answer = plain.parse_plain_answer(1, texts)
     if answer is not None:
         numbers = (*answer.pose.position, *answer.pose.quaternion)
         promise(all(map(math.isfinite, numbers)), "an answer is of finite numbers", numbers)
@@ -218,7 +221,7 @@ def plain_answer(data: bytes) -> None:
 
 def parameters(data: bytes) -> None:
     with refusing():
-        parameter_files.kinds([file("input.PRM", data)])
+        parameter_files.parameter_kinds([file("input.PRM", data)])
 
 
 # -------------------------------------------------------------------------- what was kept there
@@ -233,7 +236,7 @@ def backed_up(data: bytes) -> None:
     (place / "programs" / "A.prg").write_bytes(content)
     (place / folders.INDEX).write_bytes(index)
     with refusing():
-        found = folders.contents(place, backup.KIND)
+        found = folders.backup_contents(place, backup.KIND)
         promise(set(found.values()) <= {content, index}, "bytes from elsewhere")
 
 
@@ -248,7 +251,7 @@ def archive(data: bytes) -> None:
         data = made.getvalue()
     before = {path.name for path in folder().iterdir()}
     with refusing():
-        archived(data)
+        archived_programs(data)
     promise({path.name for path in folder().iterdir()} == before, "a file outside of its folder")
 
 
@@ -329,7 +332,7 @@ def _archive() -> Iterable[bytes]:
 
 
 def _packets() -> Iterable[bytes]:
-    return [bytes(packet.SIZE), bytes(range(packet.SIZE)), b""]
+    return [bytes(packet.PACKET_SIZE), bytes(range(packet.PACKET_SIZE)), b""]
 
 
 def _records() -> Iterable[bytes]:

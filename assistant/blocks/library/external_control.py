@@ -30,7 +30,7 @@ from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Report, Settings, Timing
 from assistant.controllers.cyclic.space import braked
-from assistant.controllers.following import Wishes, on_network
+from assistant.controllers.following import LinkOptions, on_network
 from assistant.controllers.leading import cycles
 from assistant.controllers.leading.cycles import CyclicCarrier
 from assistant.program.geometry import IDENTITY, Pose
@@ -90,7 +90,7 @@ def by_mxt(
     *,
     bounds: Bounds | None = None,
     tool: Pose = IDENTITY,
-    wishes: Wishes | None = None,
+    wishes: LinkOptions | None = None,
     servo: bool = True,
     timeout: float | None = None,
 ) -> Connection[Led]:
@@ -102,7 +102,7 @@ def by_mxt(
 
     @contextmanager
     def opening() -> Iterator[Led]:
-        guard, wanted = Guard(robot, bounds or Bounds(), tool), wishes or Wishes()
+        guard, wanted = Guard(robot, bounds or Bounds(), tool), wishes or LinkOptions()
         session = connect(address, timeout=timeout)
         if not isinstance(session, Controller):
             raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)

@@ -132,14 +132,14 @@ class JointMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.to_joints(ways[0])
+        return single_moves.joints_statement(ways[0])
 
 
 class JointMovCart(Move):
     """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), by the joints."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.to_pose(ways[0], self._posture())
+        return single_moves.pose_statement(ways[0], self._posture())
 
 
 class LinMovJoint(Move):
@@ -148,14 +148,14 @@ class LinMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.line_to_joints(ways[0])
+        return single_moves.line_to_joints_statement(ways[0])
 
 
 class LinMovCart(Move):
     """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), on a line."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.line_to_pose(ways[0], self._posture())
+        return single_moves.line_to_pose_statement(ways[0], self._posture())
 
 
 class CircularMov(Move):
@@ -164,4 +164,4 @@ class CircularMov(Move):
     ways = ("via", "target")
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.arc(ways[0], ways[1], self._posture())
+        return single_moves.arc_statement(ways[0], ways[1], self._posture())

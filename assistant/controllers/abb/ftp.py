@@ -122,7 +122,7 @@ class Ftp(FtpSession):
 
     def size(self, name: str) -> int | None:
         """Bytes of a file, None if there is none or the server does not tell."""
-        return ftp_resuming.size(self, checked_path(name))
+        return ftp_resuming.file_size(self, checked_path(name))
 
     def download(
         self, name: str, to: str | FilePath, progress: ftp_resuming.Progress | None = None
@@ -147,14 +147,14 @@ class Ftp(FtpSession):
 
     def tree(self, folder: str = "") -> tuple[ftp_folders.Entry, ...]:
         """All files and folders below a folder, `HOME:` or one of the address for ""."""
-        return ftp_folders.tree(self, folder)
+        return ftp_folders.folder_tree(self, folder)
 
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder of the controller into a new one; its files, relative to it.
 
         The new folder appears when all of it is there, with an index as every backup has.
         """
-        return ftp_folders.fetch(self, folder, FilePath(into))
+        return ftp_folders.fetch_tree(self, folder, FilePath(into))
 
     def _has(self, name: str) -> bool:
         """Whether there is a file of that name; the controller's disk ignores case."""

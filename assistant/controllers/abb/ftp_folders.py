@@ -19,25 +19,25 @@ from assistant.controllers.abb.files import MOST_ENTRIES, MOST_FOLDERS, told_nam
 from assistant.controllers.abb.ftp_resuming import read_whole
 from assistant.controllers.abb.ftp_session import FtpSession
 
-Kind = Literal["file", "folder", "other"]
+EntryKind = Literal["file", "folder", "other"]
 """Links and devices are others: they are never followed, for they may lead in circles."""
-KIND: Final = "abb files"
+FOLDER_KIND: Final = "abb files"
 """Of the index of a folder of files: no backup of a whole controller."""
 UNTOUCHED: Final = "nothing was changed by that"
 
-UNIX: Final = re.compile(
+UNIX_LINE: Final = re.compile(
     r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
     r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
     r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
 )
 """As `ls -l` writes a line: mode, links, owner, group, size, date, time or year, name."""
-DOS: Final = re.compile(
+DOS_LINE: Final = re.compile(
     r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
     r"(?P<name>.+)",
     re.IGNORECASE,
 )
-TYPES: Final[dict[str, Kind]] = {"-": "file", "d": "folder"}
-FACTS: Final[dict[str, Kind]] = {"file": "file", "dir": "folder"}
+UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
+MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -45,11 +45,11 @@ class Entry:
     """path: below the folder that was asked for. size: bytes, None where it is not told."""
 
     path: str
-    kind: Kind
+    kind: EntryKind
     size: int | None = None
 
 
-def tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
+def folder_tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
     """All below a folder, sorted; the session is in its own folder again afterwards."""
     with session.during("asking for the folder", UNTOUCHED):
         home = session.session.pwd()
@@ -74,25 +74,25 @@ def tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
     return tuple(sorted(found))
 
 
-def fetch(session: FtpSession, folder: str, into: FilePath) -> tuple[str, ...]:
+def fetch_tree(session: FtpSession, folder: str, into: FilePath) -> tuple[str, ...]:
     """Fetches all files below a folder into a new one."""
-    files = [entry.path for entry in tree(session, folder) if entry.kind == "file"]
+    files = [entry.path for entry in folder_tree(session, folder) if entry.kind == "file"]
     start = f"{folder.rstrip('/')}/" if folder else ""
-    with folders.appearing(into, KIND) as new:
+    with folders.appearing_folder(into, FOLDER_KIND) as new:
         for path in files:
-            folders.put(new, path, read_whole(session, start + path))
+            folders.put_file(new, path, read_whole(session, start + path))
     return tuple(files)
 
 
-def listed(lines: Iterable[str]) -> list[Entry] | None:
+def parse_list(lines: Iterable[str]) -> list[Entry] | None:
     """What the lines of LIST say, None if one of them is of no known form."""
     found = []
     for line in lines:
         if re.fullmatch(r"(total \d+)?\s*", line):
             continue
-        unix, dos = UNIX.fullmatch(line), DOS.fullmatch(line)
+        unix, dos = UNIX_LINE.fullmatch(line), DOS_LINE.fullmatch(line)
         if unix is not None:
-            kind = TYPES.get(unix["type"], "other")
+            kind = UNIX_TYPES.get(unix["type"], "other")
             name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
             found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
         elif dos is not None:
@@ -103,7 +103,7 @@ def listed(lines: Iterable[str]) -> list[Entry] | None:
     return found
 
 
-def told(lines: Iterable[str]) -> list[Entry] | None:
+def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
     """What the lines of MLSD say: facts, a blank, the name."""
     found = []
     for line in lines:
@@ -114,7 +114,7 @@ def told(lines: Iterable[str]) -> list[Entry] | None:
         if pairs["type"] in ("cdir", "pdir"):
             continue
         size = pairs.get("size", "")
-        kind = FACTS.get(pairs["type"], "other")
+        kind = MLSD_TYPES.get(pairs["type"], "other")
         found.append(Entry(name, kind, int(size) if size.isdecimal() else None))
     return found
 
@@ -142,29 +142,29 @@ def _walk(session: FtpSession, top: str, below: str, depth: int, found: list[Ent
 
 def _entries(session: FtpSession) -> list[Entry]:
     ways: tuple[tuple[str, Callable[[Iterable[str]], list[Entry] | None]], ...] = (
-        ("MLSD", told),
-        ("LIST", listed),
+        ("MLSD", parse_mlsd),
+        ("LIST", parse_list),
     )
     for command, read in ways:
         try:
-            found = read(_lines(session, command))
+            found = read(_listing_lines(session, command))
         except rules.Lost:
             raise
         except Refused:
             continue
         if found is not None:
             return found
-    return list(_tried(session))
+    return list(_entries_by_name(session))
 
 
-def _lines(session: FtpSession, command: str) -> list[str]:
+def _listing_lines(session: FtpSession, command: str) -> list[str]:
     with session.during("listing a folder", UNTOUCHED):
         return session.lines(command)
 
 
-def _tried(session: FtpSession) -> Iterator[Entry]:
+def _entries_by_name(session: FtpSession) -> Iterator[Entry]:
     """By names alone: what can be entered is a folder."""
-    names = [line.rsplit("/", 1)[-1] for line in _lines(session, "NLST")]
+    names = [line.rsplit("/", 1)[-1] for line in _listing_lines(session, "NLST")]
     with session.during("asking for the folder", UNTOUCHED):
         here = session.session.pwd()
     for name in sorted(set(names) - {".", ".."}):

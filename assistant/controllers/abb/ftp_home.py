@@ -12,19 +12,19 @@ from typing import Final, Protocol
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
-from assistant.controllers.abb.ftp_lines import Lines
+from assistant.controllers.abb.ftp_lines import BoundedFtp
 from assistant.controllers.address import SCHEMES, Address
 
 HOME: Final = "HOME"
-PLACES: Final = (HOME, "/HOME:", f"/{HOME}")
+HOME_PLACES: Final = (HOME, "/HOME:", f"/{HOME}")
 """Folders to try on servers without a `HOME:` where the login begins."""
 DISK: Final = "/hd0a"
 """The controller's disk, on which each installed system has a folder with its own `HOME`."""
-MOST: Final = 64
+MOST_SYSTEMS: Final = 64
 """Most folders of a disk that are tried."""
 
 
-class Session(Protocol):
+class FolderSession(Protocol):
     """The part of a session that finding the folder needs."""
 
     address: Address
@@ -35,7 +35,7 @@ class Session(Protocol):
     def lines(self, command: str) -> list[str]: ...
 
 
-def enter(session: Session, ftp: Lines) -> None:
+def enter_home_folder(session: FolderSession, ftp: BoundedFtp) -> None:
     """Enter the folder of the address; raise Refused if it is missing, or one of several.
 
     `session.tell` gets a finding where another folder than that of the address was entered. Raises
@@ -61,7 +61,7 @@ def enter(session: Session, ftp: Lines) -> None:
     if start.rstrip("/").rpartition("/")[2].upper() in (HOME, f"{HOME}:"):
         _found(session, start)
         return
-    for place in PLACES:
+    for place in HOME_PLACES:
         if _enters(ftp, place):
             _found(session, ftp.pwd() or place)
             return
@@ -81,7 +81,7 @@ def enter(session: Session, ftp: Lines) -> None:
     session.tell(rules.LOGIN_FOLDER(place=str(address), address=address, folder=start))
 
 
-def _homes_of_systems(session: Session, ftp: Lines, start: str) -> list[str]:
+def _homes_of_systems(session: FolderSession, ftp: BoundedFtp, start: str) -> list[str]:
     """Folders `HOME` of the systems on the disk, or else below the folder of the login."""
     for disk in dict.fromkeys((DISK, start)):
         if not _enters(ftp, disk):
@@ -91,7 +91,7 @@ def _homes_of_systems(session: Session, ftp: Lines, start: str) -> list[str]:
         except ftplib.error_perm:  # as servers answer of an empty folder
             names = []
         found = []
-        for name in [name for name in names if name not in (".", "..")][:MOST]:
+        for name in [name for name in names if name not in (".", "..")][:MOST_SYSTEMS]:
             home = f"{disk.rstrip('/')}/{name}/{HOME}"
             if _enters(ftp, home):
                 found.append(home)
@@ -100,7 +100,7 @@ def _homes_of_systems(session: Session, ftp: Lines, start: str) -> list[str]:
     return []
 
 
-def _enters(ftp: Lines, folder: str) -> bool:
+def _enters(ftp: BoundedFtp, folder: str) -> bool:
     """Enter a folder; False if the server refuses it."""
     try:
         ftp.cwd(folder)
@@ -109,7 +109,7 @@ def _enters(ftp: Lines, folder: str) -> bool:
     return True
 
 
-def _found(session: Session, folder: str) -> None:
+def _found(session: FolderSession, folder: str) -> None:
     """Report the folder that was entered in place of that of the address."""
     address = session.address
     finding = rules.FOUND_FOLDER(

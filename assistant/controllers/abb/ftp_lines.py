@@ -10,13 +10,13 @@ from functools import partial
 from typing import Final
 
 from assistant.controllers.abb import trust
-from assistant.controllers.pace import Pace
+from assistant.controllers.pace import TransferDeadline
 
-BYTES: Final = "latin-1"
+BYTE_ENCODING: Final = "latin-1"
 """In which ftplib reads and writes: each character is a byte, so that nothing is ever refused."""
 
 
-class Lines(ftplib.FTP):
+class BoundedFtp(ftplib.FTP):
     """Answers that are whole within the time-out of the socket; ftplib grants it to each byte.
 
     spelling: how names are spelled in bytes. Servers with names that are no UTF-8 have Latin-1.
@@ -26,12 +26,12 @@ class Lines(ftplib.FTP):
 
     def __init__(self) -> None:
         super().__init__()
-        self.encoding = BYTES
+        self.encoding = BYTE_ENCODING
 
     def getmultiline(self) -> str:
         channel = self.sock
         assert channel is not None
-        with Pace(channel.gettimeout() or 0.0, partial(cut, channel)):
+        with TransferDeadline(channel.gettimeout() or 0.0, partial(cut_line, channel)):
             return super().getmultiline()
 
     def putline(self, line: str) -> None:
@@ -39,7 +39,7 @@ class Lines(ftplib.FTP):
             data = line.encode(self.spelling, "surrogateescape")
         except UnicodeEncodeError:
             data = line.encode("utf-8", "replace")
-        super().putline(data.decode(BYTES))
+        super().putline(data.decode(BYTE_ENCODING))
 
     def ntransfercmd(
         self, cmd: str, rest: int | str | None = None
@@ -50,10 +50,10 @@ class Lines(ftplib.FTP):
             raise OverflowError("a number that makes no sense") from None
 
     def pwd(self) -> str:
-        return super().pwd().encode(BYTES).decode(self.spelling, "surrogateescape")
+        return super().pwd().encode(BYTE_ENCODING).decode(self.spelling, "surrogateescape")
 
 
-class TlsLines(Lines, ftplib.FTP_TLS):
+class BoundedFtpTls(BoundedFtp, ftplib.FTP_TLS):
     """The same, encrypted. Every transfer goes on with the TLS session of the commands.
 
     By that a server knows that nobody else took the transfer over; vsftpd and proftpd refuse
@@ -87,23 +87,23 @@ class TlsLines(Lines, ftplib.FTP_TLS):
         return wrapped, size
 
 
-def cut(channel: socket.socket) -> None:
+def cut_line(channel: socket.socket) -> None:
     """Ends a line in both directions, below TLS, so that whoever waits for it meets its end."""
     with suppress(OSError):
         socket.socket.shutdown(channel, socket.SHUT_RDWR)
 
 
-def decoded(text: str) -> str:
+def decoded_line(text: str) -> str:
     """A line as people read it: UTF-8 if it is that, else Latin-1."""
     try:
-        return text.encode(BYTES).decode("utf-8")
+        return text.encode(BYTE_ENCODING).decode("utf-8")
     except UnicodeError:
         return text
 
 
-def shown_by(host: str, port: int, timeout: float) -> bytes:
+def certificate_of_server(host: str, port: int, timeout: float) -> bytes:
     """The certificate of a file server; raises OSError and what ftplib raises, no SSLError."""
-    ftp = TlsLines(trust.unchecked())
+    ftp = BoundedFtpTls(trust.unverified_context())
     try:
         ftp.connect(host, port, timeout=timeout)
         ftp.auth()

@@ -24,21 +24,21 @@ from assistant.controllers.abb.ftp_session import FtpSession
 Progress = Callable[[int, int | None], None]
 """Is told how many bytes are here, and of how many, None if the server does not tell."""
 
-OVERLAP: Final = 4096
+COMPARED_OVERLAP: Final = 4096
 """Bytes at the end of a part that are fetched again and compared."""
 UNTOUCHED: Final = "nothing was changed by that"
 
 
-def size(session: FtpSession, name: str) -> int | None:
+def file_size(session: FtpSession, name: str) -> int | None:
     """Bytes of a file; in binary mode, for in ASCII mode servers refuse or count otherwise."""
-    told = _told(session, f"SIZE {name}")
+    told = _status_text(session, f"SIZE {name}")
     return int(told) if told is not None and told.isdecimal() else None
 
 
 def read_whole(session: FtpSession, name: str) -> bytes:
     """A file with as many bytes as the server says that it has, where it says so."""
     data = session.retrieve(name, UNTOUCHED)
-    length = size(session, name)
+    length = file_size(session, name)
     if length not in (None, len(data)):
         raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
     return data
@@ -47,21 +47,21 @@ def read_whole(session: FtpSession, name: str) -> bytes:
 def download(session: FtpSession, name: str, to: FilePath, progress: Progress | None) -> int:
     to = FilePath(os.path.realpath(to))  # a link stays one
     part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
-    stamp = _stamp(session, name)
+    stamp = _size_and_time(session, name)
     whole = None if stamp is None else int(stamp[0])
     try:
-        start = _left(part, note, stamp)
+        start = _partial_size(part, note, stamp)
         if start == 0:
             part.write_bytes(b"")
             if stamp is not None:
                 note.write_text(json.dumps(stamp), encoding="utf-8")
         with part.open("r+b") as file:
             if not _went_on(session, name, file, start, whole, progress):
-                _fetch(session, name, file, 0, whole, progress)
+                _fetch_rest(session, name, file, 0, whole, progress)
             file.flush()
             os.fsync(file.fileno())
         length = part.stat().st_size
-        if stamp != _stamp(session, name) or (whole is not None and length != whole):
+        if stamp != _size_and_time(session, name) or (whole is not None and length != whole):
             part.unlink()
             raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
@@ -77,7 +77,7 @@ def upload(session: FtpSession, name: str, data: bytes) -> None:
     """Puts a file whole under its temporary name."""
     temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
     state = f"`{name}` there is as it was"
-    there = size(session, temporary) or 0
+    there = file_size(session, temporary) or 0
     begun = 0
     if 0 < there <= len(data) and session.retrieve(temporary, state) == data[:there]:
         begun = there
@@ -91,7 +91,7 @@ def upload(session: FtpSession, name: str, data: bytes) -> None:
     if not begun:
         session.store(temporary, data, doing, state)
     back = session.retrieve(temporary, state, start=begun)
-    if back != data[begun:] or size(session, temporary) not in (None, len(data)):
+    if back != data[begun:] or file_size(session, temporary) not in (None, len(data)):
         session.discard(temporary)
         raise Refused(
             rules.ALTERED(
@@ -115,14 +115,14 @@ def _went_on(
 ) -> bool:
     """Whether the rest could be fetched, and belongs to what is there."""
     try:
-        return start > 0 and _fetch(session, name, file, start, whole, progress)
+        return start > 0 and _fetch_rest(session, name, file, start, whole, progress)
     except rules.Lost:
         raise
     except Refused:
         return False  # a server that only sends whole files
 
 
-def _fetch(
+def _fetch_rest(
     session: FtpSession,
     name: str,
     file: BinaryIO,
@@ -131,7 +131,7 @@ def _fetch(
     progress: Progress | None,
 ) -> bool:
     """Fetches into a file from an offset on; False if what is there is not the same any more."""
-    begin = max(0, start - OVERLAP)
+    begin = max(0, start - COMPARED_OVERLAP)
     file.seek(begin)
     known = file.read(start - begin)
     file.seek(begin)
@@ -149,7 +149,7 @@ def _fetch(
     return bytes(seen[: len(known)]) == known
 
 
-def _left(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
+def _partial_size(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
     """Bytes that an earlier transfer left of the same file."""
     if stamp is None or not part.is_file() or not note.is_file():
         return 0
@@ -161,13 +161,13 @@ def _left(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
     return length if same and length <= int(stamp[0]) else 0
 
 
-def _stamp(session: FtpSession, name: str) -> tuple[str, str] | None:
+def _size_and_time(session: FtpSession, name: str) -> tuple[str, str] | None:
     """Size and time of a file, None if the server does not tell both."""
-    length, changed = size(session, name), _told(session, f"MDTM {name}")
+    length, changed = file_size(session, name), _status_text(session, f"MDTM {name}")
     return None if length is None or changed is None else (str(length), changed)
 
 
-def _told(session: FtpSession, command: str) -> str | None:
+def _status_text(session: FtpSession, command: str) -> str | None:
     """What stands behind `213` in the answer to a command, None for another answer."""
     with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
         try:

@@ -18,15 +18,22 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.abb import ftp_home, trust
 from assistant.controllers.abb.files import FileSession
-from assistant.controllers.abb.ftp_lines import BYTES, Lines, TlsLines, cut, decoded, shown_by
+from assistant.controllers.abb.ftp_lines import (
+    BYTE_ENCODING,
+    BoundedFtp,
+    BoundedFtpTls,
+    certificate_of_server,
+    cut_line,
+    decoded_line,
+)
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.controllers.pace import Pace
+from assistant.controllers.pace import TransferDeadline
 
-RATE: Final = 50_000.0
+SEARCH_RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
-LISTING: Final = 10
+LISTING_TIMEOUTS: Final = 10
 """Time-outs in which a whole listing has to come."""
 PIECE: Final = 65536
 """Bytes that are sent or received at once."""
@@ -51,7 +58,7 @@ class FtpSession(FileSession):
         certificate: str | FilePath | None = None,
     ) -> None:
         super().__init__(address, credentials, timeout=timeout, certificate=certificate)
-        self._ftp: Lines | None = None
+        self._ftp: BoundedFtp | None = None
         self.tell: Callable[[Diagnostic], None] = lambda _: None
         """Called with a finding if another folder than that of the address was entered."""
 
@@ -73,7 +80,7 @@ class FtpSession(FileSession):
         self._hang_up()
 
     @property
-    def session(self) -> Lines:
+    def session(self) -> BoundedFtp:
         if self._ftp is None:
             raise rules.Lost(
                 rules.LOST(
@@ -85,20 +92,20 @@ class FtpSession(FileSession):
             )
         return self._ftp
 
-    def _connected(self) -> Lines:
+    def _connected(self) -> BoundedFtp:
         secure = self.address.scheme == "ftps"
-        ftp = TlsLines(self._trust()) if secure else Lines()
+        ftp = BoundedFtpTls(self._trust()) if secure else BoundedFtp()
         ftp.set_pasv(self.address.option("mode", "passive") == "passive")
         try:
             ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
         except FAILURES as error:
             ftp.close()
             self._unreachable(error)
-        if isinstance(ftp, TlsLines):
+        if isinstance(ftp, BoundedFtpTls):
             self._encrypt(ftp)
         return ftp
 
-    def _encrypt(self, ftp: TlsLines) -> None:
+    def _encrypt(self, ftp: BoundedFtpTls) -> None:
         """Goes over to TLS before anything that is secret is sent."""
         try:
             ftp.auth()
@@ -114,10 +121,10 @@ class FtpSession(FileSession):
 
     def _trust(self) -> ssl.SSLContext:
         """What the server is checked with; its certificate is looked at where a file is given."""
-        shown = partial(shown_by, self.address.host, self.address.port, self._timeout)
+        shown = partial(certificate_of_server, self.address.host, self.address.port, self._timeout)
         try:
-            return trust.context(self._certificate, shown)
-        except trust.BadFile as error:
+            return trust.tls_context(self._certificate, shown)
+        except trust.BadCertificateFile as error:
             self._untrusted(f"`{self._certificate}`: {error}")
         except ftplib.error_perm as error:
             self._no_tls(error, "nothing that is secret was sent")
@@ -131,11 +138,11 @@ class FtpSession(FileSession):
             rules.NO_TLS(place=str(place), address=place, reply=reply, state=state), exit_status=2
         ) from None
 
-    def _login(self, ftp: Lines) -> None:
+    def _login(self, ftp: BoundedFtp) -> None:
         name = self._credentials.user
         try:
             ftp.login(name, self._credentials.password)
-            if isinstance(ftp, TlsLines):
+            if isinstance(ftp, BoundedFtpTls):
                 self._keep_private(ftp)
         except ftplib.error_perm as error:
             reply = self.said(error)
@@ -157,16 +164,16 @@ class FtpSession(FileSession):
         except FAILURES as error:
             self._unreachable(error)
 
-    def _keep_private(self, ftp: TlsLines) -> None:
+    def _keep_private(self, ftp: BoundedFtpTls) -> None:
         """Has the files go over TLS as well as the commands."""
         try:
             ftp.prot_p()
         except ftplib.error_perm as error:
             self._no_tls(error, "no file was sent")
 
-    def _enter_folder(self, ftp: Lines) -> None:
+    def _enter_folder(self, ftp: BoundedFtp) -> None:
         try:
-            ftp_home.enter(self, ftp)
+            ftp_home.enter_home_folder(self, ftp)
         except FAILURES as error:
             self._unreachable(error)
 
@@ -193,7 +200,7 @@ class FtpSession(FileSession):
                     sent = channel.send(left[:PIECE])
                     pace.moved(sent)
                     left = left[sent:]
-            ftp.sock.settimeout(self._timeout + len(data) / RATE)
+            ftp.sock.settimeout(self._timeout + len(data) / SEARCH_RATE)
             try:
                 ftp.voidresp()
             finally:
@@ -228,7 +235,7 @@ class FtpSession(FileSession):
         All of it has to come in `LISTING` time-outs.
         """
         data = bytearray()
-        until = time.monotonic() + LISTING * self._timeout
+        until = time.monotonic() + LISTING_TIMEOUTS * self._timeout
 
         def take(piece: bytes) -> None:
             data.extend(piece)
@@ -239,19 +246,19 @@ class FtpSession(FileSession):
         try:
             text = data.decode(self.session.spelling)
         except UnicodeDecodeError:
-            text = data.decode(BYTES)
-            self.session.spelling = BYTES  # names go back as they came
+            text = data.decode(BYTE_ENCODING)
+            self.session.spelling = BYTE_ENCODING  # names go back as they came
         return [line for line in re.split(r"\r?\n", text) if line]
 
     @contextmanager
     def _transfer(
-        self, ftp: Lines, command: str, kind: str = "TYPE I", start: int = 0
-    ) -> Iterator[tuple[socket.socket, Pace]]:
+        self, ftp: BoundedFtp, command: str, kind: str = "TYPE I", start: int = 0
+    ) -> Iterator[tuple[socket.socket, TransferDeadline]]:
         """The channel of a transfer, which is cut where it does not keep its pace."""
         ftp.voidcmd(kind)
         with (
             ftp.transfercmd(command, start or None) as channel,
-            Pace(self._timeout, partial(cut, channel)) as pace,
+            TransferDeadline(self._timeout, partial(cut_line, channel)) as pace,
         ):
             yield channel, pace
             if isinstance(channel, ssl.SSLSocket):
@@ -289,7 +296,7 @@ class FtpSession(FileSession):
         """What a server said is UTF-8 or Latin-1; see `FileSession.said`."""
         text = reason_of(error)
         if isinstance(error, ftplib.Error):
-            text = decoded(text)
+            text = decoded_line(text)
         return self._credentials.hidden(text)
 
     def _hang_up(self) -> None:

@@ -29,7 +29,7 @@ from assistant.controllers.abb.files import (
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.controllers.pace import LEAST, Pace
+from assistant.controllers.pace import LEAST_BYTES, TransferDeadline
 
 if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient
@@ -170,9 +170,9 @@ class Sftp(FileSession):
         with self._during("listing the folder", UNTOUCHED, LISTING) as (files, pace):
             _walk(files, pace, start, "", 0, entries)
         found = sorted(path for path, is_file in entries.items() if is_file)
-        with folders.appearing(into, KIND) as new:
+        with folders.appearing_folder(into, KIND) as new:
             for path in found:
-                folders.put(new, path, self.retrieve(start + path, UNTOUCHED))
+                folders.put_file(new, path, self.retrieve(start + path, UNTOUCHED))
         return tuple(found)
 
     def _trust(self, ssh: SSHClient) -> None:
@@ -291,7 +291,9 @@ class Sftp(FileSession):
                 self._files.remove(name)
 
     @contextmanager
-    def _during(self, doing: str, state: str, times: int = 1) -> Iterator[tuple[SFTPClient, Pace]]:
+    def _during(
+        self, doing: str, state: str, times: int = 1
+    ) -> Iterator[tuple[SFTPClient, TransferDeadline]]:
         """Turns what goes wrong inside into a finding with the state of the controller.
 
         times: time-outs in which an answer, or a piece of a transfer, has to come.
@@ -303,7 +305,7 @@ class Sftp(FileSession):
         assert self._ssh is not None
         try:
             # The time-out of a channel is granted to each byte anew.
-            with Pace(times * self._timeout, self._ssh.close) as pace:
+            with TransferDeadline(times * self._timeout, self._ssh.close) as pace:
                 yield self._files, pace
         except _failures() as error:
             refused = isinstance(error, OSError) and not isinstance(error, TimeoutError)
@@ -353,7 +355,7 @@ def _failures() -> tuple[type[Exception], ...]:
     return (OSError, EOFError, SSHException, SFTPError, struct.error, UnicodeDecodeError)
 
 
-def _bytes(files: SFTPClient, name: str, pace: Pace) -> bytes:
+def _bytes(files: SFTPClient, name: str, pace: TransferDeadline) -> bytes:
     data = bytearray()
     with files.open(name, "rb") as file:
         while piece := file.read(PIECE):
@@ -365,7 +367,12 @@ def _bytes(files: SFTPClient, name: str, pace: Pace) -> bytes:
 
 
 def _walk(
-    files: SFTPClient, pace: Pace, start: str, below: str, depth: int, found: dict[str, bool]
+    files: SFTPClient,
+    pace: TransferDeadline,
+    start: str,
+    below: str,
+    depth: int,
+    found: dict[str, bool],
 ) -> None:
     """Gathers what is in a folder and in those inside of it, with whether it is a file."""
     if depth > MOST_FOLDERS:
@@ -373,7 +380,7 @@ def _walk(
     if len(found) > MOST_ENTRIES:
         raise OSError(errno.ELOOP, f"there are more than {MOST_ENTRIES} files and folders")
     entries = files.listdir_attr(start + below or ".")
-    pace.moved(LEAST)  # each folder has its own time
+    pace.moved(LEAST_BYTES)  # each folder has its own time
     for entry in entries:
         path, mode = f"{below}{told_name(entry.filename)}", entry.st_mode or 0
         if stat.S_ISDIR(mode):

@@ -11,14 +11,16 @@ from typing import Final
 from assistant.base.file_access import read_text
 from assistant.controllers.os_errors_in_words import reason_of
 
-PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
+PEM_CERTIFICATE: Final = re.compile(
+    r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL
+)
 
 
-class BadFile(Exception):
+class BadCertificateFile(Exception):
     """The file of the certificate cannot be used."""
 
 
-def context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> ssl.SSLContext:
+def tls_context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> ssl.SSLContext:
     """What connections are checked with; raises BadFile, and what `shown` raises.
 
     certificate: file of an authority, or of the controller's own certificate. Controllers make
@@ -31,9 +33,9 @@ def context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> s
     try:
         text = read_text(certificate, "ascii", "replace")  # a pipe would never end
         trusted = ssl.create_default_context(cafile=str(certificate))
-        known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
+        known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM_CERTIFICATE.findall(text)}
     except (OSError, ValueError) as error:
-        raise BadFile(reason_of(error)) from None
+        raise BadCertificateFile(reason_of(error)) from None
     if shown() in known:
         trusted.check_hostname = False
         trusted.verify_flags &= ~ssl.VERIFY_X509_STRICT  # what controllers make is not strict
@@ -41,7 +43,7 @@ def context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> s
     return trusted
 
 
-def unchecked() -> ssl.SSLContext:
+def unverified_context() -> ssl.SSLContext:
     """For a connection that only looks at the certificate, and over which nothing else goes."""
     anyone = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     anyone.check_hostname = False
@@ -49,7 +51,7 @@ def unchecked() -> ssl.SSLContext:
     return anyone
 
 
-def shown_at(host: str, port: int, timeout: float) -> bytes:
+def certificate_at(host: str, port: int, timeout: float) -> bytes:
     """The certificate of a server that speaks TLS from the start; raises OSError, no SSLError."""
     try:
         return ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate((host, port), timeout=timeout))

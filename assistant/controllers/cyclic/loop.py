@@ -14,24 +14,24 @@ from typing import Final
 from assistant.base.diagnostics import Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.link import Link, Measured
-from assistant.controllers.cyclic.report import Kept, Timing
-from assistant.controllers.cyclic.space import names
-from assistant.controllers.cyclic.ways import Failed, Job, Row, column_named, way_of
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.report import Timing, TimingRecorder
+from assistant.controllers.cyclic.space import column_names
+from assistant.controllers.cyclic.ways import Job, LoopFailure, Row, column_named, source_of
+from assistant.controllers.cyclic.wire import PacketSocket
 
-Tell = Callable[[float, float, Row, Timing], None]
+ReportProgress = Callable[[float, float, Row, Timing], None]
 """Is told now and then: seconds since the first packet, the row, where the arm is, how the time was
 kept by then."""
-TOLD_EACH: Final = 0.1
+PROGRESS_INTERVAL: Final = 0.1
 """Seconds from telling to telling."""
-TOLD_OF_CORRECTED: Final = 0.0
+CORRECTED_PROGRESS_INTERVAL: Final = 0.0
 """The same where others work out meanwhile how it goes on: each packet."""
 ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
-WRAP: Final = 1 << 32
-HUSH: Final = 4
+COUNTER_WRAP: Final = 1 << 32
+SILENT_CYCLES: Final = 4
 """Cycles without a packet behind which nothing of an earlier motion is taken to come."""
-SAME: Final = 1e-3
+STANDSTILL_TOLERANCE: Final = 1e-3
 """Degrees, mm or pulses between two places that are told of an arm that stands."""
 ONE: Final = 0
 FIRST: Final = 1
@@ -41,7 +41,7 @@ the second is waited for. Two that were both answered for good would double the 
 
 
 @dataclass(slots=True, eq=False)
-class Done:
+class LoopResult:
     """What came of it, by then. code, fields: of the finding that it ended with, "" for none."""
 
     code: str = ""
@@ -67,25 +67,27 @@ class Stop:
 
 def columns(job: Job, link: Link) -> tuple[str, ...]:
     """What the parts of a sample are called."""
-    own = names(job.kind, job.rows.shape[1])
+    own = column_names(job.kind, job.rows.shape[1])
     return ("time", "row", *own, *(f"to_{name}" for name in own), *link.recorded)
 
 
 class Loop:
     """One job over one wire; `run` once."""
 
-    def __init__(self, link: Link, wire: Wire, job: Job, stop: Stop, tell: Tell) -> None:
+    def __init__(
+        self, link: Link, wire: PacketSocket, job: Job, stop: Stop, tell: ReportProgress
+    ) -> None:
         self._link, self._wire, self._job, self._stop, self._tell = link, wire, job, stop, tell
         self._settings = job.settings
-        self.result = Done()
-        self._way = way_of(job)
+        self.result = LoopResult()
+        self._way = source_of(job)
         self._count = 0
         self._last: int | None = None
         self._counts = False
         self._sent = 0.0
         self._extra = ONE
 
-    def run(self, address: str) -> Done:
+    def run(self, address: str) -> LoopResult:
         """All of it; never raises but for what no one foresaw, and then it has ended first."""
         moved = False
         try:
@@ -93,7 +95,7 @@ class Loop:
             self._way.begin(begin.values, self._link.cycle)
             moved = True
             self._follow()
-        except Failed as failure:
+        except LoopFailure as failure:
             self.result.code, self.result.fields = failure.rule.code, failure.fields
         except OSError as error:
             rule = rules.BROKEN if moved else rules.NO_ANSWER
@@ -117,10 +119,10 @@ class Loop:
         reason = f"nothing came within {left:g} s"
         seen: Row = ()
         if not self._link.speaks_first:
-            self._wire.hush(HUSH * self._link.cycle)
+            self._wire.hush(SILENT_CYCLES * self._link.cycle)
         while left > 0.0:
             if (why := self._stop.look()) is not None:
-                raise Failed(why, done=0, rows=self._way.rows)
+                raise LoopFailure(why, done=0, rows=self._way.rows)
             if not self._link.speaks_first:
                 self._send(self._link.hello(self._count))
             got = self._wire.receive(min(each, left))
@@ -143,7 +145,7 @@ class Loop:
                 reason = measured.stopped or "it does not take commands yet"
                 self._send(self._link.command(measured.values, self._count))
             elif measured.stopped:
-                raise Failed(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
+                raise LoopFailure(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
             elif self._link.speaks_first or _agree(seen, measured.values):
                 self._last = measured.counter
                 self._counts = self._link.speaks_first and measured.counter is not None
@@ -156,27 +158,31 @@ class Loop:
             reason = "nothing listens on that port"
         if self.result.garbled:
             reason = "what it sends makes no sense"
-        raise Failed(rules.NO_ANSWER, **_unanswered(address, reason))
+        raise LoopFailure(rules.NO_ANSWER, **_unanswered(address, reason))
 
     def _follows(self, before: int | None, counter: int | None) -> bool:
         """Whether a packet at the beginning is the one behind another, up to some that are lost."""
         if not self._link.speaks_first or counter is None:
             return True
         most = max(1.0, self._settings.timeout / self._link.cycle)
-        return before is not None and 0 < (counter - before) % WRAP <= most
+        return before is not None and 0 < (counter - before) % COUNTER_WRAP <= most
 
-    def _check_silence(self, heard: float, cause: Failed | None) -> None:
+    def _check_silence(self, heard: float, cause: LoopFailure | None) -> None:
         """Raises Failed if nothing new has come for too long."""
         silent = time.monotonic() - heard
         if silent > self._settings.timeout:
-            raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
+            raise cause or LoopFailure(rules.SILENT, seconds=silent, **self._progress())
 
-    def _check_sense(self, packet: bytes, count: int, heard: float, cause: Failed | None) -> None:
+    def _check_sense(
+        self, packet: bytes, count: int, heard: float, cause: LoopFailure | None
+    ) -> None:
         """Raises Failed if too many packets in a row made no sense, or for too long."""
         settings = self._settings
         if time.monotonic() - heard > settings.timeout or count >= settings.garbled:
             sample = packet[:12].hex(" ")
-            raise cause or Failed(rules.GARBLED, count=count, sample=sample, **self._progress())
+            raise cause or LoopFailure(
+                rules.GARBLED, count=count, sample=sample, **self._progress()
+            )
 
     def _follow(self) -> None:
         link, wire, settings, result = self._link, self._wire, self._settings, self.result
@@ -186,8 +192,8 @@ class Loop:
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
         nonsense, cause = 0, None
-        kept = Kept(cycle / 2.0)
-        each = TOLD_EACH if self._job.corrections is None else TOLD_OF_CORRECTED
+        kept = TimingRecorder(cycle / 2.0)
+        each = PROGRESS_INTERVAL if self._job.corrections is None else CORRECTED_PROGRESS_INTERVAL
         wire.hush(0.0 if link.speaks_first else cycle)  # what came meanwhile, or is still to come
         if not link.speaks_first:
             self._send(link.command(way.told, self._count))
@@ -212,10 +218,12 @@ class Loop:
                 self._check_silence(heard, cause)
                 continue
             if measured.stopped:
-                raise cause or Failed(rules.STOPPED, reason=measured.stopped, **self._progress())
+                raise cause or LoopFailure(
+                    rules.STOPPED, reason=measured.stopped, **self._progress()
+                )
             why = self._stop.look()
             if why is not None and cause is None:
-                cause = Failed(why, **self._progress())
+                cause = LoopFailure(why, **self._progress())
             heard, nonsense = time.monotonic(), 0
             if heard - answered > pause:
                 way.stood()  # without a command, the arm stands by now
@@ -243,8 +251,8 @@ class Loop:
         """Whether a packet came before, or is one more than was asked for."""
         counter, before = measured.counter, self._last
         if counter is not None:
-            ahead = (counter - before) % WRAP if before is not None else 0
-            if self._counts and (ahead == 0 or ahead > WRAP // 2):
+            ahead = (counter - before) % COUNTER_WRAP if before is not None else 0
+            if self._counts and (ahead == 0 or ahead > COUNTER_WRAP // 2):
                 return True
             self._counts = self._counts or ahead != 0  # one that stays as it is says nothing
             self._last = counter
@@ -261,7 +269,7 @@ class Loop:
             self._extra = FIRST
             self._send(self._link.command(self._way.told, self._count))
 
-    def _astray(self, values: Sequence[float], most: Sequence[float]) -> Failed | None:
+    def _astray(self, values: Sequence[float], most: Sequence[float]) -> LoopFailure | None:
         """That the arm is too far from where it was told to be."""
         told = self._way.told
         if self._job.kind == "joints":
@@ -272,7 +280,7 @@ class Loop:
         for column, (distance, allowed) in enumerate(zip(away, most, strict=False)):
             if distance > allowed:
                 where = column_named(self._job.kind, column)
-                return Failed(rules.NOT_THERE, distance=distance, **where, **self._progress())
+                return LoopFailure(rules.NOT_THERE, distance=distance, **where, **self._progress())
         return None
 
     def _progress(self) -> dict[str, float]:
@@ -302,7 +310,7 @@ def _agree(one: Row, two: Row) -> bool:
     """Whether an arm that stands has told the same place twice."""
     if not one:
         return False
-    return all(abs(a - b) <= SAME for a, b in zip(one, two, strict=True))
+    return all(abs(a - b) <= STANDSTILL_TOLERANCE for a, b in zip(one, two, strict=True))
 
 
 def _unanswered(address: str, reason: str) -> dict[str, str | float]:

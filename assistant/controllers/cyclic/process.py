@@ -27,7 +27,7 @@ from assistant.controllers.cyclic.report import Delays, Report, Timing
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.space import Limits
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
-from assistant.controllers.cyclic.ways import line_of
+from assistant.controllers.cyclic.ways import correction_line
 
 PATIENCE: Final = 20.0
 """Seconds beyond its own time-outs without a word of it after which the process is told to stop."""
@@ -134,7 +134,7 @@ class Feed:
         """Has the arm be at a row in so many seconds; nothing happens when nobody listens."""
         with self._guard, suppress(OSError):
             if self._into is not None:
-                os.write(self._into.fileno(), line_of(row, seconds))
+                os.write(self._into.fileno(), correction_line(row, seconds))
 
     def leads_to(self, stdin: IO[str] | None) -> None:
         """The process that takes them, None for none any more."""

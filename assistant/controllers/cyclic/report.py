@@ -63,7 +63,7 @@ class Timing:
 
 
 @dataclass(slots=True)
-class Kept:
+class TimingRecorder:
     """Gathers a `Timing` while a loop runs. half: seconds of half a cycle."""
 
     half: float

@@ -13,7 +13,7 @@ from typing import Final
 
 from assistant.controllers.cyclic.settings import PRIORITY
 
-_SLEEP: Final = "/dev/cpu_dma_latency"
+_DMA_LATENCY: Final = "/dev/cpu_dma_latency"
 _CURRENT: Final = 1
 _FUTURE: Final = 2
 """MCL_CURRENT and MCL_FUTURE of Linux."""
@@ -49,7 +49,7 @@ def _awake() -> Iterator[None]:
     """
     with ExitStack() as kept:
         with suppress(OSError):
-            kept.enter_context(FilePath(_SLEEP).open("wb", buffering=0)).write(bytes(4))
+            kept.enter_context(FilePath(_DMA_LATENCY).open("wb", buffering=0)).write(bytes(4))
         yield
 
 

@@ -111,14 +111,14 @@ def _of(kind: Kind) -> str:
     return "joints" if kind == "joints" else "limits of poses (mm/s, deg/s)"
 
 
-def names(kind: Kind, width: int) -> tuple[str, ...]:
+def column_names(kind: Kind, width: int) -> tuple[str, ...]:
     """What the columns of rows are called in files and messages."""
     if kind == "joints":
         return tuple(f"J{i}" for i in range(1, width + 1))
     return ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def checked(rows: Sequence[Sequence[float]] | Floats) -> Floats:
+def checked_rows(rows: Sequence[Sequence[float]] | Floats) -> Floats:
     """Rows as (n, c) finite floats; raises ValueError with what is wrong."""
     values = reals(rows)
     if values.ndim != 2 or not len(values) or not values.shape[1]:

@@ -19,7 +19,7 @@ from assistant.base.arrays import Floats, reals
 from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.curve import Curve
 from assistant.controllers.cyclic.rules import BAD_SETTING, BAD_TRAJECTORY
-from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked, sizes
+from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked_rows, sizes
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE
 from assistant.program.motion import Kind as Move
@@ -27,10 +27,10 @@ from assistant.program.motion import Path
 
 MOST_ROWS: Final = 2_000_000
 """Cycles of one trajectory: 3.9 hours at 7.11 ms."""
-FINE: Final = 4
+SAMPLES_IN_CYCLE: Final = 4
 """Places in a cycle at which the limits are looked at, where the times are given."""
-FEWEST: Final = 8
-MOST: Final = 4096
+FEWEST_SAMPLES: Final = 8
+MOST_SAMPLES: Final = 4096
 """Places in a piece between two points at which the limits are looked at."""
 LEAST_TIME: Final = 1e-9
 """Seconds between two points."""
@@ -64,7 +64,7 @@ class Trajectory:
     ) -> Trajectory:
         """positions: (n, 3) mm. quaternions: (n, 4), scalar first. Raises Refused."""
         try:
-            place, turn = checked(positions), checked(quaternions)
+            place, turn = checked_rows(positions), checked_rows(quaternions)
             if place.shape[1] != 3 or turn.shape != (len(place), 4):
                 raise ValueError(f"positions {place.shape} and quaternions {turn.shape}")
             if not (np.abs(turn).max(axis=1) > 0.0).all():
@@ -105,7 +105,7 @@ def _made(
     times: Sequence[float] | Floats | None,
 ) -> Trajectory:
     try:
-        values = checked(rows)
+        values = checked_rows(rows)
         if times is None:
             return Trajectory(kind, values)
         at = reals(times)
@@ -186,9 +186,9 @@ def _with_times(trajectory: Trajectory, speeds: Floats) -> tuple[Floats, Floats,
 def _places(times: Floats, cycle: float, given: bool) -> Floats:
     """Places (p,) on the curve, all points among them, so close that limits hold in between."""
     step = np.diff(times)
-    least = 2 if given else FEWEST
-    parts = np.clip(np.ceil(step * (FINE / cycle)), least, MOST).astype(np.intp)
-    if parts.sum() > FINE * MOST_ROWS:
+    least = 2 if given else FEWEST_SAMPLES
+    parts = np.clip(np.ceil(step * (SAMPLES_IN_CYCLE / cycle)), least, MOST_SAMPLES).astype(np.intp)
+    if parts.sum() > SAMPLES_IN_CYCLE * MOST_ROWS:
         raise Refused(BAD_TRAJECTORY(reason=f"it has more than {MOST_ROWS:,} cycles"))
     piece = np.repeat(np.arange(len(step)), parts)
     inside = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)

@@ -22,11 +22,11 @@ from assistant.controllers.cyclic.space import Kind, Limits, braked, sizes
 from assistant.controllers.cyclic.trajectory import Trajectory, resampled
 
 Row = tuple[float, ...]
-SLACK: Final = 1e-9
+ZERO_SPEED: Final = 1e-9
 """Degrees or mm a second that are none."""
 
 
-class Failed(Exception):
+class LoopFailure(Exception):
     """The loop cannot go on; what has to be said of it."""
 
     def __init__(self, rule: Rule, **fields: str | float) -> None:
@@ -71,7 +71,7 @@ class Job:
     highest: tuple[float, ...] = ()
 
 
-class Way(Protocol):
+class SetpointSource(Protocol):
     """told: the row that was commanded last, () before `begin`."""
 
     told: Row
@@ -105,7 +105,7 @@ class Way(Protocol):
 
 
 @dataclass(slots=True, eq=False)
-class Known:
+class TrajectorySource:
     """The rows of a job, with a soft start before them."""
 
     job: Job
@@ -145,7 +145,7 @@ class Known:
         away = sizes(job.kind, first - start)[0]
         worst = int(np.argmax(away))
         if away[worst] > settings.approach:
-            raise Failed(
+            raise LoopFailure(
                 rules.NOT_SOFT,
                 distance=float(away[worst]),
                 most=settings.approach,
@@ -184,7 +184,7 @@ class Known:
 
 
 @dataclass(slots=True, eq=False)
-class Corrected:
+class CorrectionSource:
     """Joints that go from where they should be by now to where the newest correction wants them in
     its time, and come to rest there when no other follows.
 
@@ -226,7 +226,7 @@ class Corrected:
 
     @property
     def stands(self) -> bool:
-        return all(abs(speed) <= SLACK for speed in self._speed)
+        return all(abs(speed) <= ZERO_SPEED for speed in self._speed)
 
     def begin(self, here: Row, cycle: float) -> None:
         self.told = self._from = self._goal = here
@@ -281,10 +281,10 @@ def column_named(kind: Kind, column: int) -> dict[str, str]:
     return {"what": ("position", "turning")[column], "unit": ("mm", "deg")[column]}
 
 
-def way_of(job: Job) -> Way:
-    return Known(job) if job.corrections is None else Corrected(job)
+def source_of(job: Job) -> SetpointSource:
+    return TrajectorySource(job) if job.corrections is None else CorrectionSource(job)
 
 
-def line_of(row: Sequence[float], seconds: float) -> bytes:
+def correction_line(row: Sequence[float], seconds: float) -> bytes:
     """A correction as `Corrections.take` reads it."""
     return (" ".join(map(repr, map(float, (seconds, *row)))) + "\n").encode("ascii")

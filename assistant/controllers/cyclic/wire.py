@@ -12,20 +12,20 @@ from typing import Final
 
 from assistant.controllers.cyclic.link import Endpoint
 
-BIGGEST: Final = 2048
+BIGGEST_PACKET: Final = 2048
 """Bytes of a packet that are read; longer ones make no sense here."""
 MOST_DROPPED: Final = 1000
-SHORTEST: Final = 0.001
+SHORTEST_BLOCK: Final = 0.001
 """Seconds for which it is worth while to block."""
-_STAMP: Final = 35
+_SO_TIMESTAMPNS: Final = 35
 """SO_TIMESTAMPNS of Linux on machines of 64 bits (asm-generic/socket.h): the kernel stamps each
 packet as it arrives."""
-_TIMES: Final = struct.Struct("=qq")
-_ROOM: Final = 64
+_TIMESTAMP: Final = struct.Struct("=qq")
+_CONTROL_BYTES: Final = 64
 """Bytes for the stamp and its head."""
 
 
-class Wire:
+class PacketSocket:
     """A UDP socket to one controller; a context manager. Raises OSError.
 
     spin: seconds before a packet is due, `cycle` behind the last one, from which on it is looked
@@ -49,7 +49,7 @@ class Wire:
             self._socket.setblocking(False)
             self._socket.bind((endpoint.local_host, endpoint.local_port))
             if sys.platform == "linux" and struct.calcsize("P") == 8:
-                self._socket.setsockopt(socket.SOL_SOCKET, _STAMP, 1)
+                self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
                 self.stamped = True
             if self._host is not None:
                 self._peer = (self._host, endpoint.port)
@@ -68,7 +68,7 @@ class Wire:
             self._socket.close()
             self._open()
 
-    def __enter__(self) -> Wire:
+    def __enter__(self) -> PacketSocket:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -133,15 +133,19 @@ class Wire:
 
     def _read(self) -> tuple[bytes, list[tuple[int, int, bytes]], tuple[str, int]]:
         if not self.stamped:  # where the system may lack `recvmsg`
-            packet, sender = self._socket.recvfrom(BIGGEST)
+            packet, sender = self._socket.recvfrom(BIGGEST_PACKET)
             return packet, [], sender
-        packet, data, _, sender = self._socket.recvmsg(BIGGEST, _ROOM)
+        packet, data, _, sender = self._socket.recvmsg(BIGGEST_PACKET, _CONTROL_BYTES)
         return packet, data, sender
 
     def _arrival(self, data: list[tuple[int, int, bytes]]) -> float:
         for level, kind, value in data:
-            if level == socket.SOL_SOCKET and kind == _STAMP and len(value) >= _TIMES.size:
-                seconds, nanoseconds = _TIMES.unpack_from(value)
+            if (
+                level == socket.SOL_SOCKET
+                and kind == _SO_TIMESTAMPNS
+                and len(value) >= _TIMESTAMP.size
+            ):
+                seconds, nanoseconds = _TIMESTAMP.unpack_from(value)
                 return float(seconds + 1e-9 * nanoseconds)
         return self.now()
 
@@ -150,7 +154,7 @@ class Wire:
         due = self._came + self._cycle
         if now >= due + self._spin:
             self._wait(until - now)
-        elif (rest := min(until, due - self._spin) - now) >= SHORTEST:
+        elif (rest := min(until, due - self._spin) - now) >= SHORTEST_BLOCK:
             self._wait(rest, early=True)
 
     def _wait(self, seconds: float, *, early: bool = False) -> None:

@@ -31,7 +31,7 @@ from assistant.controllers.cyclic.report import Timing
 from assistant.controllers.cyclic.scheduling import real_time
 from assistant.controllers.cyclic.settings import Settings
 from assistant.controllers.cyclic.ways import Corrections, Job, Row
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.wire import PacketSocket
 
 SPUN: Final = 1.0 / 3.0
 """Part of a cycle before a packet is due, and after, in which it is looked for without pause."""
@@ -53,7 +53,7 @@ def main(folder: FilePath) -> None:
     stop = Watched(settings.alive, corrections)
     try:
         spin = {"block": 0.0, "mixed": link.cycle * SPUN, "spin": float("inf")}[settings.wait]
-        wire = Wire(endpoint, spin=spin, cycle=link.cycle)
+        wire = PacketSocket(endpoint, spin=spin, cycle=link.cycle)
     except OSError as error:
         reason = error.strerror or str(error)
         said = {"code": "CN711", "fields": {"address": str(endpoint), "reason": reason}}

@@ -14,17 +14,17 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.controller import Controller, JogsJoints, Programs
 from assistant.controllers.following import MODES as FOLLOWING
-from assistant.controllers.following import Check, Wishes, lines_of, taking
+from assistant.controllers.following import Check, LinkOptions, check_of, lines_of
 from assistant.controllers.leading import rules
 from assistant.controllers.leading.carrier import Arm, Carrier
 from assistant.controllers.rules import NOT_HERE
 
 __all__ = ["MODES", "Arm", "Carrier", "Mode"]
 
-Make = Callable[[Programs, Arm, Wishes, Floats], Carrier]
+MakeCarrier = Callable[[Programs, Arm, LinkOptions, Floats], Carrier]
 """Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
-Keeps = Literal["cycles", "percent", "program"]
-SLOWEST: Final = 0.01
+SpeedKeeper = Literal["cycles", "percent", "program"]
+SLOWEST_OVERRIDE: Final = 0.01
 """Part of its full speed: the least that a controller can be set to."""
 
 
@@ -37,30 +37,30 @@ class Mode:
     """
 
     title: str
-    make: Make
+    make: MakeCarrier
     operates: bool
     check: Check
     unbegun: frozenset[str] = frozenset()
     waits: bool = False
-    keeps: Keeps = "cycles"
+    keeps: SpeedKeeper = "cycles"
 
     def faster(self, arm: Arm, place: str) -> Iterator[Diagnostic]:
         """Report where the arm may be faster than what `arm` may do: the way cannot keep to it."""
-        if self.keeps == "percent" and arm.part < SLOWEST:
-            times = f"{SLOWEST / arm.part:.1f}"
-            yield rules.NO_SLOWER(place=place, percent=100.0 * SLOWEST, times=times)
+        if self.keeps == "percent" and arm.part < SLOWEST_OVERRIDE:
+            times = f"{SLOWEST_OVERRIDE / arm.part:.1f}"
+            yield rules.NO_SLOWER(place=place, percent=100.0 * SLOWEST_OVERRIDE, times=times)
         elif self.keeps == "program":
             yield rules.OWN_SPEED(place=place)
 
 
-def _jog(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+def _jog(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
     from assistant.controllers.leading.jogs import JogCarrier
 
     assert isinstance(session, JogsJoints)
     return JogCarrier(session, arm)
 
 
-def _jogs_joints(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - as of each way
+def _jogs_joints(session: Programs, wishes: LinkOptions) -> None:  # noqa: ARG001 - as of each way
     """Raises Refused for a controller that cannot."""
     if not isinstance(session, JogsJoints):
         place, what = str(session.address), "jog several joints at once"
@@ -69,34 +69,34 @@ def _jogs_joints(session: Programs, wishes: Wishes) -> None:  # noqa: ARG001 - a
         raise Refused(finding, exit_status=2)
 
 
-def _data_link(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+def _data_link(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
     from assistant.controllers.leading.data_link import DataLinkCarrier
 
     assert isinstance(session, Controller)
     return DataLinkCarrier(session, *lines_of(session, wishes), arm, replace=wishes.replace)
 
 
-def _mxt(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+def _mxt(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
     from assistant.controllers.leading.cycles import by_mxt
 
     assert isinstance(session, Controller)
     return by_mxt(session, arm, wishes)
 
 
-def _egm(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+def _egm(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
     from assistant.controllers.leading.cycles import by_egm
 
     return by_egm(session.address.host, arm, wishes.port, wishes.cycle)
 
 
-def _exchange(session: Programs, arm: Arm, wishes: Wishes, near: Floats) -> Carrier:  # noqa: ARG001
+def _exchange(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
     from assistant.controllers.leading.poses import PoseCarrier
 
     return PoseCarrier(session, arm, near)
 
 
 def _mode(
-    name: str, title: str, make: Make, *, waits: bool = False, keeps: Keeps = "cycles"
+    name: str, title: str, make: MakeCarrier, *, waits: bool = False, keeps: SpeedKeeper = "cycles"
 ) -> Mode:
     """Needs what following a trajectory by the same way does."""
     other = FOLLOWING[name]
@@ -108,7 +108,7 @@ MODES: Final[Mapping[str, Mode]] = {
         "jogs of its joints, step by step",
         _jog,
         True,
-        taking(then=_jogs_joints),
+        check_of(then=_jogs_joints),
         waits=True,
         keeps="percent",
     ),

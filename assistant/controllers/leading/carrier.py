@@ -16,7 +16,7 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 
-SIX: Final = 6
+USUAL_AXES: Final = 6
 """Axes of a usual arm, which protocols count with or without them."""
 
 
@@ -48,7 +48,7 @@ class Arm:
 
     def numbered(self, values: Floats, missing: float) -> Floats:
         """Values of axes (…, a) with a column for each number; missing: of the others."""
-        width = max(SIX, max(self.places) + 1)
+        width = max(USUAL_AXES, max(self.places) + 1)
         found = np.full((*values.shape[:-1], width), missing)
         found[..., self.places] = values
         return found

@@ -12,13 +12,13 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Leading, Limits, Settings
-from assistant.controllers.following import MXT_PROGRAM, Wishes, mxt_installed
+from assistant.controllers.following import MXT_PROGRAM, LinkOptions, mxt_installed
 from assistant.controllers.leading.carrier import Arm
 
-OPENING: Final = 10.0
+FIRST_PACKET_TIMEOUT: Final = 10.0
 """Seconds in which a program that was started must answer the first packet."""
-PERIOD: Final = 0.02
-MORE: Final = 1.1
+CYCLIC_PERIOD: Final = 0.02
+CATCH_UP_SPEED: Final = 1.1
 """Part of the speeds of steps that a cycle may have: a step that comes late is caught up with."""
 
 
@@ -31,7 +31,7 @@ class CyclicCarrier:
     waits = False
 
     def __init__(
-        self, arm: Arm, made: Callable[[Limits, ExitStack], Leading], period: float = PERIOD
+        self, arm: Arm, made: Callable[[Limits, ExitStack], Leading], period: float = CYCLIC_PERIOD
     ) -> None:
         self.period, self.speeds = period, arm.speeds
         self._arm, self._made = arm, made
@@ -46,7 +46,7 @@ class CyclicCarrier:
 
     def __enter__(self) -> Self:
         arm = self._arm
-        full = np.minimum(MORE * arm.speeds, arm.full)
+        full = np.minimum(CATCH_UP_SPEED * arm.speeds, arm.full)
         limits = Limits(
             tuple(arm.numbered(full, 1.0).tolist()),
             tuple(arm.numbered(arm.rises, 1.0).tolist()),
@@ -95,7 +95,7 @@ def by_egm(
     from assistant.controllers.abb.egm import guidance
 
     def made(limits: Limits, opening: ExitStack) -> Leading:  # noqa: ARG001
-        return guidance.leading(
+        return guidance.guide_by_corrections(
             host,
             len(limits.speeds),
             limits,
@@ -107,7 +107,7 @@ def by_egm(
     return CyclicCarrier(arm, made)
 
 
-def by_mxt(controller: Controller, arm: Arm, wishes: Wishes) -> CyclicCarrier:
+def by_mxt(controller: Controller, arm: Arm, wishes: LinkOptions) -> CyclicCarrier:
     """Lead an arm by mxt; while it is entered, the program that takes the packets runs there."""
     from assistant.controllers.mitsubishi.mxt import client
 
@@ -122,7 +122,7 @@ def by_mxt(controller: Controller, arm: Arm, wishes: Wishes) -> CyclicCarrier:
             cycle=wishes.cycle or client.CYCLES["CR750"],
             axes=len(limits.speeds),
             sliding=sliding,
-            settings=Settings(opening=OPENING),
+            settings=Settings(opening=FIRST_PACKET_TIMEOUT),
         )
         opening.enter_context(mxt_installed(controller, wishes))
         controller.load(MXT_PROGRAM)

@@ -12,11 +12,11 @@ from assistant.controllers.controller import Controller
 from assistant.controllers.leading.carrier import Arm
 from assistant.controllers.mitsubishi.control_mode import ControlMode
 
-AHEAD: Final = 1
+STEPS_AHEAD: Final = 1
 """Steps that wait on the line: what the arm still goes when no more follow."""
-STEP_MORE: Final = 0.1
+STEP_TOLERANCE: Final = 0.1
 """Degrees that a step may be larger than it was worked out to be: positions are rounded."""
-LONGEST: Final = 1.0
+LONGEST_STEP: Final = 1.0
 """Seconds that a step takes at most; it bounds how far one may lead."""
 
 
@@ -44,14 +44,14 @@ class DataLinkCarrier:
         self._controller, self._arm = controller, arm
         limits = arm.numbered(arm.limits.T, np.nan).T
         limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
-        farthest = float((self.speeds * LONGEST).max()) + STEP_MORE
+        farthest = float((self.speeds * LONGEST_STEP).max()) + STEP_TOLERANCE
         self._mode = ControlMode(
             controller,
             control,
             status,
             limits=limits,
             most_step=farthest,
-            ahead=AHEAD,
+            ahead=STEPS_AHEAD,
             replace=replace,
         )
         self._told: Floats | None = None

@@ -11,9 +11,9 @@ from assistant.base.arrays import Floats
 from assistant.controllers.controller import JogsJoints
 from assistant.controllers.leading.carrier import Arm
 
-PERIOD: Final = 1.0
+JOG_PERIOD: Final = 1.0
 """Seconds of a step at most: nothing is looked at meanwhile, but much of each is asking."""
-LEAST: Final = 0.01
+LEAST_JOG: Final = 0.01
 """Degrees or mm of a step: places are written with two decimals."""
 
 
@@ -22,7 +22,7 @@ class JogCarrier:
 
     waits = True
 
-    def __init__(self, controller: JogsJoints, arm: Arm, period: float = PERIOD) -> None:
+    def __init__(self, controller: JogsJoints, arm: Arm, period: float = JOG_PERIOD) -> None:
         self.period, self.speeds = period, arm.slow
         self._controller, self._arm = controller, arm
 
@@ -45,7 +45,7 @@ class JogCarrier:
         return self.joints()
 
     def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the percentage tells
-        if float(np.abs(to - self.joints()).max()) < LEAST:
+        if float(np.abs(to - self.joints()).max()) < LEAST_JOG:
             return
         goal = dict(zip(self._arm.axes, to.tolist(), strict=True))
         self._controller.jog_joints(goal, float(self._arm.percent))

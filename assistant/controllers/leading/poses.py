@@ -15,7 +15,7 @@ from assistant.controllers.leading import rules
 from assistant.controllers.leading.carrier import Arm
 from assistant.program.geometry import Pose
 
-PERIOD: Final = 0.5
+POSE_PERIOD: Final = 0.5
 """Seconds of a step at most: nothing is looked at meanwhile, but much of each are the files."""
 
 
@@ -28,7 +28,9 @@ class PoseCarrier:
 
     waits = True
 
-    def __init__(self, programs: Programs, arm: Arm, begin: Floats, period: float = PERIOD) -> None:
+    def __init__(
+        self, programs: Programs, arm: Arm, begin: Floats, period: float = POSE_PERIOD
+    ) -> None:
         self.period, self.speeds = period, arm.speeds
         self._arm, self._exchange, self._near = arm, PoseExchange(programs), begin
         self.begun = False

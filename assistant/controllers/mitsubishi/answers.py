@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Final
 
 ENCODING: Final = "latin-1"
-ANSWER: Final = re.compile(r"Q(OK|ER)([^\r\n]*)", re.IGNORECASE)
-ERROR: Final = re.compile(r"(\d{4})((?:;\d+)*)\s*")
+ANSWER_FORM: Final = re.compile(r"Q(OK|ER)([^\r\n]*)", re.IGNORECASE)
+ERROR_ANSWER: Final = re.compile(r"(\d{4})((?:;\d+)*)\s*")
 
-BARE: Final = re.compile(r"[; ]*")
+BARE_ANSWER: Final = re.compile(r"[; ]*")
 """Of a command that only says that it was accepted."""
 
 
@@ -36,14 +36,14 @@ class Answer:
 
 def parse_answer(raw: str) -> Answer | None:
     """The answer that a text is, None if it is none."""
-    found = ANSWER.fullmatch(raw)
+    found = ANSWER_FORM.fullmatch(raw)
     if found is None:
         return None
     kind, text = found[1], found[2]
     alarmed = kind[1].islower()
     if kind.upper() == "OK":
         return Answer(text, alarmed=alarmed)
-    error = ERROR.fullmatch(text)
+    error = ERROR_ANSWER.fullmatch(text)
     if error is None:
         return None
     places = tuple(int(p) for p in error[2].split(";") if p)

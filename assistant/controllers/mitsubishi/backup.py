@@ -21,7 +21,7 @@ from typing import Final
 from assistant.controllers import folders
 from assistant.controllers.mitsubishi import listing, parameters, programs, state, variables
 from assistant.controllers.mitsubishi.helpers import SCRATCH
-from assistant.controllers.mitsubishi.kept_back import SECRET
+from assistant.controllers.mitsubishi.kept_back import SECRET_PARAMETER
 from assistant.controllers.mitsubishi.session import Session
 
 KIND: Final = "melfa"
@@ -37,20 +37,22 @@ NOT_KEPT: Final = "not-kept.txt"
 
 def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
     """Writes the folder, which appears whole or not at all; its files, relative to it."""
-    with folders.appearing(folder, KIND) as place, session.scope():
+    with folders.appearing_folder(folder, KIND) as place, session.scope():
         identity = asdict(state.identify(session))
-        folders.put(place, IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
+        folders.put_file(place, IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
         there, others = programs.directory(session)
         if others:
             text = "".join(f"{name}\n" for name in others)
-            folders.put(place, NOT_KEPT, text.encode())
+            folders.put_file(place, NOT_KEPT, text.encode())
         for name in (entry.name for entry in there if entry.name != SCRATCH):
-            folders.put(place, program_file(name), programs.listed(session, name))
-            _put_lines(place, variable_file(name), variables.of_program(session, name))
-        _put_lines(place, EXTERNALS, variables.externals(session))
-        told = parameters.parameters(session, without_secrets(parameters.changed(session)))
-        folders.put(place, PARAMETERS, parameter_text(told))
-    return (folders.INDEX, *folders.files(FilePath(folder)))
+            folders.put_file(place, program_file(name), programs.listed(session, name))
+            _put_lines(place, variable_file(name), variables.program_variables(session, name))
+        _put_lines(place, EXTERNALS, variables.external_variables(session))
+        told = parameters.read_parameters(
+            session, without_secrets(parameters.changed_parameters(session))
+        )
+        folders.put_file(place, PARAMETERS, parameter_text(told))
+    return (folders.INDEX, *folders.backup_files(FilePath(folder)))
 
 
 def program_file(name: str) -> str:
@@ -72,7 +74,7 @@ def program_of(file: str) -> str:
 
 
 def without_secrets(names: Iterable[str]) -> list[str]:
-    return [name for name in names if not SECRET.fullmatch(name)]
+    return [name for name in names if not SECRET_PARAMETER.fullmatch(name)]
 
 
 def parameter_text(values: Mapping[str, str]) -> bytes:
@@ -83,17 +85,17 @@ def parameter_text(values: Mapping[str, str]) -> bytes:
 
 def assignments(data: bytes) -> dict[str, str]:
     """Name → value of the lines of a file."""
-    pairs = (line.text.partition("=") for line in listing.lines_of(data))
+    pairs = (line.text.partition("=") for line in listing.program_lines(data))
     blanks = listing.BLANKS
     return {name.strip(blanks): value.strip(blanks) for name, _, value in pairs}
 
 
 def variable_text(lines: Iterable[str]) -> bytes:
     """The lines sorted by name, P2 before P10."""
-    ordered = sorted(lines, key=lambda line: listing.in_order(line.partition("=")[0].upper()))
+    ordered = sorted(lines, key=lambda line: listing.natural_order(line.partition("=")[0].upper()))
     return "".join(f"{line}\n" for line in ordered).encode(listing.ENCODING)
 
 
 def _put_lines(place: FilePath, name: str, lines: list[str]) -> None:
     if lines:
-        folders.put(place, name, variable_text(lines))
+        folders.put_file(place, name, variable_text(lines))

@@ -29,7 +29,7 @@ from assistant.controllers.mitsubishi import (
 from assistant.controllers.mitsubishi.jogging import Check
 from assistant.controllers.mitsubishi.programs import LANGUAGES, Entry
 from assistant.controllers.mitsubishi.restore import Restoring
-from assistant.controllers.mitsubishi.session import PACE, About, Session
+from assistant.controllers.mitsubishi.session import COMMAND_INTERVAL, About, Session
 from assistant.controllers.mitsubishi.session import about as identity
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
@@ -54,14 +54,14 @@ class Cr:
         *,
         timeout: float = 10.0,
         terminator: bytes | None = None,
-        pace: float = PACE,
+        pace: float = COMMAND_INTERVAL,
         check: Check | None = None,
     ) -> None:
         self.address = address
         self.languages: tuple[str, ...] = EVERY_LANGUAGE
         self.session = Session(address, timeout=timeout, terminator=terminator, pace=pace)
         self.check = check
-        self._kinds: dict[str, parameter_files.Kind] = {}
+        self._kinds: dict[str, parameter_files.ParameterKind] = {}
 
     def __repr__(self) -> str:
         return f"Cr({str(self.address)!r})"
@@ -107,7 +107,7 @@ class Cr:
 
     def stored(self, data: bytes) -> bytes:
         """As a controller lists it: steps in order, variables by name with two decimals."""
-        return listing.listed(data)
+        return listing.listed_form(data)
 
     def entries(self) -> tuple[Entry, ...]:
         """The programs with size, time and protection."""
@@ -129,14 +129,14 @@ class Cr:
         return state.identify(self.session)
 
     def state(self) -> State:
-        return state.state(self.session)
+        return state.controller_state(self.session)
 
     def position(self) -> Position:
         return position.position(self.session)
 
     def log(self, most: int = 50) -> tuple[Fault, ...]:
         """The latest errors, the newest first."""
-        return error_log.log(self.session, most)
+        return error_log.error_history(self.session, most)
 
     def reset(self) -> None:
         """Acknowledges the error; raises Refused if it is still there then."""
@@ -153,24 +153,24 @@ class Cr:
         signals.set_output(self.session, name, value)
 
     def parameters(self, names: Sequence[str] = ()) -> dict[str, str]:
-        return parameters.parameters(self.session, names)
+        return parameters.read_parameters(self.session, names)
 
     def set_parameter(self, name: str, value: str) -> None:
         """Most take effect when the power comes on again."""
-        parameters.write(self.session, name, value, self._kinds)
+        parameters.write_parameter(self.session, name, value, self._kinds)
 
     def learn_kinds(self, files: Iterable[str | FilePath]) -> None:
         """Has `set_parameter` look at values as parameter files of RT ToolBox tell their kinds."""
-        self._kinds |= parameter_files.kinds(files)
+        self._kinds |= parameter_files.parameter_kinds(files)
 
     def variable(self, name: str, program: str = "", task: str = "") -> str:
         slot = operating.slot_of(self.session, task)
-        return variables.read(self.session, name, program, slot)
+        return variables.read_variable(self.session, name, program, slot)
 
     def set_variable(self, name: str, value: str, program: str = "", task: str = "") -> None:
         """While its program runs, numbers only."""
         slot = operating.slot_of(self.session, task)
-        variables.write(self.session, name, value, program, slot)
+        variables.write_variable(self.session, name, value, program, slot)
 
     def load(self, name: str, task: str = "") -> None:
         operating.load(self.session, name, operating.slot_of(self.session, task))

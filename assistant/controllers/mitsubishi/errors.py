@@ -14,10 +14,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
-LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
+ERROR_LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
 """High: servos go off. Low: the program stops. Caution: the program goes on."""
 
-FAMILIES: Final = {
+ERROR_FAMILIES: Final = {
     0: "an error of the hardware",
     1: "an error of the servos",
     2: "an error of the motion",
@@ -44,17 +44,17 @@ class CrError:
     cure: str
 
 
-def error(number: int) -> CrError:
+def cr_error(number: int) -> CrError:
     """What an error number means; never fails."""
     digits = f"{number:04}"
-    rows = (_table().get(digits), _table().get(f"{digits[:-1]}n"))
+    rows = (_error_table().get(digits), _error_table().get(f"{digits[:-1]}n"))
     level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
-    words = text.replace("{n}", digits[-1]) or FAMILIES.get(number // 1000, "an error")
+    words = text.replace("{n}", digits[-1]) or ERROR_FAMILIES.get(number // 1000, "an error")
     return CrError(number, level, words, cure or LOOK_IT_UP)
 
 
 @cache
-def _table() -> Mapping[str, tuple[str, str, str]]:
+def _error_table() -> Mapping[str, tuple[str, str, str]]:
     """Number → level, text and cure; a text is empty where there is none of our own."""
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)

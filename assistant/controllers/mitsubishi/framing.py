@@ -26,11 +26,11 @@ QUIET: Final = 0.1
 STX, ETX, EOT, ENQ, ACK, NAK = (bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15))
 TRIALS: Final = 4
 """Of a step: the first one and three more."""
-STEP: Final = 2.0
+STEP_TIMEOUT: Final = 2.0
 """Seconds for a step of the procedure; 255 bytes take 0.3 s at 9600 baud."""
 
 
-class Unasked(Exception):
+class UnaskedData(Exception):
     """data: what is on the line and cannot be the answer to a command."""
 
     def __init__(self, data: bytes) -> None:
@@ -50,7 +50,7 @@ class Framing(Protocol):
         """
 
 
-class Plain:
+class PlainFraming:
     """No procedure. terminator: what ends a command, b"" for nothing."""
 
     def __init__(self, terminator: bytes = b"\r") -> None:
@@ -60,7 +60,7 @@ class Plain:
 
     def exchange(self, stream: Stream, command: bytes, timeout: float) -> bytes:
         if waiting := pending(stream).strip(b"\r\n"):
-            raise Unasked(waiting)
+            raise UnaskedData(waiting)
         stream.send(command + self._terminator, timeout)
         return self._answer(stream, time.monotonic() + timeout)
 
@@ -84,12 +84,12 @@ class Plain:
             if code := re.search(rb"[\r\n]", data):
                 self._ends = True
                 if data[code.start() :].strip(b"\r\n"):
-                    raise Unasked(data)
+                    raise UnaskedData(data)
                 return data[: code.start()]
-        raise Unasked(data)
+        raise UnaskedData(data)
 
 
-class Procedural:
+class ProceduralFraming:
     """With the procedure of RS-232."""
 
     def __init__(self) -> None:
@@ -97,7 +97,7 @@ class Procedural:
 
     def exchange(self, stream: Stream, command: bytes, timeout: float) -> bytes:
         if waiting := pending(stream).strip(EOT + b"\r\n"):
-            raise Unasked(waiting)
+            raise UnaskedData(waiting)
         end = time.monotonic() + timeout
         self._insist(stream, ENQ, end)
         self._insist(stream, frame(command), end)
@@ -107,9 +107,9 @@ class Procedural:
     def _insist(self, stream: Stream, data: bytes, end: float) -> None:
         """Sends until it is acknowledged; raises OSError."""
         for _ in range(TRIALS):
-            stream.send(data, STEP)
+            stream.send(data, STEP_TIMEOUT)
             try:
-                reply = stream.receive(_left(end, STEP))
+                reply = stream.receive(_left(end, STEP_TIMEOUT))
             except TimeoutError:
                 if time.monotonic() >= end:
                     raise
@@ -117,30 +117,30 @@ class Procedural:
             if reply.endswith(ACK):
                 return
             if ENQ in reply:
-                raise Unasked(reply)
+                raise UnaskedData(reply)
         raise TimeoutError
 
     def _answer(self, stream: Stream, end: float) -> bytes:
         data = self._until(stream, ENQ, b"", end, end - time.monotonic())
-        stream.send(ACK, STEP)
+        stream.send(ACK, STEP_TIMEOUT)
         for _ in range(TRIALS):
-            data = self._until(stream, ETX, data, end, STEP)
+            data = self._until(stream, ETX, data, end, STEP_TIMEOUT)
             text = unframed(data)
-            stream.send(NAK if text is None else ACK, STEP)
+            stream.send(NAK if text is None else ACK, STEP_TIMEOUT)
             data = b""
             if text is not None:
                 self._closed(stream, end)
                 return text
-        raise Unasked(b"frames with wrong checksums")
+        raise UnaskedData(b"frames with wrong checksums")
 
     def _until(self, stream: Stream, code: bytes, data: bytes, end: float, step: float) -> bytes:
         """What comes up to a control code, which is left out with all before ENQ."""
         while code not in data:
             if len(data) > MOST_ANSWER:
-                raise Unasked(data)
+                raise UnaskedData(data)
             data += stream.receive(_left(end, step))
             if code == ETX and data.endswith(ENQ):  # our ACK was lost
-                stream.send(ACK, STEP)
+                stream.send(ACK, STEP_TIMEOUT)
                 data = b""
         before, _, after = data.partition(code)
         return after if code == ENQ else before
@@ -148,9 +148,9 @@ class Procedural:
     def _closed(self, stream: Stream, end: float) -> None:
         """Waits for EOT; a frame that comes once more is acknowledged once more."""
         try:
-            while not (data := stream.receive(_left(end, STEP))).endswith(EOT):
+            while not (data := stream.receive(_left(end, STEP_TIMEOUT))).endswith(EOT):
                 if data.endswith(ETX):
-                    stream.send(ACK, STEP)
+                    stream.send(ACK, STEP_TIMEOUT)
         except TimeoutError:
             return  # the frame was whole: what is missing is only its farewell
 

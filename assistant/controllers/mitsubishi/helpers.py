@@ -14,16 +14,16 @@ from typing import Final
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi import programs
-from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
 from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.mitsubishi.state import WAITING, slot_state
-from assistant.controllers.mitsubishi.variables import externals, selected
+from assistant.controllers.mitsubishi.variables import external_variables, selected_program
 
 SCRATCH: Final = "ASSISTANT"
 """Program whose variables single statements use; no backup has it."""
-ENDING: Final = 5.0
+ENDING_TIMEOUT: Final = 5.0
 """Seconds in which a program must end, with and without a stop."""
-LOOK: Final = 0.05
+ENDING_POLL: Final = 0.05
 """Seconds between two looks whether it runs."""
 PRESENT: Final = "N"
 """Answer of FCHECK for a file that exists."""
@@ -62,7 +62,7 @@ def _quietly(session: Session, command: str, slot: int) -> None:
     """Send a command that tidies up; a refusal changes nothing and is ignored."""
     if session.connected:
         with suppress(Refused):
-            session.attempt(command, doing="tidying up", slot=slot, shape=BARE)
+            session.attempt(command, doing="tidying up", slot=slot, shape=BARE_ANSWER)
 
 
 @contextmanager
@@ -72,7 +72,7 @@ def borrowed(controller: object, names: Iterable[str]) -> Iterator[None]:
     controller: a client; nothing is done for one without a controller link. A failure to put them
     back is raised only if there is no other error.
     """
-    before = Before.of(controller, names)
+    before = BorrowedState.of(controller, names)
     try:
         yield
     except BaseException:
@@ -84,7 +84,7 @@ def borrowed(controller: object, names: Iterable[str]) -> Iterator[None]:
         before.put_back()
 
 
-class Before:
+class BorrowedState:
     """State of a controller before programs are borrowed.
 
     names: of the programs that are installed meanwhile. shared: external variables that they set;
@@ -98,13 +98,13 @@ class Before:
         self._new = [name for name in self._names if name not in there]
         self._shared = dict.fromkeys(shared, "0")
         if self._shared:
-            values = dict(line.split("=", 1) for line in externals(session))
+            values = dict(line.split("=", 1) for line in external_variables(session))
             self._shared |= {name: values[name] for name in self._shared if name in values}
 
     @classmethod
     def of(
         cls, controller: object, names: Iterable[str], shared: Iterable[str] = ()
-    ) -> Before | None:
+    ) -> BorrowedState | None:
         """Return the state of a controller; None for a client without a controller link."""
         session = getattr(controller, "session", None)
         return cls(session, names, shared) if isinstance(session, Session) else None
@@ -124,7 +124,7 @@ class Before:
                     self._select(slot, self._slots[slot])
             for name, value in self._shared.items():
                 command, doing = f"EXEC2={name}={value}", f"setting {name} back"
-                session.ask(command, doing=doing, slot=session.edit_slot, shape=BARE)
+                session.ask(command, doing=doing, slot=session.edit_slot, shape=BARE_ANSWER)
             selected_now = set(self._selected().values())
             for name in self._new:
                 if name not in selected_now:
@@ -132,25 +132,25 @@ class Before:
 
     def _selected(self) -> dict[int, str]:
         slots = range(1, self._session.about.slots + 1)
-        return {slot: selected(self._session, slot) for slot in slots}
+        return {slot: selected_program(self._session, slot) for slot in slots}
 
     def _end(self, slot: int) -> None:
         """Wait for the program of a slot, stop it if it does not end, and reset it."""
         session, stopped = self._session, False
-        end = time.monotonic() + ENDING
+        end = time.monotonic() + ENDING_TIMEOUT
         while slot_state(session, slot).running:
             if time.monotonic() > end:
                 if stopped:
                     break
-                session.ask("STOP", doing=f"stopping slot {slot}", slot=slot, shape=BARE)
-                stopped, end = True, time.monotonic() + ENDING
-            time.sleep(LOOK)
+                session.ask("STOP", doing=f"stopping slot {slot}", slot=slot, shape=BARE_ANSWER)
+                stopped, end = True, time.monotonic() + ENDING_TIMEOUT
+            time.sleep(ENDING_POLL)
         if slot_state(session, slot).stop & WAITING:
-            session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE)
+            session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE_ANSWER)
 
     def _select(self, slot: int, name: str) -> None:
         session, doing = self._session, f"setting slot {slot} back"
         if name:
-            session.ask(f"PRGLOAD={name}", doing=doing, slot=slot, shape=BARE)
+            session.ask(f"PRGLOAD={name}", doing=doing, slot=slot, shape=BARE_ANSWER)
         else:  # no command clears a slot, but a statement does
             _quietly(session, f"EXEC2=XCLR {slot}", session.edit_slot)

@@ -21,7 +21,7 @@ from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abilities import Held
 from assistant.controllers.mitsubishi import operating, position, values
-from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
 from assistant.controllers.mitsubishi.helpers import scratch
 from assistant.controllers.mitsubishi.position import Shown
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
@@ -45,8 +45,8 @@ MOST_SECONDS: Final = 120.0
 SERVOS_OFF, DURING_RUN = 2000, 5640
 OUT_OF_REACH: Final = frozenset({2600, 2601, 2602, 2603, 2800, 2801, 2802, 2803})
 """Errors of goals that are out of reach or of the limits."""
-JOINT, POSE = "JGOAL", "PGOAL"
-ABOUT: Final = {"A": "X", "B": "Y", "C": "Z"}
+JOINT_VARIABLE, POSE_VARIABLE = "JGOAL", "PGOAL"
+ROTATION_AXES: Final = {"A": "X", "B": "Y", "C": "Z"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +64,12 @@ Check = Callable[[Goal], None]
 """Raises Refused for a goal that the arm must not be sent to."""
 
 
-def always() -> bool:
+def always_held() -> bool:
     """Nobody has to hold anything."""
     return True
 
 
-def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) -> None:
+def jog(session: Session, asked: Jog, check: Check | None, held: Held = always_held) -> None:
     """Moves, and comes back when the arm stands there; stops it for whatever else happens.
 
     check: is asked before anything moves; the joint limits of the controller are looked at, too.
@@ -83,11 +83,11 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always) 
         axes = position.joints(session)
         if axis.startswith("J"):
             goal = Goal(joints=_joints(session, asked, axis, axes))
-            name, value = JOINT, _joint_text(axes, goal)
+            name, value = JOINT_VARIABLE, _joint_text(axes, goal)
         else:
             place = position.pose(session)
             goal = Goal(pose=_pose(session, asked, axis, axes, place))
-            name, value = POSE, position.text(place, goal.pose)
+            name, value = POSE_VARIABLE, position.pose_text(place, goal.pose)
         if check is not None:
             check(goal)
         _go(session, asked.speed, name, value, goal, doing, held)
@@ -121,17 +121,17 @@ def jog_joints(
         axes = position.joints(session)
         there = {name: value for name, value in axes.values.items() if value is not None}
         if unknown := set(joints) - set(there):
-            raise values.bad(min(unknown), "an axis", "the arm lacks it", ", ".join(there))
+            raise values.bad_value(min(unknown), "an axis", "the arm lacks it", ", ".join(there))
         for axis, value in joints.items():
             if not abs(value - there[axis]) <= MOST_STEP:
                 reason = f"one jog goes {MOST_STEP:g} mm or degrees at most"
-                raise values.bad(value, f"a place of {axis}", reason, "one that is nearer")
+                raise values.bad_value(value, f"a place of {axis}", reason, "one that is nearer")
         _within(session, joints, list(there))
         _sensible_speed(speed)
         goal = Goal(joints=there | dict(joints))
         if check is not None:
             check(goal)
-        _go(session, speed, JOINT, _joint_text(axes, goal), goal, doing)
+        _go(session, speed, JOINT_VARIABLE, _joint_text(axes, goal), goal, doing)
 
 
 def _go(
@@ -141,34 +141,36 @@ def _go(
     value: str,
     goal: Goal,
     doing: str,
-    held: Held = always,
+    held: Held = always_held,
 ) -> None:
     """Moves to a variable that is given a value, and comes back when the arm stands there."""
     with _acknowledged(session), scratch(session, doing) as slot:
-        session.ask(f"EXECJOVRD {speed:g}", doing=doing, slot=slot, shape=BARE)
-        session.ask(f"EXEC{name}={value}", doing=doing, slot=slot, shape=BARE)
+        session.ask(f"EXECJOVRD {speed:g}", doing=doing, slot=slot, shape=BARE_ANSWER)
+        session.ask(f"EXEC{name}={value}", doing=doing, slot=slot, shape=BARE_ANSWER)
         if not held():
             raise _not_there(session, doing, 0.0, "nothing has moved")
         with _stopping(session):
             state = "the arm may have begun to move"
-            session.ask(f"EXECMOV {name}", doing=doing, state=state, slot=slot, shape=BARE)
+            session.ask(f"EXECMOV {name}", doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
             _arrive(session, goal, doing, held)
 
 
 def _sensible(asked: Jog, axis: str) -> None:
     if not re.fullmatch(r"J[1-8]|[XYZABC]", axis):
-        raise values.bad(asked.axis, "an axis", "there is none of that name", "J1 … J8, X … C")
+        raise values.bad_value(
+            asked.axis, "an axis", "there is none of that name", "J1 … J8, X … C"
+        )
     if asked.frame not in ("base", "tool"):
-        raise values.bad(asked.frame, "a frame", "there is none of that name", "base or tool")
+        raise values.bad_value(asked.frame, "a frame", "there is none of that name", "base or tool")
     if not math.isfinite(asked.by) or not LEAST_STEP <= abs(asked.by) <= MOST_STEP:
         reason = f"one jog goes {LEAST_STEP:g} to {MOST_STEP:g} mm or degrees"
-        raise values.bad(asked.by, "a step", reason, "one of that size")
+        raise values.bad_value(asked.by, "a step", reason, "one of that size")
     _sensible_speed(asked.speed)
 
 
 def _sensible_speed(speed: float) -> None:
     if not LEAST_SPEED <= speed <= operating.MOST_PERCENT:
-        raise values.bad(speed, "a speed", "it is a percentage", "1 to 100")
+        raise values.bad_value(speed, "a speed", "it is a percentage", "1 to 100")
 
 
 def _may_move(session: Session, doing: str) -> None:
@@ -186,7 +188,7 @@ def _joints(session: Session, asked: Jog, axis: str, axes: Shown) -> dict[str, f
     """All joints that there are, one of them further; raises Refused beyond its limits."""
     there = {name: value for name, value in axes.values.items() if value is not None}
     if axis not in there:
-        raise values.bad(axis, "an axis", "the arm lacks it", ", ".join(there))
+        raise values.bad_value(axis, "an axis", "the arm lacks it", ", ".join(there))
     target = there | {axis: there[axis] + asked.by}
     _within(session, {axis: target[axis]}, list(there))
     return target
@@ -210,7 +212,7 @@ def _limits(session: Session, there: list[str]) -> dict[str, tuple[float, float]
     """
     told = session.attempt(f"PNR{LIMITS}", doing="asking for the limits of the joints")
     fields = told.text.split(";")
-    numbers = re.findall(values.NUMBER, fields[1]) if told.ok and len(fields) > 1 else []
+    numbers = re.findall(values.NUMBER_PATTERN, fields[1]) if told.ok and len(fields) > 1 else []
     pairs = list(zip(*[iter(map(float, numbers))] * 2, strict=False))
     names = there if len(pairs) == len(there) else [f"J{n}" for n in range(1, len(pairs) + 1)]
     known = dict(zip(names, pairs, strict=True)) if len(pairs) >= len(there) else {}
@@ -234,7 +236,7 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
         moved = rotations.rotate(turn, step) if in_tool else step
         return here | {n: here[n] + float(by) for n, by in zip("XYZ", moved, strict=True)}
     if axis not in here:
-        raise values.bad(axis, "an axis", "the arm cannot turn about it", ", ".join(here))
+        raise values.bad_value(axis, "an axis", "the arm cannot turn about it", ", ".join(here))
     if len({"A", "B", "C"} & set(here)) < 3:
         if in_tool:
             raise Refused(
@@ -247,7 +249,7 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
                 )
             )
         return here | {axis: here[axis] + asked.by}
-    by = rotations.about(rotations.AXES[ABOUT[axis]], asked.by)
+    by = rotations.about(rotations.AXES[ROTATION_AXES[axis]], asked.by)
     new = rotations.multiply(turn, by) if in_tool else rotations.multiply(by, turn)
     c, b, a = (float(angle) for angle in rotations.to_euler(new))
     return here | {"A": a, "B": b, "C": c}
@@ -269,7 +271,7 @@ def _acknowledged(session: Session) -> Iterator[None]:
         if session.connected:
             with suppress(Refused):
                 if {fault.number for fault in faults(session)} <= OUT_OF_REACH:
-                    session.ask("RSTALRM", doing="acknowledging the error", shape=BARE)
+                    session.ask("RSTALRM", doing="acknowledging the error", shape=BARE_ANSWER)
         raise
 
 
@@ -321,8 +323,8 @@ def _off(session: Session, goal: Goal) -> list[float]:
         now = position.joints(session)
         return [abs(now.value(name) - value) for name, value in goal.joints.items()]
     here, target = position.pose(session), goal.pose or {}
-    lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in ABOUT]
-    angles = {name: value for name, value in target.items() if name in ABOUT}
+    lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in ROTATION_AXES]
+    angles = {name: value for name, value in target.items() if name in ROTATION_AXES}
     if len(angles) == 3:
         turns = [rotations.from_euler([m["C"], m["B"], m["A"]]) for m in (_angles(here), angles)]
         return [*lengths, float(rotations.angle_between(*turns))]
@@ -333,4 +335,4 @@ def _off(session: Session, goal: Goal) -> list[float]:
 
 
 def _angles(place: Shown) -> dict[str, float]:
-    return {name: place.value(name) for name in ABOUT}
+    return {name: place.value(name) for name in ROTATION_AXES}

@@ -14,7 +14,7 @@ SAFETY: Final = "it limits what the arm may do, or watches over it"
 NETWORK: Final = "it belongs to the lines of this controller; another one could not be reached"
 MACHINE: Final = "it says what this controller and its arm are"
 
-LEFT_OUT: Final = (
+LEFT_OUT_PARAMETERS: Final = (
     (re.compile(r"DATINST.*|HOME.*|JRC.*|USE?RORG|ME?ORG.*|ORG.*|MEDORG.*"), ORIGIN),
     (re.compile(r"MEINS.*|MEOFF.*|DJNT"), ORIGIN),
     (re.compile(r"ME[JPM]AR|AREA.*|USERAREA.*|SFC.*|COL.*|CAV.*|ESP.*|DOOR.*|AUTOENA"), SAFETY),
@@ -24,10 +24,12 @@ LEFT_OUT: Final = (
     (re.compile(r"RCSERIAL|RCTYPE|MECHA\d*|MAINVER|SRVVER\d*|.*VER|PRGEXT"), MACHINE),
 )
 """Patterns of names → why a restore leaves them out."""
-SECRET: Final = re.compile(r".*(?:PSW|PSSW|PASSW|PWD|KEYW).*")
+SECRET_PARAMETER: Final = re.compile(r".*(?:PSW|PSSW|PASSW|PWD|KEYW).*")
 """Names of parameters that may hold a password: no backup has them."""
 
 
 def why_left_out(name: str) -> str | None:
     """Why a restore leaves a parameter out, None if it does not."""
-    return next((reason for pattern, reason in LEFT_OUT if pattern.fullmatch(name)), None)
+    return next(
+        (reason for pattern, reason in LEFT_OUT_PARAMETERS if pattern.fullmatch(name)), None
+    )

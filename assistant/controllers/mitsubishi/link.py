@@ -15,7 +15,12 @@ from assistant.controllers import rules
 from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi.answers import ENCODING, Answer, parse_answer
 from assistant.controllers.mitsubishi.data_link.streams import Rate, Serial, Stream, TcpClient
-from assistant.controllers.mitsubishi.framing import Framing, Plain, Procedural, Unasked
+from assistant.controllers.mitsubishi.framing import (
+    Framing,
+    PlainFraming,
+    ProceduralFraming,
+    UnaskedData,
+)
 from assistant.controllers.os_errors_in_words import reason_of
 
 ENDS: Final = {"cr": b"\r", "crlf": b"\r\n", "none": b""}
@@ -82,7 +87,7 @@ class Link:
                 raw = self._framing.exchange(self._stream, data, seconds)
             except OSError as error:
                 self._lost(self._gone(doing, reason_of(error), state))
-            except Unasked as unasked:
+            except UnaskedData as unasked:
                 self._lost(self._garbled(doing, unasked.data.decode(ENCODING), state))
             except BaseException:
                 self.close()
@@ -123,7 +128,7 @@ def link_to(address: Address, *, timeout: float, terminator: bytes | None = None
     """The link that an address with its options says; terminator: instead of option `end`."""
     ends = ENDS[address.option("end", "cr")] if terminator is None else terminator
     procedural = address.option("framing", "plain") == "procedural"
-    framing = Procedural() if procedural else Plain(ends)
+    framing = ProceduralFraming() if procedural else PlainFraming(ends)
     stream: Stream
     if address.scheme == "melfa-serial":
         stream = Serial(address.host, _rate(address))

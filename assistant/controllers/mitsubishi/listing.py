@@ -18,11 +18,11 @@ ENCODING: Final = "latin-1"
 
 BLANKS: Final = " \t"
 """The only ones: other bytes that Python calls blank are halves of Japanese characters."""
-STEP: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*))?$", re.DOTALL | re.ASCII)
-VARIABLE: Final = re.compile(
+STEP_LINE: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*))?$", re.DOTALL | re.ASCII)
+VARIABLE_LINE: Final = re.compile(
     r"\s*([A-Za-z]\w*[$%&!#]?(?:\([\d, ]*\))?)\s*=\s*(\(.*)$", re.DOTALL | re.ASCII
 )
-NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?", re.ASCII)
+DECIMAL_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?", re.ASCII)
 QUOTED: Final = re.compile(
     r"""("[^"]*"?)|('.*$|\bREM\b.*$)""", re.IGNORECASE | re.DOTALL | re.ASCII
 )
@@ -31,20 +31,20 @@ DECIMALS: Final = Decimal("0.01")
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ProgramLine:
     """A line of a program and its number in the file, counted from 1."""
 
     number: int
     text: str
 
 
-def lines_of(data: bytes) -> list[Line]:
+def program_lines(data: bytes) -> list[ProgramLine]:
     """The lines that say something; a step number or a variable may lead them."""
     split = enumerate(split_lines(data.decode(ENCODING)), start=1)
-    return [Line(number, text) for number, text in split if text.strip(BLANKS)]
+    return [ProgramLine(number, text) for number, text in split if text.strip(BLANKS)]
 
 
-def listed(data: bytes) -> bytes:
+def listed_form(data: bytes) -> bytes:
     """The program in one form: steps in order, variables by name, two decimals, CR LF.
 
     A step or a variable that stands twice counts as it was said last, as on the controller.
@@ -52,20 +52,20 @@ def listed(data: bytes) -> bytes:
     steps: dict[int, str] = {}
     variables: dict[str, str] = {}
     others: list[str] = []
-    for line in lines_of(data):
-        if step := STEP.match(line.text):
-            steps[int(step[1])] = code(step[2] or "")
-        elif variable := VARIABLE.match(line.text):
+    for line in program_lines(data):
+        if step := STEP_LINE.match(line.text):
+            steps[int(step[1])] = statement_form(step[2] or "")
+        elif variable := VARIABLE_LINE.match(line.text):
             name = re.sub(r"[ \t]+", "", variable[1]).upper()
-            variables[name] = f"{name}={values(variable[2])}"
+            variables[name] = f"{name}={rounded_values(variable[2])}"
         else:
-            others.append(code(line.text))
+            others.append(statement_form(line.text))
     body = [f"{n} {steps[n]}".rstrip(BLANKS) for n in sorted(steps)]
-    body += [variables[name] for name in sorted(variables, key=in_order)] + others
+    body += [variables[name] for name in sorted(variables, key=natural_order)] + others
     return "".join(f"{text}\r\n" for text in body).encode(ENCODING)
 
 
-def code(statement: str) -> str:
+def statement_form(statement: str) -> str:
     """A statement in capitals with single blanks, strings and comments as they are."""
     parts, at = [], 0
     for quoted in QUOTED.finditer(statement):
@@ -75,10 +75,10 @@ def code(statement: str) -> str:
     return "".join(parts).strip(BLANKS)
 
 
-def values(text: str) -> str:
+def rounded_values(text: str) -> str:
     """A bracketed list of numbers with two decimals each; flags in the second stay whole."""
     head, bracket, flags = re.sub(r"[ \t]+", "", text).partition(")")
-    return NUMBER.sub(_rounded, head) + bracket + flags
+    return DECIMAL_NUMBER.sub(_rounded, head) + bracket + flags
 
 
 def _rounded(number: re.Match[str]) -> str:
@@ -93,6 +93,6 @@ def _capitals(text: str) -> str:
     return re.sub(r"[ \t]+", " ", text).encode(ENCODING).upper().decode(ENCODING)  # A to Z only
 
 
-def in_order(name: str) -> list[str | int]:
+def natural_order(name: str) -> list[str | int]:
     """P2 before P10."""
     return [int(p) if p.isdigit() else p for p in re.split(r"(\d+)", name)]

@@ -9,7 +9,7 @@ from typing import Final
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
-from assistant.controllers.mitsubishi.answers import BARE, ENCODING
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER, ENCODING
 from assistant.controllers.mitsubishi.programs import checked_name
 from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.mitsubishi.state import (
@@ -20,9 +20,9 @@ from assistant.controllers.mitsubishi.state import (
     running,
     slot_state,
 )
-from assistant.controllers.mitsubishi.variables import selected
+from assistant.controllers.mitsubishi.variables import selected_program
 
-LOOK: Final = 0.1
+OPERATION_POLL: Final = 0.1
 """Seconds between two looks whether something has come to its end."""
 SERVO_TIME: Final = 10.0
 """Seconds that servos may take to come on; they need about two."""
@@ -39,7 +39,9 @@ def slot_of(session: Session, task: str, *, edit: bool = False) -> int:
     last = session.edit_slot if edit else session.about.slots
     if task.isascii() and task.isdigit() and 1 <= int(task) <= last:
         return int(task)
-    raise values.bad(task, "a task", "tasks of this controller are slots", "the number of a slot")
+    raise values.bad_value(
+        task, "a task", "tasks of this controller are slots", "the number of a slot"
+    )
 
 
 def load(session: Session, name: str, slot: int) -> None:
@@ -49,9 +51,9 @@ def load(session: Session, name: str, slot: int) -> None:
     with session.right(doing):
         before = slot_state(session, slot)
         if before.stop & WAITING and not before.running:
-            session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE)
-        session.ask(f"PRGLOAD={name}", doing=doing, slot=slot, shape=BARE)
-    back = selected(session, slot)
+            session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE_ANSWER)
+        session.ask(f"PRGLOAD={name}", doing=doing, slot=slot, shape=BARE_ANSWER)
+    back = selected_program(session, slot)
     if back != name:
         raise Refused(rules.NOT_TAKEN(place=name, what=f"slot {slot}", sent=name, back=back))
 
@@ -60,7 +62,7 @@ def motors(session: Session, *, on: bool) -> None:
     """Switches the servos on or off, and comes back when they are."""
     doing = f"switching the servos {'on' if on else 'off'}"
     with session.right(doing):
-        session.ask(f"SRV{'ON' if on else 'OFF'}", doing=doing, shape=BARE)
+        session.ask(f"SRV{'ON' if on else 'OFF'}", doing=doing, shape=BARE_ANSWER)
 
         def done() -> bool:
             return bool(run_bits(session)[0] & SERVO) == on
@@ -71,7 +73,7 @@ def motors(session: Session, *, on: bool) -> None:
 
 def start(session: Session, slot: int, *, forever: bool) -> None:
     """Starts the program of a slot, once or again and again."""
-    name = selected(session, slot)
+    name = selected_program(session, slot)
     doing = f"starting slot {slot}"
     if not name:
         raise Refused(session.alarm(5100, doing))
@@ -79,7 +81,7 @@ def start(session: Session, slot: int, *, forever: bool) -> None:
     with session.right(doing):
         command = f"RUN{name};{0 if forever else 1}"
         state = "the program may or may not run now"
-        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
+        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
         session.running = slot_state(session, slot).running
         stopping = next((fault for fault in faults(session) if fault.level == "error"), None)
     if stopping is not None:
@@ -93,7 +95,7 @@ def stop(session: Session) -> None:
     """
     session.running = False  # what stops does not wait for its turn
     with session.anew():
-        session.ask("STOP", doing="stopping", shape=BARE)
+        session.ask("STOP", doing="stopping", shape=BARE_ANSWER)
         _stop_others(session, "stopping")
 
 
@@ -102,7 +104,7 @@ def halt(session: Session, caught: BaseException) -> None:
     session.running = False
     try:
         with session.anew():
-            session.ask("STOP", doing="stopping", shape=BARE)
+            session.ask("STOP", doing="stopping", shape=BARE_ANSWER)
     except Refused as error:
         earlier = caught.findings if isinstance(caught, Refused) else ()
         place, reason = str(session.address), error.findings[0].message
@@ -115,7 +117,7 @@ def _stop_others(session: Session, doing: str) -> None:
     slots = range(1, session.about.slots + 1)
     for slot in slots:
         if slot_state(session, slot).running:
-            session.ask("STOP", doing=doing, slot=slot, shape=BARE)
+            session.ask("STOP", doing=doing, slot=slot, shape=BARE_ANSWER)
 
     state = "programs still run"
     wait(session, lambda: not running(session), doing, state, SERVO_TIME, errors_end_it=False)
@@ -123,7 +125,7 @@ def _stop_others(session: Session, doing: str) -> None:
 
 def override(session: Session, percent: int) -> None:
     if not 1 <= percent <= MOST_PERCENT:
-        raise values.bad(percent, "an override", "it is a percentage", f"1 to {MOST_PERCENT}")
+        raise values.bad_value(percent, "an override", "it is a percentage", f"1 to {MOST_PERCENT}")
     doing = f"setting the override to {percent} %"
     with session.right(doing):
         back = session.ask(f"OVRD={percent}", doing=doing).text.strip()
@@ -141,14 +143,16 @@ def execute(session: Session, statement: str, *, wait_for_end: bool, slot: int =
     """
     command = f"EXEC2={statement}" if wait_for_end else f"EXEC{statement}"
     if not statement.strip() or not statement.isprintable():
-        raise values.bad(statement, "a statement", "it holds control characters", "one statement")
+        raise values.bad_value(
+            statement, "a statement", "it holds control characters", "one statement"
+        )
     if not session.carries(command):
         reason = f"the controller link carries {session.most} bytes of {ENCODING}"
-        raise values.bad(statement[:40], "a statement", reason, "a shorter one")
+        raise values.bad_value(statement[:40], "a statement", reason, "a shorter one")
     doing = f"executing `{statement[:40]}`"
     state = "it may or may not have been executed"
     with session.right(doing):
-        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
+        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
 
 
 def wait(
@@ -174,4 +178,4 @@ def wait(
         if time.monotonic() > end:
             place = str(session.address)
             raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=most, state=state))
-        time.sleep(LOOK)
+        time.sleep(OPERATION_POLL)

@@ -20,9 +20,9 @@ from assistant.base.file_access import read_file
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
 
-HEAD: Final = "NARC parameter system"
-ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")
-FORMS: Final = {
+KIND_FILE_HEAD: Final = "NARC parameter system"
+KIND_ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")
+KIND_FORMS: Final = {
     "s": (r".*", "text"),
     "d": (r"[+-]?\d+", "a whole number"),
     "i": (r"[+-]?\d+", "a whole number"),
@@ -33,7 +33,7 @@ FORMS: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class ParameterKind:
     """letter: see `FORMS`. count: of values. own: whether it is one of the user's."""
 
     letter: str
@@ -42,7 +42,7 @@ class Kind:
 
     def check(self, name: str, value: str) -> None:
         """Raises Refused if a value is of another kind, or if there are not as many."""
-        pattern, words = FORMS[self.letter]
+        pattern, words = KIND_FORMS[self.letter]
         parts = [part.strip() for part in value.split(",")]
         wrong = next((part for part in parts if not re.fullmatch(pattern, part)), None)
         if wrong is not None:
@@ -52,12 +52,12 @@ class Kind:
         else:
             return
         form = f"{self.count} times {words}" if self.count > 1 else words
-        raise values.bad(value, name, reason, form)
+        raise values.bad_value(value, name, reason, form)
 
 
-def kinds(files: Iterable[str | FilePath]) -> dict[str, Kind]:
+def parameter_kinds(files: Iterable[str | FilePath]) -> dict[str, ParameterKind]:
     """Kinds of parameters by name, from some files; raises Refused for what is none."""
-    found: dict[str, Kind] = {}
+    found: dict[str, ParameterKind] = {}
     for file in files:
         path = FilePath(file)
         try:
@@ -65,15 +65,15 @@ def kinds(files: Iterable[str | FilePath]) -> dict[str, Kind]:
         except OSError as error:
             reason = error.strerror or str(error)
             raise Refused(rules.NO_PARAMETERS(path=str(path), file=path, reason=reason)) from None
-        if HEAD not in text.partition(";")[0]:
+        if KIND_FILE_HEAD not in text.partition(";")[0]:
             reason = "it does not begin as a parameter file of RT ToolBox"
             raise Refused(rules.NO_PARAMETERS(path=str(path), file=path, reason=reason))
-        for row in ROW.finditer(text):
+        for row in KIND_ROW.finditer(text):
             name, owner, letter, body = row.groups()
-            found[name] = Kind(letter, len(_values(body)), owner == "U")
+            found[name] = ParameterKind(letter, len(_row_values(body)), owner == "U")
     return found
 
 
-def _values(body: str) -> list[str]:
+def _row_values(body: str) -> list[str]:
     """The values of a row; texts stand in quotes and may hold commas."""
     return re.findall(r'"[^"]*"|[^,]+', body)

@@ -17,9 +17,9 @@ from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.states import Position
 
 NO_AXIS: Final = re.compile(r"\*+|")
-VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)
-POSE: Final = ("X", "Y", "Z", "A", "B", "C")
-ADDITIONAL: Final = ("L1", "L2")
+AXIS_VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)
+POSE_AXES: Final = ("X", "Y", "Z", "A", "B", "C")
+ADDITIONAL_AXES: Final = ("L1", "L2")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,23 +35,25 @@ class Shown:
         return self.values.get(name) or 0.0
 
 
-def shown(session: Session, command: str) -> Shown:
+def parse_shown(session: Session, command: str) -> Shown:
     """What JPOSF, PPOSF and their like tell."""
     doing = "asking where the arm is"
     answer = session.ask(command, doing=doing)
     axes, separator, rest = answer.text.partition(";;")
     fields = axes.split(";")
     names, values = fields[::2], fields[1::2]
-    good = all(VALUE.fullmatch(v) or NO_AXIS.fullmatch(v) for v in values)
+    good = all(AXIS_VALUE.fullmatch(v) or NO_AXIS.fullmatch(v) for v in values)
     if not separator or not len(set(names)) == len(names) == len(values) or not good:
         session.garbled(doing, answer.text)
-    read = {n: float(v) if VALUE.fullmatch(v) else None for n, v in zip(names, values, strict=True)}
+    read = {
+        n: float(v) if AXIS_VALUE.fullmatch(v) else None for n, v in zip(names, values, strict=True)
+    }
     return Shown(read, rest.split(";")[0].strip(), answer.alarmed)
 
 
 def joints(session: Session) -> Shown:
     """Degrees, mm of linear axes."""
-    told = shown(session, "JPOSF")
+    told = parse_shown(session, "JPOSF")
     if not all(re.fullmatch(r"J[1-8]", name) for name in told.values):
         session.garbled("asking for the joints", repr(dict(told.values)))
     return told
@@ -59,7 +61,7 @@ def joints(session: Session) -> Shown:
 
 def pose(session: Session) -> Shown:
     """X, Y, Z in mm, A, B, C in degrees."""
-    told = shown(session, "PPOSF")
+    told = parse_shown(session, "PPOSF")
     if any(told.values.get(name) is None for name in "XYZ"):
         session.garbled("asking for the pose", repr(dict(told.values)))
     return told
@@ -73,7 +75,7 @@ def position(session: Session) -> Position:
         joints=tuple(axes.values.get(f"J{n}") for n in range(1, last + 1)),
         position=(place.value("X"), place.value("Y"), place.value("Z")),
         quaternion=orientation(axes, place),
-        text=text(place),
+        text=pose_text(place),
     )
 
 
@@ -97,7 +99,7 @@ def turn_of(
     five_axes: of an arm without J4, whatever stands in its place.
     """
     told: dict[str, float | None] = {f"J{i}": joint for i, joint in enumerate(joints, 1)}
-    shown: dict[str, float | None] = dict(zip(POSE, place, strict=False))
+    shown: dict[str, float | None] = dict(zip(POSE_AXES, place, strict=False))
     if five_axes:
         told["J4"] = shown["C"] = None
     return orientation(Shown(told, ""), Shown(shown, ""))
@@ -108,10 +110,10 @@ def has_five_axes(axes: Shown, place: Shown) -> bool:
     return axes.values.get("J4") is None and place.values.get("C") is None and "B" in place.values
 
 
-def text(place: Shown, values: Mapping[str, float] | None = None) -> str:
+def pose_text(place: Shown, values: Mapping[str, float] | None = None) -> str:
     """The pose as MELFA-BASIC writes it, with some other values."""
     named = dict(place.values) | dict(values or {})
-    names = [*POSE, *(name for name in ADDITIONAL if named.get(name) is not None)]
+    names = [*POSE_AXES, *(name for name in ADDITIONAL_AXES if named.get(name) is not None)]
     body = ",".join(f"{named.get(name) or 0.0:.2f}" for name in names)
     flags = place.flags if re.fullmatch(r"\d+,\d+", place.flags) else "0,0"
     return f"({body})({flags})"

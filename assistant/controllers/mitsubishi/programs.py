@@ -17,9 +17,9 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import check_sent
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import listing
-from assistant.controllers.mitsubishi.answers import BARE
-from assistant.controllers.mitsubishi.errors import error
-from assistant.controllers.mitsubishi.listing import Line
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
+from assistant.controllers.mitsubishi.errors import cr_error
+from assistant.controllers.mitsubishi.listing import ProgramLine
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 
 VT: Final = "\v"
@@ -132,11 +132,11 @@ def write(session: Session, name: str, data: bytes) -> None:
     state = f"`{name}` there is as it was"
     doing = f"writing `{name}`"
     with editing(session, name, doing, state):
-        session.ask("ECLR", doing=doing, state=state, slot=session.edit_slot, shape=BARE)
+        session.ask("ECLR", doing=doing, state=state, slot=session.edit_slot, shape=BARE_ANSWER)
         for parcel in parcels:
             _send(session, name, parcel, doing, state)
         saved = f"`{name}` there is either the old program or the new one"
-        session.ask("SAVE", doing=f"saving `{name}`", state=saved, shape=BARE)
+        session.ask("SAVE", doing=f"saving `{name}`", state=saved, shape=BARE_ANSWER)
 
 
 def check_text(session: Session, name: str, data: bytes) -> None:
@@ -153,20 +153,20 @@ def _room(session: Session) -> int:
 def remove(session: Session, name: str) -> None:
     if checked_name(name) in names(session):
         doing, state = f"deleting `{name}`", f"`{name}` is still there"
-        session.ask(f"FDEL{file_name(session, name)}", doing=doing, state=state, shape=BARE)
+        session.ask(f"FDEL{file_name(session, name)}", doing=doing, state=state, shape=BARE_ANSWER)
 
 
 def copy(session: Session, name: str, new: str) -> None:
     """A second program of the same text; raises Refused if there is one of that name."""
     doing = f"copying `{name}` to `{new}`"
     files = _two(session, name, new, doing)
-    session.ask(f"FCOPY{files}", doing=doing, shape=BARE)
+    session.ask(f"FCOPY{files}", doing=doing, shape=BARE_ANSWER)
 
 
 def rename(session: Session, name: str, new: str) -> None:
     doing = f"renaming `{name}` to `{new}`"
     files = _two(session, name, new, doing)
-    session.ask(f"FRENAME{files}", doing=doing, shape=BARE)
+    session.ask(f"FRENAME{files}", doing=doing, shape=BARE_ANSWER)
 
 
 def protect(session: Session, name: str, *, lines: bool | None, variables: bool | None) -> None:
@@ -176,7 +176,7 @@ def protect(session: Session, name: str, *, lines: bool | None, variables: bool 
     for letter, on in (("p", lines), ("q", variables)):
         if on is not None:
             sign = "+" if on else "-"
-            session.ask(f"FATTRIB{file};{sign}{letter}", doing=doing, shape=BARE)
+            session.ask(f"FATTRIB{file};{sign}{letter}", doing=doing, shape=BARE_ANSWER)
 
 
 def file_name(session: Session, name: str) -> str:
@@ -201,14 +201,14 @@ def _two(session: Session, name: str, new: str, doing: str) -> str:
 def editing(session: Session, name: str, doing: str, state: str) -> Iterator[None]:
     """With the program in the edit slot; leaves it empty again whatever happens."""
     with session.scope():
-        session.ask("NEW", doing=doing, state=state, shape=BARE)
-        session.ask(f"LOAD={name}", doing=doing, state=state, shape=BARE)
+        session.ask("NEW", doing=doing, state=state, shape=BARE_ANSWER)
+        session.ask(f"LOAD={name}", doing=doing, state=state, shape=BARE_ANSWER)
         try:
             yield
         finally:
             if session.connected:
                 with suppress(Refused):
-                    session.ask("NEW", doing=f"closing `{name}`", state=state, shape=BARE)
+                    session.ask("NEW", doing=f"closing `{name}`", state=state, shape=BARE_ANSWER)
 
 
 def _steps(session: Session, doing: str) -> Iterator[str]:
@@ -244,18 +244,18 @@ def _positions(session: Session, doing: str) -> Iterator[str]:
     session.garbled(doing, "its positions do not end")
 
 
-def _send(session: Session, name: str, parcel: list[Line], doing: str, state: str) -> None:
+def _send(session: Session, name: str, parcel: list[ProgramLine], doing: str, state: str) -> None:
     """Some lines at once; a refused one is named with its place in the file."""
     command = "EMDAT" + VT.join(line.text for line in parcel)
     slot = session.edit_slot
-    answer = session.attempt(command, doing=doing, state=state, slot=slot, shape=BARE)
+    answer = session.attempt(command, doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
     if answer.number is None:
         return
     if not answer.places:  # not a line is wrong but the moment
         raise session.refusal(answer.number, doing, state)
     nth, column = place_in_parcel(answer.places)
     line = parcel[min(max(nth, 1), len(parcel)) - 1]
-    known = error(answer.number)
+    known = cr_error(answer.number)
     raise Refused(
         rules.LINE_REFUSED(
             path=name,
@@ -279,16 +279,16 @@ def checked_name(name: str) -> str:
     raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
 
 
-def checked_lines(name: str, data: bytes, most: int) -> list[Line]:
+def checked_lines(name: str, data: bytes, most: int) -> list[ProgramLine]:
     """The lines of a program, if the link can carry each of its `most` bytes; raises Refused."""
-    lines = listing.lines_of(data)
+    lines = listing.program_lines(data)
     findings = [finding for line in lines if (finding := _unsendable(name, line, most))]
     if findings:
         raise Refused(*findings)
     return lines
 
 
-def _unsendable(name: str, line: Line, most: int) -> Diagnostic | None:
+def _unsendable(name: str, line: ProgramLine, most: int) -> Diagnostic | None:
     text, number = line.text, line.number
     if strange := re.search(r"[\x00-\x08\x0b-\x1f\x7f]", text):
         column, code = strange.start() + 1, ord(strange[0])
@@ -305,9 +305,9 @@ def place_in_parcel(places: tuple[int, ...]) -> tuple[int, int | None]:
     return places[0], (places[1] if len(places) > 1 else None)
 
 
-def _parcels(lines: list[Line], most: int) -> Iterator[list[Line]]:
+def _parcels(lines: list[ProgramLine], most: int) -> Iterator[list[ProgramLine]]:
     """Runs of lines that fit into one EMDAT, separators included."""
-    parcel: list[Line] = []
+    parcel: list[ProgramLine] = []
     size = 0
     for line in lines:
         size += len(line.text) + bool(parcel)

@@ -31,13 +31,13 @@ from assistant.controllers.mitsubishi.backup import (
     variable_text,
 )
 from assistant.controllers.mitsubishi.kept_back import why_left_out
-from assistant.controllers.mitsubishi.parameter_files import Kind
+from assistant.controllers.mitsubishi.parameter_files import ParameterKind
 from assistant.controllers.mitsubishi.session import Session
 
-FILE: Final = re.compile(
+BACKUP_FILE: Final = re.compile(
     r"programs/[A-Z0-9]{1,12}_?\.prg|variables/(?:[A-Z0-9]{1,12}_?|externals)\.txt"
 )
-BEFORE: Final = "before"
+BEFORE_FOLDER: Final = "before"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,29 +98,34 @@ class Restoring:
     def _keep(self) -> FilePath:
         """Writes what is there now into a new folder beside the backup."""
         number = 1
-        while (kept := self.folder.with_name(f"{self.folder.name}.{BEFORE}-{number}")).exists():
+        while (
+            kept := self.folder.with_name(f"{self.folder.name}.{BEFORE_FOLDER}-{number}")
+        ).exists():
             number += 1
-        with folders.appearing(kept, KIND) as place:
+        with folders.appearing_folder(kept, KIND) as place:
             together: dict[str, list[bytes]] = {}
             for item in self.items:
                 if item.before is not None:
                     together.setdefault(item.file, []).append(item.before)
             for name, parts in together.items():
-                folders.put(place, name, b"".join(parts))
+                folders.put_file(place, name, b"".join(parts))
         return kept
 
 
 def restoring(
-    session: Session, folder: str | FilePath, only: Sequence[str], kinds: Mapping[str, Kind]
+    session: Session,
+    folder: str | FilePath,
+    only: Sequence[str],
+    kinds: Mapping[str, ParameterKind],
 ) -> Restoring:
     """What of a backup differs from the controller; raises Refused.
 
     only: names of files, or of parameters; these are restored and nothing else.
     """
     place = FilePath(folder)
-    saved = folders.contents(place, KIND)
+    saved = folders.backup_contents(place, KIND)
     wanted = assignments(saved.get(PARAMETERS, b""))
-    files = {name: data for name, data in saved.items() if FILE.fullmatch(name)}
+    files = {name: data for name, data in saved.items() if BACKUP_FILE.fullmatch(name)}
     _all_there(only, [*files, *wanted, *([PARAMETERS] if PARAMETERS in saved else [])])
     left_out = _of_another_robot(session, saved)
     with session.scope():
@@ -169,7 +174,7 @@ def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str])
         if not file.startswith("programs/") or not _chosen(file, only):
             continue
         before = programs.listed(session, name) if name in there else None
-        if before is None or listing.listed(before) != listing.listed(data):
+        if before is None or listing.listed_form(before) != listing.listed_form(data):
             programs.check_text(session, name, data)
             yield Item(file, file, before, data, _program_writer(session, name, data))
 
@@ -177,7 +182,7 @@ def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str])
 def _program_writer(session: Session, name: str, data: bytes) -> Callable[[], None]:
     def restore() -> None:
         programs.write(session, name, data)
-        sent, back = listing.listed(data), listing.listed(programs.listed(session, name))
+        sent, back = listing.listed_form(data), listing.listed_form(programs.listed(session, name))
         if sent != back:
             pairs = enumerate(zip(sent, back, strict=False), start=1)
             at = next((at for at, (one, two) in pairs if one != two), min(len(sent), len(back)) + 1)
@@ -201,17 +206,19 @@ def _variables(
         if not _chosen(file, only) or not (shared or file.startswith("variables/")):
             continue
         lines = (
-            variables.externals(session)
+            variables.external_variables(session)
             if shared
-            else variables.of_program(session, name)
+            else variables.program_variables(session, name)
             if name in there
             else []
         )
         now, saved = assignments(variable_text(lines)), assignments(data)
-        acting = [n for n in saved if shared and variables.ACTING.fullmatch(n.upper())]
+        acting = [n for n in saved if shared and variables.ACTING_VARIABLE.fullmatch(n.upper())]
         left_out |= dict.fromkeys(acting, "it acts on what is connected to the controller")
         saved = {n: v for n, v in saved.items() if n not in acting}
-        changed = {n: v for n, v in saved.items() if n not in now or not values.same(now[n], v)}
+        changed = {
+            n: v for n, v in saved.items() if n not in now or not values.same_value(now[n], v)
+        }
         if changed:
             before = variable_text(f"{n}={now[n]}" for n in changed if n in now)
             after = variable_text(f"{n}={v}" for n, v in changed.items())
@@ -224,11 +231,11 @@ def _variable_writer(
 ) -> Callable[[], None]:
     def restore() -> None:
         if program:
-            variables.write_saved(session, program, changed)
+            variables.write_saved_variables(session, program, changed)
             return
         with session.scope():
             for name, value in changed.items():
-                variables.write(session, name, value)
+                variables.write_variable(session, name, value)
 
     return restore
 
@@ -237,16 +244,16 @@ def _parameters(
     session: Session,
     wanted: Mapping[str, str],
     only: Sequence[str],
-    kinds: Mapping[str, Kind],
+    kinds: Mapping[str, ParameterKind],
     left_out: dict[str, str],
 ) -> Iterator[Item]:
     for name, value in sorted(wanted.items()):
         if not _chosen(name, only) and PARAMETERS not in only:
             continue
-        parameters.checked_name(name)
+        parameters.checked_parameter_name(name)
         told = session.attempt(f"PNR{name}", doing=f"reading parameter {name}")
-        now = parameters.read(session, name) if told.ok else None
-        if now is not None and values.same(now, value):
+        now = parameters.read_parameter(session, name) if told.ok else None
+        if now is not None and values.same_value(now, value):
             continue
         reason = None if name in only else why_left_out(name)
         if reason is not None:
@@ -258,9 +265,9 @@ def _parameters(
 
 
 def _parameter_writer(
-    session: Session, name: str, value: str, kinds: Mapping[str, Kind]
+    session: Session, name: str, value: str, kinds: Mapping[str, ParameterKind]
 ) -> Callable[[], None]:
-    return lambda: parameters.write(session, name, value, kinds)
+    return lambda: parameters.write_parameter(session, name, value, kinds)
 
 
 def _difference(item: Item) -> str:
@@ -272,5 +279,5 @@ def _difference(item: Item) -> str:
 
 
 def _shown(data: bytes) -> list[str]:
-    lines = listing.lines_of(data)
+    lines = listing.program_lines(data)
     return [visible(line.text) for line in lines]

@@ -18,26 +18,26 @@ from typing import Final, NoReturn
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.controllers.mitsubishi.answers import BARE, ENCODING, Answer
-from assistant.controllers.mitsubishi.errors import error
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER, ENCODING, Answer
+from assistant.controllers.mitsubishi.errors import cr_error
 from assistant.controllers.mitsubishi.link import Link, link_to
 
 OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""
 HELLOS: Final = 3
 """Times that a session is opened on a serial line until the answer is one to that."""
-QUIET: Final = 0.15
+QUIET_AFTER_HELLO: Final = 0.15
 """Seconds after that answer in which nothing else may come: it could be a late one itself."""
-TAKEN: Final = frozenset({4170})
+TAKEN_ERRORS: Final = frozenset({4170})
 """A program that is open somewhere, also in a session whose line is cut (reference, 4)."""
 NO_RIGHT: Final = 6020
 UNCHANGED: Final = "nothing was changed by that"
 RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
 """Run bits, stop bits and error number, as DSTATE and the fifth field of STATE have them."""
 RIGHT_TAKEN: Final = 0x80
-PACE: Final = 0.1
+COMMAND_INTERVAL: Final = 0.1
 """Seconds between commands while a program runs, which the manual asks for."""
-LOOK: Final = 0.05
+RIGHT_POLL: Final = 0.05
 """Seconds between two looks whether the right is free."""
 
 
@@ -82,7 +82,7 @@ class Session:
         *,
         timeout: float,
         terminator: bytes | None = None,
-        pace: float = PACE,
+        pace: float = COMMAND_INTERVAL,
     ) -> None:
         self.address = address
         self.timeout = timeout
@@ -129,7 +129,7 @@ class Session:
     def close(self) -> None:
         if self._link.connected:
             with suppress(Refused):
-                self.ask("CLOSE", doing="closing the session", shape=BARE)
+                self.ask("CLOSE", doing="closing the session", shape=BARE_ANSWER)
         self._link.close()
 
     def ask(
@@ -205,12 +205,12 @@ class Session:
 
     def refusal(self, number: int, doing: str, state: str = UNCHANGED) -> Refused:
         """What an error number is raised as."""
-        kind = rules.Taken if number in TAKEN else Refused
+        kind = rules.Taken if number in TAKEN_ERRORS else Refused
         return kind(self.alarm(number, doing, state))
 
     def alarm(self, number: int, doing: str, state: str = UNCHANGED) -> Diagnostic:
         """The finding that an error number is."""
-        known = error(number)
+        known = cr_error(number)
         return rules.ALARM(
             place=str(self.address),
             number=f"{number:04}",
@@ -256,14 +256,16 @@ class Session:
                     raise
                 self._link.open(timeout)  # which forgets what has come
                 continue
-            if not serial or (about(answer.text).robot and self._link.stays_quiet(QUIET)):
+            if not serial or (
+                about(answer.text).robot and self._link.stays_quiet(QUIET_AFTER_HELLO)
+            ):
                 break
         return answer
 
     def _take_right(self, doing: str, state: str) -> Answer | None:
         """None if this session has the right now, else the answer that refuses it."""
         self.has_right = True  # from here on it may be held, whatever becomes of the answer
-        answer = self._once("1;1;CNTLON", doing, state, BARE)
+        answer = self._once("1;1;CNTLON", doing, state, BARE_ANSWER)
         self.has_right = answer.ok
         return None if answer.ok else answer
 
@@ -276,7 +278,7 @@ class Session:
         reason: str | None = "the connection was lost"
         if self._link.connected:
             try:
-                answer = self._once("1;1;CNTLOFF", doing, "what was asked for is done", BARE)
+                answer = self._once("1;1;CNTLOFF", doing, "what was asked for is done", BARE_ANSWER)
                 reason = None if answer.ok else f"error {answer.number:04}"
             except rules.Lost as error:
                 lost = error
@@ -300,7 +302,7 @@ class Session:
             self._link.open(self.timeout)
             self._hello(self.timeout)
             while True:
-                left = max(LOOK, end - time.monotonic())
+                left = max(RIGHT_POLL, end - time.monotonic())
                 self._link.ask("1;1;CNTLOFF", doing=doing, state=UNCHANGED, timeout=left)
                 told = self._link.ask("1;1;DSTATE", doing=doing, state=UNCHANGED, timeout=left)
                 bits = RUN_BITS.fullmatch(told.text)
@@ -308,9 +310,9 @@ class Session:
                     return "the controller does not tell whether it is free"
                 if not int(bits[1], 16) & RIGHT_TAKEN:
                     return None
-                if time.monotonic() + LOOK > end:
+                if time.monotonic() + RIGHT_POLL > end:
                     return "the controller shows it as taken"
-                time.sleep(LOOK)
+                time.sleep(RIGHT_POLL)
         except Refused as error:
             return error.findings[0].message
         finally:

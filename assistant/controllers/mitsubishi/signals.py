@@ -9,33 +9,33 @@ from typing import Final
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
-from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
 from assistant.controllers.mitsubishi.session import Session
 
-WORD: Final = re.compile(r"[0-9A-F]{4}", re.IGNORECASE)
-BITS: Final = 16
-LAST: Final = 32767
+SIGNAL_WORD: Final = re.compile(r"[0-9A-F]{4}", re.IGNORECASE)
+WORD_BITS: Final = 16
+LAST_SIGNAL: Final = 32767
 HANDS: Final = range(1, 9)
-OPEN, CLOSED = 1, 2
+HAND_OPEN, HAND_CLOSED = 1, 2
 
 
 def inputs(session: Session, names: Sequence[str]) -> dict[str, float]:
-    return _read(session, "IN", names)
+    return _read_signals(session, "IN", names)
 
 
 def outputs(session: Session, names: Sequence[str]) -> dict[str, float]:
-    return _read(session, "OUT", names)
+    return _read_signals(session, "OUT", names)
 
 
-def _read(session: Session, command: str, names: Sequence[str]) -> dict[str, float]:
+def _read_signals(session: Session, command: str, names: Sequence[str]) -> dict[str, float]:
     """The signals by their names; one command reads 16 from the number that it states."""
     numbers = {name: number_of(name) for name in names}
     bits: dict[int, float] = {}
     for number in sorted(set(numbers.values())):
         if number not in bits:
             doing = f"reading {'inputs' if command == 'IN' else 'outputs'} from {number}"
-            word = int(session.ask(f"{command}{number}", doing=doing, shape=WORD).text, 16)
-            bits |= {number + bit: float(word >> bit & 1) for bit in range(BITS)}
+            word = int(session.ask(f"{command}{number}", doing=doing, shape=SIGNAL_WORD).text, 16)
+            bits |= {number + bit: float(word >> bit & 1) for bit in range(WORD_BITS)}
     return {name: bits[number] for name, number in numbers.items()}
 
 
@@ -47,11 +47,13 @@ def set_output(session: Session, name: str, value: float) -> None:
     """
     number = number_of(name)
     if value not in (0, 1):
-        raise values.bad(f"{value:g}", "an output", "it is on or off", "0 or 1")
+        raise values.bad_value(f"{value:g}", "an output", "it is on or off", "0 or 1")
     doing = f"switching output {number}"
     with session.right(doing):
-        session.ask(f"EXECM_OUT({number})={value:.0f}", doing=doing, shape=BARE)
-    back = values.settled(lambda: outputs(session, [name])[name], lambda now: now == value)
+        session.ask(f"EXECM_OUT({number})={value:.0f}", doing=doing, shape=BARE_ANSWER)
+    back = values.read_until_settled(
+        lambda: outputs(session, [name])[name], lambda now: now == value
+    )
     if back != value:
         raise Refused(
             rules.NOT_TAKEN(
@@ -63,15 +65,15 @@ def set_output(session: Session, name: str, value: float) -> None:
 def hand(session: Session, number: int, *, is_open: bool) -> None:
     """Opens or closes a hand; raises Refused if there is none of that number."""
     doing = f"{'opening' if is_open else 'closing'} hand {number}"
-    there = _hands(session)
+    there = _hand_states(session)
     if number not in HANDS or (there is not None and there.get(number) is None):
-        raise values.bad(
+        raise values.bad_value(
             number, "a hand", "the controller has none of that number", "the number of a hand"
         )
-    session.ask(f"HND{'ON' if is_open else 'OFF'}{number}", doing=doing, shape=BARE)
-    told = _hands(session)
-    if told is not None and told.get(number) != (OPEN if is_open else CLOSED):
-        words = {OPEN: "open", CLOSED: "closed"}
+    session.ask(f"HND{'ON' if is_open else 'OFF'}{number}", doing=doing, shape=BARE_ANSWER)
+    told = _hand_states(session)
+    if told is not None and told.get(number) != (HAND_OPEN if is_open else HAND_CLOSED):
+        words = {HAND_OPEN: "open", HAND_CLOSED: "closed"}
         raise Refused(
             rules.NOT_TAKEN(
                 place=str(session.address),
@@ -82,7 +84,7 @@ def hand(session: Session, number: int, *, is_open: bool) -> None:
         )
 
 
-def _hands(session: Session) -> dict[int, int | None] | None:
+def _hand_states(session: Session) -> dict[int, int | None] | None:
     """1 open or 2 closed by the number of a hand, None for no hand; None if it is not told."""
     answer = session.attempt("HNDSTS", doing="asking for the hands")
     fields = answer.text.strip("; ").split(";")
@@ -97,6 +99,8 @@ def _hands(session: Session) -> dict[int, int | None] | None:
 
 def number_of(name: str) -> int:
     """The number of a signal; raises Refused."""
-    if re.fullmatch(r"\d{1,5}", name, re.ASCII) and int(name) <= LAST:
+    if re.fullmatch(r"\d{1,5}", name, re.ASCII) and int(name) <= LAST_SIGNAL:
         return int(name)
-    raise values.bad(name, "a signal", "signals of this controller have numbers", f"0 to {LAST}")
+    raise values.bad_value(
+        name, "a signal", "signals of this controller have numbers", f"0 to {LAST_SIGNAL}"
+    )

@@ -8,27 +8,27 @@ from __future__ import annotations
 from assistant.base.arrays import Floats
 
 
-def to_joints(joints: Floats) -> list[str]:
+def joints_statement(joints: Floats) -> list[str]:
     """By the joints. joints: (6,) in degrees."""
     return [f"J99={_bracket(joints)}", "MOV J99"]
 
 
-def to_pose(pose: Floats, posture: str) -> list[str]:
+def pose_statement(pose: Floats, posture: str) -> list[str]:
     """By the joints. pose: (6,) X, Y, Z in mm, A, B, C in degrees."""
     return [_position("P99", pose, posture), "MOV P99"]
 
 
-def line_to_joints(joints: Floats) -> list[str]:
+def line_to_joints_statement(joints: Floats) -> list[str]:
     """On a line to where joints bring the tool."""
     return [f"J99={_bracket(joints)}", "P99=JTOP(J99)", "MVS P99"]
 
 
-def line_to_pose(pose: Floats, posture: str) -> list[str]:
+def line_to_pose_statement(pose: Floats, posture: str) -> list[str]:
     """On a line."""
     return [_position("P99", pose, posture), "MVS P99"]
 
 
-def arc(via: Floats, pose: Floats, posture: str) -> list[str]:
+def arc_statement(via: Floats, pose: Floats, posture: str) -> list[str]:
     """From where the arm is, by way of a pose to another one."""
     first, last = _position("P98", via, posture), _position("P99", pose, posture)
     return ["P97=P_CURR", first, last, "MVR P97,P98,P99"]

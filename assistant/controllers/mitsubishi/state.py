@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers.mitsubishi.answers import BARE
-from assistant.controllers.mitsubishi.errors import error
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
+from assistant.controllers.mitsubishi.errors import cr_error
 from assistant.controllers.mitsubishi.session import RUN_BITS, Session
 from assistant.controllers.states import Fault, Identity, State, TaskState
 
@@ -21,7 +21,7 @@ TEACH, SERVO, RUNNING = 0x08, 0x20, 0x40
 EMERGENCY, WAITING, SELECTABLE = 0x01, 0x04, 0x10
 CAUTION: Final = "3"
 """Level of an error that stops nothing."""
-SERIAL: Final = "RCSERIAL"
+SERIAL_PARAMETER: Final = "RCSERIAL"
 """Parameter of the controller's serial number, as parameter files of RT ToolBox have it."""
 
 
@@ -77,7 +77,7 @@ def running(session: Session) -> bool:
     return session.running
 
 
-def state(session: Session, slots: Iterable[int] | None = None) -> State:
+def controller_state(session: Session, slots: Iterable[int] | None = None) -> State:
     """The state with the programs of these slots, of all of them if not stated; slot 1 is one."""
     first = slot_state(session, 1)
     others = range(2, session.about.slots + 1) if slots is None else sorted(set(slots) - {1})
@@ -113,7 +113,7 @@ def faults(session: Session) -> tuple[Fault, ...]:
 
 def fault(number: int, level: str = "", text: str = "") -> Fault:
     """An error by its number; level: 1 high, 2 low, 3 caution, as the controller tells it."""
-    known = error(number)
+    known = cr_error(number)
     mild = level == CAUTION or (not level and known.level == "C")
     kind: Literal["error", "warning"] = "warning" if mild else "error"
     return Fault(number, text or known.text, kind, known.cure)
@@ -122,7 +122,7 @@ def fault(number: int, level: str = "", text: str = "") -> Fault:
 def reset(session: Session) -> None:
     """Acknowledges the error; raises Refused if it is still there then."""
     doing = "resetting the error"
-    session.ask("RSTALRM", doing=doing, shape=BARE)
+    session.ask("RSTALRM", doing=doing, shape=BARE_ANSWER)
     for left in faults(session):
         if left.level == "error":
             raise Refused(session.alarm(left.number, doing, "the error is still there"))
@@ -131,9 +131,13 @@ def reset(session: Session) -> None:
 def identify(session: Session) -> Identity:
     """Robot, controller and version; the serial number where the controller has one to tell."""
     about = session.about
-    told = session.attempt(f"PNR{SERIAL}", doing="asking for the serial number")
+    told = session.attempt(f"PNR{SERIAL_PARAMETER}", doing="asking for the serial number")
     fields = told.text.split(";")
-    serial = fields[1].strip(' "') if told.ok and fields[0] == SERIAL and len(fields) > 1 else ""
+    serial = (
+        fields[1].strip(' "')
+        if told.ok and fields[0] == SERIAL_PARAMETER and len(fields) > 1
+        else ""
+    )
     return Identity(about.robot, about.controller, about.version, serial)
 
 

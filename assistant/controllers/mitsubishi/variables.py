@@ -9,33 +9,35 @@ from typing import Final
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.mitsubishi import values
-from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.answers import BARE_ANSWER
 from assistant.controllers.mitsubishi.programs import VT, checked_name, counted, editing
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import running
 
-CLASSES: Final = "MCPJ"
+VARIABLE_CLASSES: Final = "MCPJ"
 """Numbers, texts, positions, joints."""
-EXTERNAL: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
+EXTERNAL_NAME: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
 """How the names of variables begin that belong to no program."""
-ACTING: Final = re.compile(r"M_(?:D?OUT|HND|YDEV|UDEV|TOOL|SVO)[A-Z0-9]*(?:\(.*)?")
+ACTING_VARIABLE: Final = re.compile(r"M_(?:D?OUT|HND|YDEV|UDEV|TOOL|SVO)[A-Z0-9]*(?:\(.*)?")
 """Status variables that set outputs, open hands or choose a tool: no memory of a program."""
-MOST: Final = 100_000
+MOST_VARIABLES: Final = 100_000
 """Variables after which a list that never ends is taken for a fault."""
 
 
-def read(session: Session, name: str, program: str = "", slot: int = 1) -> str:
+def read_variable(session: Session, name: str, program: str = "", slot: int = 1) -> str:
     """The value, of a program that is named or else of the one in the slot."""
     name = values.checked_variable(name)
-    if EXTERNAL.match(name):
+    if EXTERNAL_NAME.match(name):
         return _value(session, "GVAL", name, slot)
-    if program and checked_name(program) != selected(session, slot):
+    if program and checked_name(program) != selected_program(session, slot):
         with editing(session, program, f"reading {name} of `{program}`", UNCHANGED):
             return _value(session, "VAL", name, session.edit_slot)
     return _value(session, "VAL", name, slot)
 
 
-def write(session: Session, name: str, value: str, program: str = "", slot: int = 1) -> None:
+def write_variable(
+    session: Session, name: str, value: str, program: str = "", slot: int = 1
+) -> None:
     """Sets a variable and reads it back; while its program runs, numbers only.
 
     A running program may have changed it by the time that it is read.
@@ -44,32 +46,36 @@ def write(session: Session, name: str, value: str, program: str = "", slot: int 
     _carried(session, name, value)
     doing = f"setting {name}"
     state = f"{name} is as it was or as it should be"
-    if EXTERNAL.match(name):
-        if ACTING.fullmatch(name):
+    if EXTERNAL_NAME.match(name):
+        if ACTING_VARIABLE.fullmatch(name):
             reason = "it acts on what is connected"
-            raise values.bad(name, "a variable to be set", reason, "outputs, or the hand, instead")
+            raise values.bad_value(
+                name, "a variable to be set", reason, "outputs, or the hand, instead"
+            )
         with session.right(doing):
-            session.ask(f"EXEC{name}={value}", doing=doing, state=state, shape=BARE)
+            session.ask(f"EXEC{name}={value}", doing=doing, state=state, shape=BARE_ANSWER)
     else:
-        owner = checked_name(program) if program else selected(session, slot)
+        owner = checked_name(program) if program else selected_program(session, slot)
         if not owner:
             raise Refused(session.alarm(5100, doing))
-        session.ask(f"HOT{owner};{name}={value}", doing=doing, state=state, shape=BARE)
+        session.ask(f"HOT{owner};{name}={value}", doing=doing, state=state, shape=BARE_ANSWER)
 
     def now() -> str:
         try:
-            return read(session, name, program, slot)
+            return read_variable(session, name, program, slot)
         except rules.Lost:
             raise
         except Refused:
             return "no value"  # an external one that is being made
 
-    back = values.settled(now, lambda told: values.same(told, value) or running(session))
-    if not values.same(back, value) and not running(session):
+    back = values.read_until_settled(
+        now, lambda told: values.same_value(told, value) or running(session)
+    )
+    if not values.same_value(back, value) and not running(session):
         raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
 
 
-def write_saved(session: Session, program: str, changed: Mapping[str, str]) -> None:
+def write_saved_variables(session: Session, program: str, changed: Mapping[str, str]) -> None:
     """Sets variables of a program as it is kept, in the edit slot; all of them or none."""
     checked_name(program)
     doing = f"setting variables of `{program}`"
@@ -81,12 +87,12 @@ def write_saved(session: Session, program: str, changed: Mapping[str, str]) -> N
     with editing(session, program, doing, state):
         for name, value in wanted.items():
             command = f"VAL={name}={value}"
-            session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
-        session.ask("SAVE", doing=doing, state="they may or may not be set", shape=BARE)
+            session.ask(command, doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
+        session.ask("SAVE", doing=doing, state="they may or may not be set", shape=BARE_ANSWER)
     with editing(session, program, f"reading variables of `{program}`", UNCHANGED):
         for name, value in wanted.items():
             back = _value(session, "VAL", name, slot)
-            if not values.same(back, value):
+            if not values.same_value(back, value):
                 raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
 
 
@@ -94,21 +100,21 @@ def _carried(session: Session, name: str, value: str) -> None:
     """Raises Refused for what no command can hold; HOT is the longest, with its program."""
     if not session.carries(f"HOT{'X' * 12};{name}={value}"):
         reason = "the controller link cannot carry it"
-        raise values.bad(value[:40], name, reason, "less text, of characters that it has")
+        raise values.bad_value(value[:40], name, reason, "less text, of characters that it has")
 
 
-def selected(session: Session, slot: int) -> str:
+def selected_program(session: Session, slot: int) -> str:
     """The program in a slot, "" for none."""
     told = session.ask("PRGRD", doing="asking for the program of a slot", slot=slot)
     return told.text.partition(".")[0].strip()
 
 
-def externals(session: Session) -> list[str]:
+def external_variables(session: Session) -> list[str]:
     """All variables that belong to no program, `name=value` each."""
-    return [line for kind in CLASSES for line in _listed(session, "GVALS", kind, 1)]
+    return [line for kind in VARIABLE_CLASSES for line in _listed(session, "GVALS", kind, 1)]
 
 
-def of_program(session: Session, name: str) -> list[str]:
+def program_variables(session: Session, name: str) -> list[str]:
     """The variables of a program but for positions, which are part of its listing."""
     doing = f"reading the variables of `{name}`"
     with editing(session, name, doing, UNCHANGED):
@@ -119,7 +125,7 @@ def of_program(session: Session, name: str) -> list[str]:
 def _listed(session: Session, command: str, kind: str, slot: int) -> Iterator[str]:
     doing = "listing variables"
     where = "<"
-    for _ in range(MOST):
+    for _ in range(MOST_VARIABLES):
         text = session.ask(f"{command}{where};{kind}", doing=doing, slot=slot).text
         if not text.strip("; "):
             return
@@ -150,4 +156,4 @@ def _class_of(name: str) -> str:
     """By the first letter, which tells it but for names that a program has declared as numbers."""
     if "$" in name:
         return "C"
-    return name[0] if name[0] in CLASSES else "M"
+    return name[0] if name[0] in VARIABLE_CLASSES else "M"

@@ -11,10 +11,10 @@ from assistant.controllers.mitsubishi import signals as numbered
 from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.position import position
 from assistant.controllers.mitsubishi.session import Session
-from assistant.controllers.mitsubishi.state import state
+from assistant.controllers.mitsubishi.state import controller_state
 from assistant.controllers.states import Sample
 
-SIGNAL: Final = re.compile(r"(?:(in|out|m_in|m_out)[: (]?)?(\d{1,5})\)?", re.IGNORECASE)
+SIGNAL_NAME: Final = re.compile(r"(?:(in|out|m_in|m_out)[: (]?)?(\d{1,5})\)?", re.IGNORECASE)
 ALL_SLOTS: Final = 20
 """Looks after which all slots are asked; else those that had a program."""
 
@@ -24,30 +24,30 @@ def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator
 
     signals: `in:5`, `out:900`, or a number alone for an input.
     """
-    wanted = {name: _signal(name) for name in signals}
+    wanted = {name: _parse_signal(name) for name in signals}
     began = time.monotonic()
     count = 0
     slots: Sequence[int] | None = None
     while True:
         seconds = time.monotonic() - began
-        told = state(session, slots if count % ALL_SLOTS else None)
+        told = controller_state(session, slots if count % ALL_SLOTS else None)
         slots = [int(task.name) for task in told.tasks]
-        yield Sample(seconds, told, position(session), _values(session, wanted))
+        yield Sample(seconds, told, position(session), _signal_values(session, wanted))
         count += 1
         late = time.monotonic() - began - seconds
         time.sleep(max(0.0, interval - late))
 
 
-def _signal(name: str) -> tuple[bool, str]:
+def _parse_signal(name: str) -> tuple[bool, str]:
     """Whether it is an output, and its number."""
-    found = SIGNAL.fullmatch(name)
+    found = SIGNAL_NAME.fullmatch(name)
     if found is None:
-        raise values.bad(name, "a signal", "it names none", "`in:5`, `out:900` or `5`")
+        raise values.bad_value(name, "a signal", "it names none", "`in:5`, `out:900` or `5`")
     numbered.number_of(found[2])
     return (found[1] or "in").lower().endswith("out"), found[2]
 
 
-def _values(session: Session, wanted: dict[str, tuple[bool, str]]) -> dict[str, float]:
+def _signal_values(session: Session, wanted: dict[str, tuple[bool, str]]) -> dict[str, float]:
     found: dict[str, float] = {}
     for is_output, read in ((False, numbered.inputs), (True, numbered.outputs)):
         names = {name: number for name, (out, number) in wanted.items() if out is is_output}

@@ -20,7 +20,7 @@ from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.running import Ran
 from assistant.blocks.leading import led, measured
 from assistant.blocks.running_bdsim import run_paced
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.controller import USER
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
@@ -217,7 +217,7 @@ def test_robots_of_two_makers_in_one_model(
         diagram, first, ends = led_model(sim, one, "RELJOINT", BY["RELJOINT"], 3)
         second = led(
             "irc5", f"ftp://{USER}@127.0.0.1:{irc5.port}", robot,
-            by="egm", percent=20.0, wishes=Wishes(port=port),
+            by="egm", percent=20.0, wishes=LinkOptions(port=port),
         )  # fmt: skip
         rel = diagram.RELJOINT(diagram.clock(STEP), second, robot, "other")
         diagram.connect(diagram.CONSTANT(np.array([2.0, 0.0, -1.0, 0.0, 0.0, 0.0])), rel[0])

@@ -20,7 +20,7 @@ from assistant.blocks.library.sources import Constant, Table, joint_table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.robots.robot import Robot
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
@@ -94,7 +94,7 @@ def test_real_time_external_control_installs_its_program_and_ends_it() -> None:
     with VirtualCr("rv-2aj", servo_time=0.02) as cell:
         start = np.array(cell.state.joints)
         wanted = there(start, np.array([1.0, 1.0, -1.0, -1.0, 1.0]))
-        wishes = Wishes(port=cell.mxt_port)
+        wishes = LinkOptions(port=cell.mxt_port)
         connection = by_mxt("cell", cell.address, ARM, bounds=BRISK, wishes=wishes)
         ran, block = led(connection, ARM, wanted, 1.0)
         assert np.abs(ran["arm.joints"] - ran["way.joints"]).max() < 1.0

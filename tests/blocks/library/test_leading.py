@@ -30,8 +30,8 @@ from assistant.blocks.library.poses import step
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
-from assistant.controllers.following import Wishes
-from assistant.controllers.mitsubishi.control_mode.programs import MEASURE, texts
+from assistant.controllers.following import LinkOptions
+from assistant.controllers.mitsubishi.control_mode.programs import MEASURING_PROGRAM, program_texts
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved
@@ -55,7 +55,7 @@ class Cell:
     lines: tuple[str, str]
 
     def led(self, name: str = "cell", percent: float = PERCENT) -> Connection[Leader]:
-        return led(name, self.address, ARM, percent=percent, wishes=Wishes(lines=self.lines))
+        return led(name, self.address, ARM, percent=percent, wishes=LinkOptions(lines=self.lines))
 
     @property
     def moves(self) -> list[Moved]:
@@ -277,9 +277,9 @@ def test_a_step_of_seven_numbers_is_that_of_six() -> None:
 @pytest.mark.slow
 def test_a_slot_that_always_runs_measures_beside_moves_that_block(tmp_path: Path) -> None:
     with VirtualCr("rv-2aj", folder=tmp_path) as first, connect(first.address) as session:
-        session.write(MEASURE, texts([MEASURE])[MEASURE])
+        session.write(MEASURING_PROGRAM, program_texts([MEASURING_PROGRAM])[MEASURING_PROGRAM])
     virtual = VirtualCr("rv-2aj", folder=tmp_path, servo_time=0.02)
-    virtual.state.parameters.write("SLT2", f"{MEASURE}, REP, ALWAYS, 1", all_levels=True)
+    virtual.state.parameters.write("SLT2", f"{MEASURING_PROGRAM}, REP, ALWAYS, 1", all_levels=True)
     with virtual:
         host, port = virtual.data_ports["COM2:"]
         for _ in range(2):
@@ -306,7 +306,7 @@ def test_a_slot_that_always_runs_measures_beside_moves_that_block(tmp_path: Path
 @pytest.mark.slow
 def test_an_arm_is_led_cycle_by_cycle_as_well() -> None:
     with cell(pace=1.0) as here:
-        wishes = Wishes(port=here.virtual.mxt_port)
+        wishes = LinkOptions(port=here.virtual.mxt_port)
         connection = led("cell", here.address, ARM, by="mxt", percent=PERCENT, wishes=wishes)
         diagram = Diagram()
         diagram.add(Status("status", connection, ARM))

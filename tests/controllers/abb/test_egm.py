@@ -17,7 +17,7 @@ from assistant.controllers.abb.egm import Egm, guide
 from assistant.controllers.abb.egm.messages import Message, decode, encode
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
 from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.wire import PacketSocket
 from assistant.virtual.irc5 import egm_packets as packets
 from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance, VirtualEgm
 
@@ -193,7 +193,7 @@ def led(port, trajectory, act=None, virtual=None, settings=QUICK):
     rows = resampled(trajectory, LIMITS, egm.cycle)
     job = Job(trajectory.kind, rows, tuple(speeds), tuple(rises), settings)
     stop = Stop()
-    with Wire(Endpoint("127.0.0.1", 0, "", port)) as wire:
+    with PacketSocket(Endpoint("127.0.0.1", 0, "", port)) as wire:
         return Loop(egm, wire, job, stop, lambda *_: act and act(virtual, stop)).run("here")
 
 
@@ -255,7 +255,7 @@ def test_a_late_packet_of_an_earlier_run_tells_nothing(state):
     speeds, rises = LIMITS.columns("joints", 6)
     job = Job("joints", resampled(trajectory, LIMITS, 0.004), tuple(speeds), tuple(rises), QUICK)
     with (
-        Wire(Endpoint("127.0.0.1", 0, "", port)) as wire,
+        PacketSocket(Endpoint("127.0.0.1", 0, "", port)) as wire,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as old,
     ):
         old.sendto(late, ("127.0.0.1", port))

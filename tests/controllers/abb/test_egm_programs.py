@@ -14,7 +14,7 @@ from assistant import languages, robots
 from assistant.controllers.abb.egm import Egm
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
 from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.wire import PacketSocket
 from assistant.virtual.events import Moved, Said
 from assistant.virtual.irc5.egm_instructions import abilities
 from assistant.virtual.kernel import Board, Kernel
@@ -45,7 +45,7 @@ def led(port, trajectory, limits, settings):
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     rows = resampled(trajectory, limits, link.cycle)
     job = Job(trajectory.kind, rows, tuple(speeds), tuple(rises), settings)
-    with Wire(Endpoint("127.0.0.1", 0, "", port)) as wire:
+    with PacketSocket(Endpoint("127.0.0.1", 0, "", port)) as wire:
         return Loop(link, wire, job, Stop(), lambda *_: None).run("here")
 
 

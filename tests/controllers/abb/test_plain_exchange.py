@@ -12,7 +12,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainExchange, PlainFiles, Tool
-from assistant.controllers.abb.exchange.plain import parse
+from assistant.controllers.abb.exchange.plain import parse_plain_answer
 from assistant.program.geometry import Pose
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb import ftp_servers
@@ -132,7 +132,7 @@ def test_names_that_files_must_not_have(names):
 )
 def test_an_answer_is_a_row_or_nothing(row, read):
     texts = [f"{row}\n".encode(), b"[0,0,1,0]\n", b"[0,0,0,0]\n"]
-    answer = parse(1, texts)
+    answer = parse_plain_answer(1, texts)
     assert (answer is not None) == read
     if answer is not None:
         assert answer.pose.position[0] == 420.0

@@ -67,7 +67,7 @@ def test_folders_are_gone_to_and_fetched_whole(server, tmp_path):
         with pytest.raises(Refused) as refused:
             client.fetch_folder("nowhere", tmp_path / "nowhere")
         assert codes(refused) == ["CN205"] and not (tmp_path / "nowhere").exists()
-    assert folders.contents(tmp_path / "all", "abb files") == TREE
+    assert folders.backup_contents(tmp_path / "all", "abb files") == TREE
     with server.client(options=f"/parts/deep?fingerprint={server.fingerprint}") as client:
         assert client.names() == ("er",)
     missing = server.client(options=f"/no?fingerprint={server.fingerprint}")

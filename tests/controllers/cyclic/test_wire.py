@@ -3,7 +3,7 @@
 import socket
 
 from assistant.controllers.cyclic import Endpoint
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.wire import PacketSocket
 
 
 def free_port():
@@ -21,7 +21,7 @@ def speaker(host):
 def test_what_waited_before_the_first_one_spoke_is_of_nobody():
     port = free_port()
     with (
-        Wire(Endpoint("127.0.0.1", 0, "127.0.0.1", port)) as wire,
+        PacketSocket(Endpoint("127.0.0.1", 0, "127.0.0.1", port)) as wire,
         speaker("127.0.0.1") as first,
         speaker("127.0.0.1") as second,
     ):

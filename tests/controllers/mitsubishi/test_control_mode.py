@@ -9,7 +9,7 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Refused, Severity
 from assistant.controllers.mitsubishi.control_mode import FORM, ControlMode
-from assistant.controllers.mitsubishi.control_mode.programs import texts
+from assistant.controllers.mitsubishi.control_mode.programs import program_texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
 from assistant.virtual.events import Moved
@@ -49,7 +49,7 @@ def turned(running):
 @pytest.mark.parametrize("level", [4, 5, 6])
 def test_the_programs_are_valid_in_every_version(level):
     language = languages.get(f"melfa-basic-{level}")
-    files = [language.parse(text.decode("latin-1")) for text in texts().values()]
+    files = [language.parse(text.decode("latin-1")) for text in program_texts().values()]
     findings = [*language.check(files), *(found for file in files for found in file.findings)]
     assert len(files) == 3 and not [f for f in findings if f.severity is not Severity.INFO]
 

@@ -7,7 +7,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.control_mode import ControlMode, Measuring
-from assistant.controllers.mitsubishi.control_mode.programs import NAMES, texts
+from assistant.controllers.mitsubishi.control_mode.programs import PROGRAM_NAMES, program_texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr
@@ -34,7 +34,7 @@ def cell(**settings):
 def test_programs_are_installed_started_followed_and_stopped():
     with cell() as (_, controller, mode):
         with mode:
-            assert set(NAMES) <= set(controller.names())
+            assert set(PROGRAM_NAMES) <= set(controller.names())
             mode.follow(points(0, 5, 10, 8))
         state = controller.state()
         assert not state.running and not state.faults and not state.right
@@ -115,7 +115,7 @@ def test_a_measurement_goes_on_by_itself_and_ends_with_its_client():
 def test_a_measurement_whose_client_says_nothing_more_ends():
     with cell() as (virtual, controller, _):
         host, port = virtual.data_ports["COM2:"]
-        controller.write("MEASURE", texts(["MEASURE"])["MEASURE"])
+        controller.write("MEASURE", program_texts(["MEASURE"])["MEASURE"])
         controller.load("MEASURE", task="2")
         controller.start("2")
         with DataLink(f"{host}:{port}", timeout=30) as link:

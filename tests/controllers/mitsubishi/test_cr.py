@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr, identity
-from assistant.controllers.mitsubishi.listing import listed
+from assistant.controllers.mitsubishi.listing import listed_form
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr
 from tests.examples import drawn
@@ -170,7 +170,7 @@ def test_an_error_state_is_no_obstacle():
     with VirtualCr() as controller, connect(controller.address) as client:
         controller.alarm(2800)
         client.write("SEAM", PROGRAM)
-        assert listed(client.read("SEAM")) == listed(PROGRAM)
+        assert listed_form(client.read("SEAM")) == listed_form(PROGRAM)
 
 
 def test_nobody_there():

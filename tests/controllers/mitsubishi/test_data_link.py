@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, Rate
-from assistant.controllers.mitsubishi.data_link.records import read, written
+from assistant.controllers.mitsubishi.data_link.records import input_line, read_value
 from assistant.controllers.mitsubishi.data_link.streams import stream_to
 from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
@@ -85,7 +85,7 @@ def test_any_text_is_a_record_or_none(text):
 def test_what_is_written_is_read_back(values, flag):
     for value in (Joints(tuple(values)), Position(tuple(values), (flag, 0))):
         kind = "joints" if isinstance(value, Joints) else "position"
-        back = read(written([value]), kind)
+        back = read_value(input_line([value]), kind)
         assert np.allclose(back.values[: len(values)], values, atol=5e-5)
         assert np.isnan(back.values[len(values) :]).all()
 
@@ -99,7 +99,7 @@ def test_what_is_written_is_read_back(values, flag):
 )
 def test_what_no_line_carries_is_refused(value):
     with pytest.raises(Refused) as refused:
-        written([value])
+        input_line([value])
     assert codes(refused) == ["CN616"]
 
 

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.controllers.mitsubishi.errors import LOOK_IT_UP, error
+from assistant.controllers.mitsubishi.errors import LOOK_IT_UP, cr_error
 from assistant.controllers.mitsubishi.link import parse_answer
-from assistant.controllers.mitsubishi.listing import listed
+from assistant.controllers.mitsubishi.listing import listed_form
 
 PROGRAM = (
     b'10 MOV P1\r\n20 \'Comment  stays\r\n30 PRINT #1,"a  b;c"\r\n'
@@ -28,7 +28,7 @@ PROGRAM = (
     ],
 )
 def test_spellings_of_the_same_program(other):
-    assert listed(other) == listed(PROGRAM)
+    assert listed_form(other) == listed_form(PROGRAM)
 
 
 @pytest.mark.parametrize(
@@ -47,16 +47,16 @@ def test_spellings_of_the_same_program(other):
     ],
 )
 def test_differences_that_matter(other):
-    assert listed(other) != listed(PROGRAM)
+    assert listed_form(other) != listed_form(PROGRAM)
 
 
 def test_a_blank_that_means_something_is_kept():
-    assert listed(b"10 ACT 1=1") != listed(b"10 ACT1=1")
+    assert listed_form(b"10 ACT 1=1") != listed_form(b"10 ACT1=1")
 
 
 @given(st.binary(max_size=300))
 def test_listing_any_bytes_settles(data):
-    assert listed(listed(data)) == listed(data)
+    assert listed_form(listed_form(data)) == listed_form(data)
 
 
 @given(st.lists(st.floats(-99999, 99999), min_size=6, max_size=6))
@@ -64,7 +64,7 @@ def test_two_decimals_are_what_counts(values):
     printed = ",".join(f"{v:+.2f}" for v in values)
     long = ",".join(f"{float(f'{v:.2f}'):.4f}" for v in values)
     left, right = f"P1=({printed})(7,0)\r\n", f"p1 = ( {long} ) ( 7, 0 )\n"
-    assert listed(left.encode()) == listed(right.encode())
+    assert listed_form(left.encode()) == listed_form(right.encode())
 
 
 @pytest.mark.parametrize(
@@ -90,8 +90,8 @@ def test_what_is_no_answer(raw):
 
 
 def test_error_numbers_have_a_text_and_a_cure():
-    assert "syntax" in error(4220).text and error(4220).level == "L"
-    assert error(50).level == "H"
-    assert error(7499).text and error(7499).cure == LOOK_IT_UP
+    assert "syntax" in cr_error(4220).text and cr_error(4220).level == "L"
+    assert cr_error(50).level == "H"
+    assert cr_error(7499).text and cr_error(7499).cure == LOOK_IT_UP
     for number in range(10000):
-        assert error(number).text and error(number).cure
+        assert cr_error(number).text and cr_error(number).cure

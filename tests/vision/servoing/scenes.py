@@ -14,7 +14,7 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.following import Wishes
+from assistant.controllers.following import LinkOptions
 from assistant.controllers.leading import MODES
 from assistant.controllers.leading.cycles import by_egm
 from assistant.program.geometry import Pose
@@ -178,7 +178,7 @@ def by_controller(scene, name):
     """A carrier of a way to a CR controller, and where its arm is."""
     with five_axes_controller() as (virtual, controller):
         lines = tuple(f"{host}:{port}" for host, port in virtual.data_ports.values())[:2]
-        wishes = Wishes(port=virtual.mxt_port, lines=lines)
+        wishes = LinkOptions(port=virtual.mxt_port, lines=lines)
         made = MODES[name].make(controller, scene.guard.arm(), wishes, scene.robot.home)
         kept = Kept()
         with made as carrier, kept.looking(lambda: virtual.state.joints):
@@ -208,7 +208,7 @@ def over_exchange(scene, folder):
     module = Module(tool="GRIPPER", tool_data=tool, longest=60.0)
     with RunningRobot(folder, module) as robot, robot.client() as programs:
         arm = scene.guard.arm()
-        with MODES["exchange"].make(programs, arm, Wishes(), scene.goal_joints) as carrier:
+        with MODES["exchange"].make(programs, arm, LinkOptions(), scene.goal_joints) as carrier:
             kept = Kept()
             yield carrier, lambda: kept.looked(carrier.joints()), kept
 

@@ -8,7 +8,7 @@ import pytest
 from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.settings import Settings as CyclicSettings
-from assistant.controllers.cyclic.ways import Corrected, Corrections, Job, line_of
+from assistant.controllers.cyclic.ways import Corrections, CorrectionSource, Job, correction_line
 from assistant.program.geometry import Pose
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.interaction import flange_of
@@ -79,11 +79,11 @@ def led(corrections, cycles, *, until=10**9, give=lambda k: None):
     job = Job(
         "joints", empty, SPEEDS, RISES, CyclicSettings(), corrections, (-30.0, -50.0), (30.0, 50.0)
     )
-    way, rows = Corrected(job), []
+    way, rows = CorrectionSource(job), []
     way.begin((0.0, 0.0), CYCLE)
     for k in range(cycles):
         if (given := give(k)) is not None:
-            corrections.take(line_of(given[1], given[0]))
+            corrections.take(correction_line(given[1], given[0]))
         rows.append(way.next(k < until))
     return np.array(rows), way
 
@@ -121,7 +121,7 @@ def test_it_comes_to_rest_at_the_last_correction_and_at_once_when_told():
 
 def test_lines_that_come_in_pieces_are_put_together():
     corrections = Corrections()
-    text = b"\n" + line_of((1.0, -2.5), 0.03) + b"\n"
+    text = b"\n" + correction_line((1.0, -2.5), 0.03) + b"\n"
     for k in range(len(text)):
         corrections.take(text[k : k + 1])
     assert corrections.count == 1 and corrections.newest == (0.03, (1.0, -2.5))

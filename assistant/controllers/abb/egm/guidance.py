@@ -25,9 +25,9 @@ CYCLE: Final = 0.004
 """Seconds, of all controllers that know it."""
 PORT: Final = 6510
 """Of this computer, as the UdpUc device of a new system names it."""
-OPENING: Final = 60.0
+OPENING_TIMEOUT: Final = 60.0
 """Seconds in which the program on the controller has to begin."""
-SETTLE: Final = 0.3
+HOLD_AT_END: Final = 0.3
 """Seconds for which the last point is held. The program on the controller sees the end as its
 communication time-out, or as convergence where its \\CondTime is shorter.
 """
@@ -54,7 +54,7 @@ def guide(
     on the controller.
     Raises Refused before anything is sent, Ended afterwards.
     """
-    chosen = settings or Settings(opening=OPENING, settle=SETTLE)
+    chosen = settings or Settings(opening=OPENING_TIMEOUT, settle=HOLD_AT_END)
     link = Egm(trajectory.kind, trajectory.rows.shape[1], cycle)
     endpoint = Endpoint(host, 0, local_host, port)
     try:
@@ -69,7 +69,7 @@ def guide(
         return replace(report, done=report.rows)
 
 
-def leading(
+def guide_by_corrections(
     host: str,
     axes: int,
     limits: Limits,
@@ -83,7 +83,7 @@ def leading(
 
     limits: with the range of the joints. Else as `guide`.
     """
-    chosen = settings or Settings(opening=OPENING, settle=SETTLE)
+    chosen = settings or Settings(opening=OPENING_TIMEOUT, settle=HOLD_AT_END)
     return Leading(
         Egm("joints", axes, cycle), Endpoint(host, 0, local_host, port), axes, limits, chosen
     )

@@ -24,7 +24,7 @@ RAPID_STOPPED: Final = 1
 """RAPID is `undefined` after each restart of a controller although it runs (abb_libegm, #96)."""
 ROBOT_AXES: Final = 6
 """What `joints` holds; the others are in `externalJoints`."""
-WRAP: Final = 1 << 32
+COUNTER_WRAP: Final = 1 << 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +64,16 @@ class Egm:
             message.number("mciConvergenceMet") or 0.0,
             _finite(message.number("utilizationRate")),
         )
-        return Measured(values, int(seqno[-1]) % WRAP, 0, stopped, ready, extra)
+        return Measured(values, int(seqno[-1]) % COUNTER_WRAP, 0, stopped, ready, extra)
 
     def command(self, values: Sequence[float], count: int) -> bytes:
         milliseconds = time.monotonic_ns() // 1_000_000
         header = Message(
-            {"seqno": [count % WRAP], "tm": [milliseconds % WRAP], "mtype": [CORRECTION]}
+            {
+                "seqno": [count % COUNTER_WRAP],
+                "tm": [milliseconds % COUNTER_WRAP],
+                "mtype": [CORRECTION],
+            }
         )
         if self.kind == "poses":
             x, y, z, *turn = values

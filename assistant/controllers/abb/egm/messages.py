@@ -28,7 +28,7 @@ def _doubles(*names: str) -> dict[int, Field]:
     return {number: Field(name, "double") for number, name in enumerate(names, 1)}
 
 
-_PLACES: Final = {
+_POSES_AND_JOINTS: Final = {
     1: Field("joints", "EgmJoints"),
     2: Field("cartesian", "EgmPose"),
     3: Field("externalJoints", "EgmJoints"),
@@ -41,8 +41,8 @@ MESSAGES: Final[Mapping[str, Mapping[int, Field]]] = {
     "EgmClock": {1: Field("sec", "uint"), 2: Field("usec", "uint")},
     "EgmPose": {1: Field("pos", "EgmCartesian"), 2: Field("orient", "EgmQuaternion")},
     "EgmJoints": _doubles("joints"),
-    "EgmFeedBack": _PLACES,
-    "EgmPlanned": _PLACES,
+    "EgmFeedBack": _POSES_AND_JOINTS,
+    "EgmPlanned": _POSES_AND_JOINTS,
     "EgmState": {1: Field("state", "uint")},
     "EgmRobot": {
         1: Field("header", "EgmHeader"),
@@ -60,9 +60,9 @@ MESSAGES: Final[Mapping[str, Mapping[int, Field]]] = {
 
 VARINT, FIXED64, LENGTH, FIXED32 = 0, 1, 2, 5
 """Wire types."""
-LONGEST: Final = 10
+LONGEST_VARINT: Final = 10
 """Bytes of a whole number."""
-DEEPEST: Final = 4
+DEEPEST_MESSAGE: Final = 4
 _DOUBLE: Final = struct.Struct("<d")
 
 
@@ -93,7 +93,7 @@ def decode(kind: str, data: bytes) -> Message:
 
 
 def _decode(kind: str, data: memoryview, depth: int) -> Message:
-    if depth > DEEPEST:
+    if depth > DEEPEST_MESSAGE:
         raise ValueError("messages in messages without end")
     message, fields = Message(), MESSAGES[kind]
     for number, wire, value, inside in _fields(data):
@@ -149,7 +149,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int, int, memoryview]]:
 
 def _varint(data: memoryview, at: int) -> tuple[int, int]:
     value = 0
-    for place in range(LONGEST):
+    for place in range(LONGEST_VARINT):
         if at + place >= len(data):
             raise ValueError("the message ends within a number")
         byte = data[at + place]
@@ -167,21 +167,21 @@ def encode(kind: str, message: Message) -> bytes:
             part = message.parts.get(known.name)
             if part is not None:
                 inside = encode(known.kind, part)
-                made += _tag(number, LENGTH) + _whole(len(inside)) + inside
+                made += _tag(number, LENGTH) + _encode_varint(len(inside)) + inside
             continue
         for value in message.numbers.get(known.name, ()):
             if known.kind == "double":
                 made += _tag(number, FIXED64) + _DOUBLE.pack(value)
             else:
-                made += _tag(number, VARINT) + _whole(int(value))
+                made += _tag(number, VARINT) + _encode_varint(int(value))
     return bytes(made)
 
 
 def _tag(number: int, wire: int) -> bytes:
-    return _whole(number << 3 | wire)
+    return _encode_varint(number << 3 | wire)
 
 
-def _whole(value: int) -> bytes:
+def _encode_varint(value: int) -> bytes:
     made = bytearray()
     while value > 0x7F:
         made.append(value & 0x7F | 0x80)

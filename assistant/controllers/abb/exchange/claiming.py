@@ -20,7 +20,7 @@ from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abilities import Disk
 from assistant.controllers.controller import Programs
 
-LONGEST: Final = 2000
+LONGEST_CLAIM: Final = 2000
 """Bytes of the claimant's file that are read."""
 
 
@@ -49,7 +49,7 @@ class Claimant:
     def parse(cls, data: bytes | None) -> Self:
         """Read a claimant's file; an unknown one where it is missing or damaged."""
         try:
-            content = json.loads((data or b"")[:LONGEST])
+            content = json.loads((data or b"")[:LONGEST_CLAIM])
             key, who, since, machine = (
                 visible(str(content[name])[:200]) for name in ("key", "who", "since", "machine")
             )

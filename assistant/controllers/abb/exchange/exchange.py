@@ -20,13 +20,13 @@ from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
 from assistant.controllers.abb.exchange.poses import (
-    SETTLE,
+    UNREADABLE_AFTER,
     Check,
     PoseSender,
-    at,
     checked_configuration,
+    position_text,
 )
-from assistant.controllers.abb.exchange.recording import Spent, add
+from assistant.controllers.abb.exchange.recording import Spent, record_answer
 from assistant.controllers.controller import Programs
 from assistant.program.geometry import Pose
 
@@ -76,7 +76,7 @@ class PoseExchange(PoseSender):
         poses: its claim ends. `ended` says afterwards what is known of the robot. Raises Refused if
         the controller could not be told.
         """
-        self._number = _next(self._number)
+        self._number = _next_number(self._number)
         number = self._number
         self._put("stop", messages.stop_request(number))
         with suppress(Refused):  # what cannot be freed keeps nobody from waiting for the answer
@@ -84,7 +84,7 @@ class PoseExchange(PoseSender):
         end = time.monotonic() + self._timeout
         while time.monotonic() < end:
             data = self._look("stopped")
-            answer = None if data is None else messages.parse(data)
+            answer = None if data is None else messages.parse_answer(data)
             if answer is not None and answer.number == number:
                 self.stopped = answer
                 self._remove("stopped")
@@ -113,17 +113,17 @@ class PoseExchange(PoseSender):
         if self.ended:
             raise Refused(rules.ENDED(place=self._place, reason=self.ended))
         with self._claimed():
-            self._number = _next(self._number)
+            self._number = _next_number(self._number)
             if not self._in_step:
                 self._forget_unread()
             number, began, self._in_step = self._number, time.perf_counter(), False
-            self._hand_over(messages.request(number, word, pose, configuration))
+            self._hand_over(messages.request_file(number, word, pose, configuration))
             answer = self._answer(number, word, longest, began)
             self._remove("answer")
         if answer.word != "ok":
             self._declined(answer, number, word)
         self.checked = answer.checked
-        add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
+        record_answer(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         if pose is not None and word == "move":
             self._compare(number, answer, pose, configuration)
         self._in_step = True
@@ -135,7 +135,7 @@ class PoseExchange(PoseSender):
         while True:
             looking, looks = time.perf_counter(), looks + 1
             data = self._look("answer")
-            answer = None if data is None else messages.parse(data)
+            answer = None if data is None else messages.parse_answer(data)
             if answer is not None and messages.is_of(answer, number):
                 break
             if self.ended:  # another thread stopped it meanwhile
@@ -143,7 +143,7 @@ class PoseExchange(PoseSender):
             now = time.perf_counter()
             if answer is not None or data in (None, self._left):
                 unread = now
-            elif now - (unread or handed) > SETTLE:
+            elif now - (unread or handed) > UNREADABLE_AFTER:
                 raise Refused(rules.BAD_ANSWER(place=self._place, number=number, word=word))
             if now - handed > longest:
                 self._unanswered(number, word, longest)
@@ -160,7 +160,7 @@ class PoseExchange(PoseSender):
         self._claim.check()
         if self.checked and not self._is_taken(number):
             data = self._look("answer")
-            answer = None if data is None else messages.parse(data)
+            answer = None if data is None else messages.parse_answer(data)
             if answer is None or not messages.is_of(answer, number):
                 self._unanswered(number, word, min(self._timeout, longest))
 
@@ -172,7 +172,7 @@ class PoseExchange(PoseSender):
     def _forget_unread(self) -> None:
         """Removes an old answer that does not name its request: it would be taken for the next."""
         self._left = self._look("answer")
-        answer = None if self._left is None else messages.parse(self._left)
+        answer = None if self._left is None else messages.parse_answer(self._left)
         if answer is not None and answer.number == messages.UNREAD:
             self._remove("answer")
             self._left = None
@@ -231,7 +231,7 @@ class PoseExchange(PoseSender):
                 number=number,
                 word=word,
                 reason=reason,
-                state=f"{still} at {at(answer.pose)}",
+                state=f"{still} at {position_text(answer.pose)}",
                 cure=cure,
             )
         )
@@ -252,5 +252,5 @@ class PoseExchange(PoseSender):
         threading.Event().wait(self._poll)
 
 
-def _next(number: int) -> int:
+def _next_number(number: int) -> int:
     return number % messages.LARGEST_NUMBER + 1

@@ -30,7 +30,7 @@ UNREAD: Final = 0
 _NUMBERS: Final = re.compile(r"\[(.*)\]")
 _ANSWER_LINES: Final = 8
 _SUM: Final = "SUM"
-LONGEST: Final = 4096
+LONGEST_ANSWER: Final = 4096
 """Bytes of an answer; each of its lines has 80 at most, as a RAPID string has."""
 
 
@@ -53,7 +53,7 @@ class Answer:
     checked: bool = False
 
 
-def request(
+def request_file(
     number: int, word: Word, pose: Pose | None = None, configuration: Configuration | None = None
 ) -> bytes:
     """The file of a request; the robot keeps its configuration where none is stated."""
@@ -85,9 +85,9 @@ def is_of(answer: Answer, number: int) -> bool:
     return answer.number == number or (answer.number == UNREAD and answer.word != "ok")
 
 
-def parse(data: bytes) -> Answer | None:
+def parse_answer(data: bytes) -> Answer | None:
     """The answer that a file is, None for one that is not whole, was changed or is none."""
-    if len(data) > LONGEST:
+    if len(data) > LONGEST_ANSWER:
         return None
     lines = data.decode("latin-1").replace("\r", "").split("\n")
     after, lines = lines[_ANSWER_LINES:], lines[:_ANSWER_LINES]

@@ -20,7 +20,7 @@ from assistant.resources import resource
 
 LANGUAGE: Final = "rapid"
 TEMPLATE: Final = "pose_exchange.mod"
-PLAIN: Final = "plain_exchange.mod"
+PLAIN_TEMPLATE: Final = "plain_exchange.mod"
 FILES: Final = ("request", "taken", "answer", "stop", "stopped")
 LONGEST_NAME: Final = 32
 LONGEST_FOLDER: Final = 40
@@ -151,7 +151,7 @@ class Module:
 
     @property
     def _template(self) -> str:
-        return TEMPLATE if self.plain is None else PLAIN
+        return TEMPLATE if self.plain is None else PLAIN_TEMPLATE
 
     def _wrong_names(self) -> list[Diagnostic]:
         found = []

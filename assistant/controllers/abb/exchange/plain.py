@@ -27,16 +27,16 @@ from assistant.controllers.abb.exchange.claiming import HandsOver
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
 from assistant.controllers.abb.exchange.module import PlainFiles
 from assistant.controllers.abb.exchange.poses import (
-    SETTLE,
+    UNREADABLE_AFTER,
     Check,
     PoseSender,
     checked_configuration,
 )
-from assistant.controllers.abb.exchange.recording import NOTHING, Spent, add
+from assistant.controllers.abb.exchange.recording import NOT_ASKED, Spent, record_answer
 from assistant.controllers.controller import Controller, Programs
 from assistant.program.geometry import Pose
 
-LONGEST: Final = 1000
+LONGEST_PLAIN_FILE: Final = 1000
 """Most bytes of an answer's file."""
 Texts = tuple[bytes, bytes, bytes]
 """Position, orientation, configuration."""
@@ -104,12 +104,12 @@ class PlainExchange(PoseSender):
             self._number += 1
             self._clear()
             began = time.perf_counter()
-            self._hand_over(_question(pose, configuration))
+            self._hand_over(_plain_question(pose, configuration))
             answer = self._answer("where" if pose is None else "move", longest, began)
             self._asked = False
             for name in self._names.answers:
                 self._files.remove(name)
-        add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
+        record_answer(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         if pose is not None:
             self._compare(self._number, answer, pose, configuration)
         return answer
@@ -158,11 +158,11 @@ class PlainExchange(PoseSender):
             taken = taken or question not in there
             if taken and there.issuperset(name.lower() for name in self._names.answers):
                 texts = [self._files.look(name) or b"" for name in self._names.answers]
-                answer = parse(self._number, texts)
+                answer = parse_plain_answer(self._number, texts)
                 if answer is not None:
                     break
                 unread = unread or looking
-                if looking - unread > SETTLE:
+                if looking - unread > UNREADABLE_AFTER:
                     raise Refused(
                         rules.BAD_ANSWER(place=self._place, number=self._number, word=word)
                     )
@@ -173,7 +173,7 @@ class PlainExchange(PoseSender):
                 self._unanswered(word, longest)
             threading.Event().wait(self._poll)
         done = time.perf_counter()
-        self.spent = Spent(handed - began, looking - handed, done - looking, NOTHING, looks)
+        self.spent = Spent(handed - began, looking - handed, done - looking, NOT_ASKED, looks)
         return answer
 
     def _unanswered(self, word: str, seconds: float) -> None:
@@ -225,21 +225,21 @@ class PlainExchange(PoseSender):
             self.ended = "no pose is under way; the program waits for the next"
 
 
-def _question(pose: Pose | None, configuration: Configuration | None) -> Texts:
+def _plain_question(pose: Pose | None, configuration: Configuration | None) -> Texts:
     """The three files; an empty line where there is nothing to state."""
     if pose is None:
         return b"\n", b"\n", b"\n"
-    configured = b"\n" if configuration is None else _row(configuration, 0)
-    return _row(pose.position, 6), _row(pose.quaternion, 9), configured
+    configured = b"\n" if configuration is None else _plain_row(configuration, 0)
+    return _plain_row(pose.position, 6), _plain_row(pose.quaternion, 9), configured
 
 
-def _row(values: tuple[float, ...], decimals: int) -> bytes:
+def _plain_row(values: tuple[float, ...], decimals: int) -> bytes:
     return f"[{','.join(f'{value + 0.0:.{decimals}f}' for value in values)}]\n".encode("ascii")
 
 
-def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
+def parse_plain_answer(number: int, texts: Sequence[bytes]) -> Answer | None:
     """Return the answer in three files; None if one is incomplete or holds something else."""
-    rows = [_values(text, count) for text, count in zip(texts, (3, 4, 4), strict=True)]
+    rows = [_plain_values(text, count) for text, count in zip(texts, (3, 4, 4), strict=True)]
     place, turn, configuration = rows
     if place is None or turn is None or configuration is None:
         return None
@@ -251,15 +251,15 @@ def parse(number: int, texts: Sequence[bytes]) -> Answer | None:
     cf1, cf4, cf6, cfx = map(int, configuration)
     axes = (math.nan,) * 6
     pose = Pose((x, y, z), (w, a, b, c))
-    return Answer(number, "ok", pose, (cf1, cf4, cf6, cfx), axes, NOTHING)
+    return Answer(number, "ok", pose, (cf1, cf4, cf6, cfx), axes, NOT_ASKED)
 
 
-def _values(text: bytes, count: int) -> tuple[float, ...] | None:
+def _plain_values(text: bytes, count: int) -> tuple[float, ...] | None:
     """`count` finite numbers of a file that ends with a line end: in brackets, or in lines.
 
     Commas are between numbers: a line with another use of them, as for decimals, is not read.
     """
-    if len(text) > LONGEST or not text.endswith(b"\n"):
+    if len(text) > LONGEST_PLAIN_FILE or not text.endswith(b"\n"):
         return None
     line = text.decode("latin-1").strip()
     row = re.fullmatch(r"\[(.*)\]", line)

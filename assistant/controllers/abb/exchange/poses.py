@@ -19,7 +19,7 @@ from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules
 from assistant.controllers.abb.exchange.claiming import Claim, Files
 from assistant.controllers.abb.exchange.messages import Answer, Configuration
-from assistant.controllers.abb.exchange.recording import FIELDS, Spent
+from assistant.controllers.abb.exchange.recording import RECORDED_FIELDS, Spent
 from assistant.controllers.controller import Programs
 from assistant.controllers.recording import Recording
 from assistant.program.geometry import Pose
@@ -30,17 +30,17 @@ Check = Callable[[Floats, Floats], Mapping[int, str]]
 Progress = Callable[[int, int, Answer], None]
 """Called with the number of answered poses, the number of all, and the last answer."""
 
-SETTLE: Final = 1.0
+UNREADABLE_AFTER: Final = 1.0
 """Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
 again until then."""
-UNIT: Final = 1e-3
+UNIT_TOLERANCE: Final = 1e-3
 """Most that the length of a quaternion may differ from 1; it is normalised."""
 LARGEST_CONFIGURATION: Final = 99_999_999
 """cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
 _ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
 FARTHEST: Final = 100_000.0
 """Largest coordinate in mm: no robot reaches beyond."""
-OFF: Final = 1.0
+ARRIVAL_TOLERANCE: Final = 1.0
 """Most mm and degrees between a requested pose and the answered one, of a robot at rest."""
 
 
@@ -59,7 +59,7 @@ class PoseSender(ABC):
         self.programs = programs
         self._files = Files(programs)
         self._claim = Claim(self._files, prefix)
-        self.recording: Final = Recording(FIELDS)
+        self.recording: Final = Recording(RECORDED_FIELDS)
         self.spent = Spent()
         """Times of the last round trip."""
         self.stopped: Answer | None = None
@@ -160,7 +160,7 @@ class PoseSender(ABC):
         nearest one. Raises Refused if the pose must not be sent, or the robot does not go there;
         it then stands where it was.
         """
-        positions, quaternions = checked([pose.position], [pose.quaternion], self._check)
+        positions, quaternions = checked_poses([pose.position], [pose.quaternion], self._check)
         return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
 
     def follow(
@@ -179,14 +179,16 @@ class PoseSender(ABC):
         if isinstance(trajectory, Path):
             arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
             if arcs.size:
-                raise Refused(bad(int(arcs[0]), "it is a part of an arc", "divide arcs into lines"))
+                raise Refused(
+                    bad_pose(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
+                )
             columns: tuple[ArrayLike, ArrayLike] = trajectory.positions, trajectory.quaternions
         else:
             columns = trajectory
-        positions, quaternions = checked(columns[0], columns[1], self._check)
+        positions, quaternions = checked_poses(columns[0], columns[1], self._check)
         if configurations is not None and len(configurations) != len(positions):
             raise Refused(
-                bad(
+                bad_pose(
                     min(len(configurations), len(positions)),
                     f"there are {len(positions)} poses and {len(configurations)} configurations",
                     "state one for each pose, or none",
@@ -210,7 +212,7 @@ class PoseSender(ABC):
         if configuration is not None:  # at the edge of a quarter the controller tells either
             pairs = zip(answer.configuration[:3], configuration[:3], strict=True)
             quarters = max(abs(one - int(other)) for one, other in pairs)
-        if distance <= OFF and angle <= OFF and quarters <= 1:
+        if distance <= ARRIVAL_TOLERANCE and angle <= ARRIVAL_TOLERANCE and quarters <= 1:
             return
         off = [f"{distance:.1f} mm and {angle:.1f} degrees"]
         if quarters > 1:
@@ -220,25 +222,25 @@ class PoseSender(ABC):
                 place=self._place,
                 number=number,
                 distance=" ".join(off),
-                stands=at(answer.pose),
-                asked=at(pose),
+                stands=position_text(answer.pose),
+                asked=position_text(pose),
             )
         )
 
 
-def checked(
+def checked_poses(
     positions: ArrayLike, quaternions: ArrayLike, check: Check | None
 ) -> tuple[Floats, Floats]:
     """Return the columns of poses that may be sent; raises Refused for the first that must not."""
     place, turn = _columns(positions, 3), _columns(quaternions, 4)
     if len(place) != len(turn):
         reason = f"there are {len(place)} positions and {len(turn)} quaternions"
-        raise Refused(bad(min(len(place), len(turn)), reason, "state both for each pose"))
+        raise Refused(bad_pose(min(len(place), len(turn)), reason, "state both for each pose"))
     if not len(place):
         return place, turn
     finite = np.isfinite(place).all(axis=1) & np.isfinite(turn).all(axis=1)
     near = (np.abs(place) <= FARTHEST).all(axis=1)
-    unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT
+    unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT_TOLERANCE
     for good, reason, cure in (
         (finite, "it holds a number that is not finite", "correct the number"),
         (near, f"it is farther than {FARTHEST:g} mm away", "state positions in mm"),
@@ -246,13 +248,13 @@ def checked(
     ):
         wrong = np.flatnonzero(~good)
         if wrong.size:
-            raise Refused(bad(int(wrong[0]), reason, cure))
+            raise Refused(bad_pose(int(wrong[0]), reason, cure))
     turn = rotations.canonical(turn)
     refused = dict(check(place, turn)) if check is not None else {}
     if refused:
         row = min(refused)
         more = f" ({len(refused)} poses are refused)" if len(refused) > 1 else ""
-        raise Refused(bad(row, refused[row] + more, "choose a pose that may be sent"))
+        raise Refused(bad_pose(row, refused[row] + more, "choose a pose that may be sent"))
     return place, turn
 
 
@@ -268,7 +270,7 @@ def checked_configuration(given: Configuration | None) -> None:
     )
     if not whole:
         reason = f"its configuration is {given!r:.60}"
-        raise Refused(bad(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
+        raise Refused(bad_pose(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
 
 
 def _columns(rows: ArrayLike, width: int) -> Floats:
@@ -276,20 +278,20 @@ def _columns(rows: ArrayLike, width: int) -> Floats:
     try:
         found = reals(rows)
     except ValueError as error:
-        raise Refused(bad(0, f"it is no row of numbers ({error})", _ROWS)) from None
+        raise Refused(bad_pose(0, f"it is no row of numbers ({error})", _ROWS)) from None
     if found.size == 0:
         return found.reshape(0, width)
     if found.ndim != 2 or found.shape[1] != width:
-        raise Refused(bad(0, f"its columns are of the shape {found.shape}", _ROWS))
+        raise Refused(bad_pose(0, f"its columns are of the shape {found.shape}", _ROWS))
     return found
 
 
-def at(pose: Pose) -> str:
+def position_text(pose: Pose) -> str:
     """The position of a pose, in words."""
     x, y, z = pose.position
     return f"({x:g}, {y:g}, {z:g}) mm"
 
 
-def bad(row: int, reason: str, cure: str) -> Diagnostic:
+def bad_pose(row: int, reason: str, cure: str) -> Diagnostic:
     """The finding that a row, from 0, cannot be sent."""
     return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)

@@ -11,7 +11,7 @@ from assistant.controllers.recording import Recording
 from assistant.program.geometry import Pose
 
 _PLACE, _TURN = ("x", "y", "z"), ("w", "x", "y", "z")
-FIELDS: Final[dict[str, Sequence[str]]] = {
+RECORDED_FIELDS: Final[dict[str, Sequence[str]]] = {
     "seconds": (),
     "number": (),
     "position": _PLACE,
@@ -28,7 +28,7 @@ FIELDS: Final[dict[str, Sequence[str]]] = {
 }
 """Of a recording: seconds since the beginning, mm, unit quaternions scalar first; NaN for what was
 asked where no pose was. The rest is `Spent`."""
-NOTHING: Final = float("nan")
+NOT_ASKED: Final = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Spent:
         return self.hand_over + self.waiting + self.fetching
 
 
-def add(
+def record_answer(
     recording: Recording, seconds: float, answer: Answer, spent: Spent, asked: Pose | None
 ) -> None:
     """A row for an answer."""
@@ -62,8 +62,8 @@ def add(
         answer.pose.position,
         answer.pose.quaternion,
         answer.configuration,
-        asked.position if asked is not None else (NOTHING,) * 3,
-        asked.quaternion if asked is not None else (NOTHING,) * 4,
+        asked.position if asked is not None else (NOT_ASKED,) * 3,
+        asked.quaternion if asked is not None else (NOT_ASKED,) * 4,
         spent.round_trip,
         spent.hand_over,
         spent.waiting,

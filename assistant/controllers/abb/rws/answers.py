@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Final
 from xml.etree import ElementTree
 
-DEEPEST: Final = 50
+DEEPEST_ANSWER: Final = 50
 """Levels of an answer after which it is taken for garbage."""
 DOCTYPE: Final = re.compile(r"<!DOCTYPE [^\[\]<>]*>")
 """A document type without declarations of its own."""
-SOURCE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
+SOURCE_PLACE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
 """Where in RobotWare's own source an error arose, as its messages begin."""
 
 
@@ -59,7 +59,7 @@ class Answer:
         return tuple(row for row in self.rows if row.kind.removesuffix("-li") in wanted)
 
 
-def parse(data: bytes) -> tuple[tuple[Row, ...], str, int | None, str]:
+def parse_answer(data: bytes) -> tuple[tuple[Row, ...], str, int | None, str]:
     """Rows, next page, number and text of the status; raises ValueError for another form."""
     text = data.decode("utf-8").strip()
     if not text:
@@ -95,7 +95,7 @@ def _row(item: ElementTree.Element) -> Row:
 
 def _spans(item: ElementTree.Element, depth: int = 0) -> Iterator[tuple[str, str]]:
     """Values below an element, but those of list items inside it."""
-    if depth > DEEPEST:
+    if depth > DEEPEST_ANSWER:
         raise ValueError("it is nested too deep")
     for below in item:
         name = _local(below)
@@ -129,7 +129,7 @@ def _of_json(text: str) -> tuple[tuple[Row, ...], str, int | None, str]:
 
 
 def _objects(node: object, depth: int) -> Iterator[Row]:
-    if depth > DEEPEST:
+    if depth > DEEPEST_ANSWER:
         raise ValueError("it is nested too deep")
     if isinstance(node, list):
         for item in node:
@@ -158,9 +158,9 @@ def _number(text: str) -> int | None:
     return int(text) if re.fullmatch(r"-?\d{1,12}", text.strip()) else None
 
 
-def plain(message: str) -> str:
+def plain_message(message: str) -> str:
     """A controller's message without the places in its own source, and on one line."""
-    said = re.sub(r"\bERROR:\s*", "", SOURCE.sub("", message))
+    said = re.sub(r"\bERROR:\s*", "", SOURCE_PLACE.sub("", message))
     said = re.sub(r"[\x00-\x1f\x7f]+|\s+", " ", said)
     return re.sub(r"\s*\bi?code:\s*-?\d+", "", said).strip(" ;:")
 

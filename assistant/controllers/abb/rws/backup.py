@@ -17,10 +17,10 @@ KIND: Final = "abb"
 VOLUME: Final = "BACKUP:"
 PATIENCE: Final = 600.0
 """Seconds that a controller is granted for writing its backup, unless the time-out is longer."""
-ABOUT: Final = "backinfo/backinfo.txt"
+INFO_FILE: Final = "backinfo/backinfo.txt"
 """A file that every backup has."""
-POLL: Final = 0.2
-SLOWEST: Final = 2.0
+FIRST_POLL: Final = 0.2
+SLOWEST_POLL: Final = 2.0
 """Seconds between two looks whether the backup is written: the first, and at most."""
 FAILED: Final = ("error", "invalid")
 UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
@@ -29,19 +29,19 @@ UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
 
 def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str, ...]:
     """Writes a backup into a new folder, which appears whole or not at all; its files."""
-    with folders.appearing(folder, KIND) as place:
+    with folders.appearing_folder(folder, KIND) as place:
         name = f"assistant_{datetime.now():%Y%m%d_%H%M%S_%f}"
         path = f"{VOLUME}/{name}"
         try:
             _make(session, files, path)
             for found, size in files.tree(path):
-                folders.put(place, found, _read(session, files, f"{path}/{found}", size))
+                folders.put_file(place, found, _read(session, files, f"{path}/{found}", size))
         finally:
             if session.connected:
                 files.discard(path)
-        written = folders.files(place)
-        if not any(one.lower() == ABOUT for one in written):
-            raise session.garbled("reading the backup", f"it has no `{ABOUT}`")
+        written = folders.backup_files(place)
+        if not any(one.lower() == INFO_FILE for one in written):
+            raise session.garbled("reading the backup", f"it has no `{INFO_FILE}`")
         return written
 
 
@@ -52,22 +52,24 @@ def _make(session: Session, files: Files, path: str) -> None:
     number = answer.location.rpartition("/progress/")[2]
     patience = max(PATIENCE, session.timeout)
     until = time.monotonic() + patience
-    pause = POLL
+    pause = FIRST_POLL
     while not _ready(session, number if number.isalnum() else ""):
         if time.monotonic() + pause > until:
             state = "the backup may still be under way on the controller"
             place = str(session.address)
             raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=patience, state=state))
         time.sleep(pause)
-        pause = min(2 * pause, SLOWEST)
+        pause = min(2 * pause, SLOWEST_POLL)
 
 
 def _ready(session: Session, number: str) -> bool:
     """Whether the backup is written, by its progress if it has a number, and by its state."""
     doing = "asking how far the backup is"
-    told = [_told(session, "backup state", doing, {}, "backup-state", "backup state", "state")]
+    told = [
+        _state_word(session, "backup state", doing, {}, "backup-state", "backup state", "state")
+    ]
     if number:
-        told.append(_told(session, "progress", doing, {"path": number}, "state"))
+        told.append(_state_word(session, "progress", doing, {"path": number}, "state"))
     if not any(told):
         raise session.refusal(
             "make a backup", "it does not tell when one is whole", "make it on the FlexPendant"
@@ -78,7 +80,9 @@ def _ready(session: Session, number: str) -> bool:
     return not any(word in state for state in told for word in UNDER_WAY)
 
 
-def _told(session: Session, name: str, doing: str, at: Mapping[str, str], *values: str) -> str:
+def _state_word(
+    session: Session, name: str, doing: str, at: Mapping[str, str], *values: str
+) -> str:
     """A state in the controller's words, lower case; "" where it tells none."""
     try:
         rows = session.ask(name, doing=doing, at=at).rows

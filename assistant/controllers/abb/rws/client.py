@@ -25,7 +25,7 @@ from assistant.controllers.abb.rws.files import Files
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.panel import Panel
 from assistant.controllers.abb.rws.rapid import Rapid
-from assistant.controllers.abb.rws.restoring import Parts, Restore, restore
+from assistant.controllers.abb.rws.restoring import Restore, RestoreParts, restore
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.abb.rws.signals import INPUTS, OUTPUTS, Signals
 from assistant.controllers.abb.rws.subscriptions import Events, subscribed
@@ -160,7 +160,7 @@ class Rws(RapidFiles):
         return self._panel.position()
 
     def log(self, most: int = 50) -> tuple[Fault, ...]:
-        return events.latest(self._session, most)
+        return events.latest_events(self._session, most)
 
     def reset(self) -> None:
         """Looks whether programs can be started; what stops them is reset at the controller.
@@ -262,7 +262,7 @@ class Rws(RapidFiles):
         Files of HOME are written, modules loaded, and parameters loaded, which take hold after a
         restart. MOC.cfg, SIO.cfg, EIO.cfg and safety settings are left out unless they are named.
         """
-        parts = Parts(self._session, self._mastership, self._files, self._panel, self._rapid)
+        parts = RestoreParts(self._session, self._mastership, self._files, self._panel, self._rapid)
         return restore(parts, folder, only)
 
     def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
@@ -284,7 +284,7 @@ class Rws(RapidFiles):
 
     def remote_access(self, wait: float = 60.0) -> None:
         """Asks for leave to write in manual mode; somebody confirms it on the pendant."""
-        remote.ask(self._session, wait)
+        remote.ask_remote_access(self._session, wait)
 
     def _path(self, name: str) -> str:
         return f"{self.address.folder}/{checked_name(name)}"

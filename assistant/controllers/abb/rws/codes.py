@@ -24,22 +24,22 @@ ARGUMENT: Final = -1073445879
 NO_STATION: Final = -1073435873
 STATION_TAKEN: Final = -1073435870
 
-GRANTS: Final = (
+GRANT_CURE: Final = (
     "give the user the grant in the controller's User Authorization System; in manual mode "
     "request remote access and confirm it on the pendant"
 )
-TAKEN: Final = (
+RELEASE_CURE: Final = (
     "release the write access where it is held (FlexPendant, RobotStudio or another program), "
     "or wait until what is under way has ended"
 )
 
-CURES: Final = {
-    HELD: TAKEN,
-    NO_MASTERSHIP: TAKEN,
-    STATION_TAKEN: TAKEN,
-    NO_STATION: TAKEN,
-    REJECTED: GRANTS,
-    NO_ACCESS: GRANTS,
+ERROR_CURES: Final = {
+    HELD: RELEASE_CURE,
+    NO_MASTERSHIP: RELEASE_CURE,
+    STATION_TAKEN: RELEASE_CURE,
+    NO_STATION: RELEASE_CURE,
+    REJECTED: GRANT_CURE,
+    NO_ACCESS: GRANT_CURE,
     NOT_NOW: "stop the programs, or load one and switch the motors on, then run it again",
     NO_MODULE: "check the names of task and module",
     NO_SYMBOL: "check the names of task, module and data",
@@ -50,9 +50,9 @@ CURES: Final = {
     NO_FILE: "check the name of the file and that its text has no errors",
     ARGUMENT: "check the value and what the controller accepts there",
 }
-ELSE: Final = "put right what it says, then run it again"
+OTHER_CURE: Final = "put right what it says, then run it again"
 
-TEXTS: Final = {
+ERROR_TEXTS: Final = {
     HELD: "the resource is held by someone else",
     NO_MASTERSHIP: "the user does not have the mastership",
     REJECTED: "rejected",

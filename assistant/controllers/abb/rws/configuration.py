@@ -15,8 +15,8 @@ from assistant.controllers.abb.rws.answers import Answer, Row
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import Session
 
-PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
-DANGEROUS: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")
+PARAMETER_PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
+UNSAFE_IN_VALUE: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")
 """What would be another attribute, or the end of the value, in the form of RWS 2.0."""
 
 
@@ -51,7 +51,7 @@ class Configuration:
     def set(self, name: str, value: str) -> None:
         """Sets an attribute; most take hold after the controller has been restarted."""
         domain, kind, instance, attribute = self._parts(name, 4)
-        if DANGEROUS.search(value):
+        if UNSAFE_IN_VALUE.search(value):
             raise Refused(
                 rules.BAD_VALUE(
                     place=name, value=value, what=f"the value of `{name}`",
@@ -72,7 +72,9 @@ class Configuration:
 
     def _parts(self, name: str, least: int) -> list[str]:
         parts = name.split("/")
-        if not least <= len(parts) <= 4 or not all(PART.fullmatch(part) for part in parts):
+        if not least <= len(parts) <= 4 or not all(
+            PARAMETER_PART.fullmatch(part) for part in parts
+        ):
             raise Refused(
                 rules.BAD_VALUE(
                     place=name, value=name, what="the name of a parameter",
@@ -98,11 +100,11 @@ def _attributes(page: Answer) -> dict[str, str]:
     instance = ""
     for row in page.rows:
         if row.kind.startswith("cfg-dt-instance"):
-            instance = _name(row)
+            instance = _checked_parameter_part(row)
         elif row.kind.startswith("cfg-ia-t") and instance:
             found[f"{instance}/{row.title}"] = row.get("value")
     return found
 
 
-def _name(row: Row) -> str:
+def _checked_parameter_part(row: Row) -> str:
     return row.title.rpartition("/")[2] or row.get("name")

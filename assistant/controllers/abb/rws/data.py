@@ -11,9 +11,11 @@ from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.rapid import Rapid
 from assistant.controllers.abb.rws.session import NotThere, Session
 
-PROPERTIES: Final = tuple(f"rap-symprop{kind}" for kind in ("var", "pers", "const", "per", "con"))
-DATA: Final = frozenset({"var", "per", "con", "pers", "const", "any", ""})
-CONSTANT: Final = frozenset({"con", "const"})
+SYMBOL_PROPERTIES: Final = tuple(
+    f"rap-symprop{kind}" for kind in ("var", "pers", "const", "per", "con")
+)
+DATA_KINDS: Final = frozenset({"var", "per", "con", "pers", "const", "any", ""})
+CONSTANT_KINDS: Final = frozenset({"con", "const"})
 
 
 class Data:
@@ -57,10 +59,10 @@ class Data:
         shown = _shown(fields)
         rows = self._session.ask(
             "properties", doing=f"asking for the type of {shown}", at=fields
-        ).of(*PROPERTIES)
+        ).of(*SYMBOL_PROPERTIES)
         if not rows:
             return ""
-        constant = rows[0].get("symtyp").lower() in CONSTANT
+        constant = rows[0].get("symtyp").lower() in CONSTANT_KINDS
         if constant or rows[0].get("ro", "rdonly").lower() == "true":
             raise self._session.refusal(
                 f"set {shown}",
@@ -106,7 +108,7 @@ class Data:
         modules = []
         for row in answer.rows:
             parts = (row.get("symburl") or row.title).strip("/").split("/")
-            if row.get("symtyp").lower() in DATA and len(parts) == 4:
+            if row.get("symtyp").lower() in DATA_KINDS and len(parts) == 4:
                 if parts[3].lower() == name.lower():
                     modules.append(parts[2])
         return sorted(set(modules))

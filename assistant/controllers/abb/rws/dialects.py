@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 Domain = Literal["", "rapid", "cfg"]
 """What mastership is for; RWS 2.0 has one for both."""
-FORM: Final = "application/x-www-form-urlencoded"
+FORM_TYPE: Final = "application/x-www-form-urlencoded"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ START: Final = {
     "alltaskbytsp": "false",
 }
 
-_SAME: Final = {
+_SHARED_OPERATIONS: Final = {
     "logout": get("/logout"),
     "system": get("/rw/system"),
     "identity": get("/ctrl/identity"),
@@ -90,8 +90,8 @@ _SAME: Final = {
     "unsubscribe": Operation("DELETE", "/subscription/{path}"),
 }
 
-ONE: Final[Mapping[str, Operation]] = {
-    **_SAME,
+RWS_1: Final[Mapping[str, Operation]] = {
+    **_SHARED_OPERATIONS,
     "motors": get("/rw/panel/ctrlstate"),
     "set motors": post("/rw/panel/ctrlstate", "setctrlstate"),
     "set override": post("/rw/panel/speedratio", "setspeedratio"),
@@ -127,8 +127,8 @@ ONE: Final[Mapping[str, Operation]] = {
     "give back": post("/rw/mastership/{domain}", "release"),
 }
 
-TWO: Final[Mapping[str, Operation]] = {
-    **_SAME,
+RWS_2: Final[Mapping[str, Operation]] = {
+    **_SHARED_OPERATIONS,
     "motors": get("/rw/panel/ctrl-state"),
     "set motors": post("/rw/panel/ctrl-state"),
     "set override": post("/rw/panel/speedratio", "setspeedratio", domain="rapid"),
@@ -189,7 +189,7 @@ class Dialect:
     events: Mapping[str, str]
 
 
-_EVENTS: Final = {
+_EVENT_RESOURCES: Final = {
     "mode": "/rw/panel/opmode;opmode",
     "override": "/rw/panel/speedratio;speedratio",
     "execution": "/rw/rapid/execution;ctrlexecstate",
@@ -204,14 +204,14 @@ DIALECTS: Final = {
         unit="$",
         accept="application/xhtml+xml",
         accept_written="application/xhtml+xml",
-        form=FORM,
+        form=FORM_TYPE,
         upload="application/octet-stream",
         subprotocol="robapi2_subscription",
         domains={"rapid": "rapid", "cfg": "cfg"},
         quoted_text=True,
-        operations=ONE,
+        operations=RWS_1,
         events={
-            **_EVENTS,
+            **_EVENT_RESOURCES,
             "motors": "/rw/panel/ctrlstate;ctrlstate",
             "variable": "/rw/rapid/symbol/data/RAPID/{};value",
         },
@@ -222,14 +222,14 @@ DIALECTS: Final = {
         unit="",
         accept=HAL,
         accept_written=XHTML,
-        form=f"{FORM};v=2.0",
+        form=f"{FORM_TYPE};v=2.0",
         upload="text/plain;v=2.0",
         subprotocol="rws_subscription",
         domains={"rapid": "edit", "cfg": "edit"},
         quoted_text=False,
-        operations=TWO,
+        operations=RWS_2,
         events={
-            **_EVENTS,
+            **_EVENT_RESOURCES,
             "motors": "/rw/panel/ctrl-state;ctrlstate",
             "variable": "/rw/rapid/symbol/RAPID/{}/data;value",
         },

@@ -11,7 +11,7 @@ from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.states import Fault, Identity, Mode, Position, State, TaskState
 
-MODES: Final[dict[str, Mode]] = {"AUTO": "automatic", "MANR": "manual", "MANF": "manual"}
+OPERATING_MODES: Final[dict[str, Mode]] = {"AUTO": "automatic", "MANR": "manual", "MANF": "manual"}
 """MANR: manual at reduced speed, MANF: at full speed; others are on the way to one."""
 STANDSTILLS: Final = {
     "guardstop": Fault(
@@ -29,10 +29,10 @@ STANDSTILLS: Final = {
 }
 """Controller state → the event that the controller logs with it."""
 UNUSED: Final = 8.9e9
-NONE: Final = "9E+09"
+NO_EXTERNAL_AXIS: Final = "9E+09"
 """How RAPID writes an external axis that there is not; controllers round it a little."""
 AXES: Final = tuple(f"rax_{n}" for n in range(1, 7))
-EXTERNAL: Final = tuple("abcdef")
+EXTERNAL_AXES: Final = tuple("abcdef")
 CONFIGURATION: Final = ("cf1", "cf4", "cf6", "cfx")
 
 
@@ -80,7 +80,7 @@ class Panel:
         motors = self.motors()
         mode = self._one("mode", doing, "pnl-opmode").get("opmode").upper()
         ratio = self._one("override", doing, "pnl-speedratio").get("speedratio")
-        return MODES.get(mode, ""), motors, self.running(), _whole(ratio)
+        return OPERATING_MODES.get(mode, ""), motors, self.running(), _whole(ratio)
 
     def motors(self) -> str:
         """Controller state: `motoron`, `motoroff`, `guardstop`, `emergencystop`, …"""
@@ -158,7 +158,7 @@ def _external(joints: Row, total: int | None, inside: int) -> tuple[float | None
     """External axes; those that the unit lacks read 9E9, or 0 beside a number of axes."""
     if total is not None and total <= inside:
         return ()
-    names = [f"eax_{axis}" for axis in EXTERNAL if f"eax_{axis}" in joints.values]
+    names = [f"eax_{axis}" for axis in EXTERNAL_AXES if f"eax_{axis}" in joints.values]
     values = [value if abs(value) < UNUSED else None for value in numbers(joints, names)]
     while values and values[-1] is None:
         values.pop()
@@ -170,7 +170,7 @@ def _robtarget(pose: Row) -> str:
     groups = (("x", "y", "z"), ("q1", "q2", "q3", "q4"), CONFIGURATION)
     if any(name not in pose.values for group in groups for name in group):
         return ""
-    told = [pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(EXTERNAL, start=1)]
+    told = [pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(EXTERNAL_AXES, start=1)]
     parts = [*(",".join(pose.get(name) for name in group) for group in groups), _axes(told)]
     return f"[{','.join(f'[{part}]' for part in parts)}]"
 
@@ -183,5 +183,5 @@ def _axes(told: Sequence[str]) -> str:
             used = abs(float(text)) < UNUSED
         except ValueError:
             used = False
-        found.append(text if used else NONE)
+        found.append(text if used else NO_EXTERNAL_AXIS)
     return ",".join(found)

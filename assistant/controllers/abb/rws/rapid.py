@@ -16,8 +16,8 @@ from assistant.controllers.abb.rws.session import NotNow, Session
 from assistant.controllers.states import TaskState
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
-PROGRAM: Final = ".pgf"
-RUNNING: Final = frozenset({"running", "started"})
+PROGRAM_SUFFIX: Final = ".pgf"
+RUNNING_WORDS: Final = frozenset({"running", "started"})
 """Words of the two dialects for a task that runs."""
 
 
@@ -99,7 +99,7 @@ class Rapid:
         where = self.task(task)
         doing = f"loading `{path}` into `{where}`"
         self._stopped(doing)
-        program = path.lower().endswith(PROGRAM)
+        program = path.lower().endswith(PROGRAM_SUFFIX)
         with self._mastership.of("rapid", doing):
             if program:
                 form = {"progpath": self._files.path(path), "loadmode": "replace"}
@@ -234,7 +234,7 @@ class Rapid:
         return row.get("name") or row.title
 
     def _runs(self, row: Row) -> bool:
-        return row.get("excstate").lower() in RUNNING
+        return row.get("excstate").lower() in RUNNING_WORDS
 
 
 def _as_file(text: str, *, quoted: bool) -> bytes:

@@ -9,11 +9,11 @@ from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.session import Session
 
-POLL: Final = 0.5
+REMOTE_POLL: Final = 0.5
 GRANTED: Final = frozenset({"modify", "exec", "exclusive"})
 
 
-def ask(session: Session, wait: float) -> None:
+def ask_remote_access(session: Session, wait: float) -> None:
     """Returns when the leave to write has been given; raises Refused if it was not in time."""
     doing = "asking for remote access in manual mode"
     if _granted(session):
@@ -21,7 +21,7 @@ def ask(session: Session, wait: float) -> None:
     session.ask("ask privilege", doing=doing, form={"privilege": "modify"})
     until = time.monotonic() + wait
     while not _granted(session):
-        if time.monotonic() + POLL > until:
+        if time.monotonic() + REMOTE_POLL > until:
             raise Refused(
                 rules.NOT_DONE(
                     place=str(session.address),
@@ -30,7 +30,7 @@ def ask(session: Session, wait: float) -> None:
                     state="nobody confirmed it on the pendant",
                 )
             )
-        time.sleep(POLL)
+        time.sleep(REMOTE_POLL)
         session.ask("poll privilege", doing=doing)
 
 

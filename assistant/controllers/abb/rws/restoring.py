@@ -38,20 +38,20 @@ LEFT_OUT: Final = {
     "RAPID/TASK0/*": "modules that all tasks share, which the system installs",
 }
 """Files that are restored only if they are named, with why; patterns ignore case."""
-ABOUT: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
+INFO_PATTERNS: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
 """Files that tell of the backup itself."""
-TASK: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
+TASK_LINE: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
 """Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
-MODULE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
-SETTINGS: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
-DOMAIN: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
+MODULE_FILE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
+PARAMETER_FILE: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
+DOMAIN_HEAD: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
 """How a file of parameters begins: this, and not its name, tells what it replaces."""
-PLACE: Final = "TEMP:"
+LOADING_VOLUME: Final = "TEMP:"
 """Volume that modules and parameters are loaded from."""
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class RestoreParts:
     """What of a controller a restore works with."""
 
     session: Session
@@ -67,7 +67,7 @@ class Restore:
 
     def __init__(
         self,
-        parts: Parts,
+        parts: RestoreParts,
         now: Mapping[str, bytes],
         then: Mapping[str, bytes],
         wanted: Sequence[str],
@@ -75,8 +75,10 @@ class Restore:
         self._parts = parts
         self._now = now
         self._then = then
-        self._tasks = dict(TASK.findall(_backinfo(then)))
-        differing = [n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, ABOUT)]
+        self._tasks = dict(TASK_LINE.findall(_backinfo(then)))
+        differing = [
+            n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, INFO_PATTERNS)
+        ]
         self.left_out: Mapping[str, str] = {
             name: why for name in differing if (why := self._why_not(name, wanted)) is not None
         }
@@ -89,7 +91,7 @@ class Restore:
     @property
     def needs_restart(self) -> bool:
         """Whether the controller takes some of it over only after a restart."""
-        return any(SETTINGS.fullmatch(name) for name in self.changes)
+        return any(PARAMETER_FILE.fullmatch(name) for name in self.changes)
 
     def apply(self) -> None:
         """Restores all changes, or brings back what was there before."""
@@ -132,7 +134,7 @@ class Restore:
         )
 
     def _why_not(self, name: str, wanted: Sequence[str]) -> str | None:
-        if wanted and not any(_named(name, one) for one in wanted):
+        if wanted and not any(_is_meant(name, one) for one in wanted):
             return "it was not named"
         why = self._kept_back(name, wanted)
         return why or (None if self._known(name) else "nothing that could be restored")
@@ -142,19 +144,19 @@ class Restore:
 
         A file of parameters counts as what it says that it is, too.
         """
-        domain = DOMAIN.match(self._then[name]) if SETTINGS.fullmatch(name) else None
+        domain = DOMAIN_HEAD.match(self._then[name]) if PARAMETER_FILE.fullmatch(name) else None
         names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
         unnamed = [
-            n for n in names if not any(_named(n, asked, tuple(LEFT_OUT)) for asked in wanted)
+            n for n in names if not any(_is_meant(n, asked, tuple(LEFT_OUT)) for asked in wanted)
         ]
         return next(
             (why for n in unnamed for one, why in LEFT_OUT.items() if _matches(n, (one,))), None
         )
 
     def _known(self, name: str) -> bool:
-        module = MODULE.fullmatch(name)
+        module = MODULE_FILE.fullmatch(name)
         task = module is not None and module[1].upper() in self._tasks
-        return name.startswith("HOME/") or task or SETTINGS.fullmatch(name) is not None
+        return name.startswith("HOME/") or task or PARAMETER_FILE.fullmatch(name) is not None
 
     def _difference(self, name: str) -> str:
         before, after = self._now.get(name, b""), self._then[name]
@@ -170,7 +172,7 @@ class Restore:
 
     def _put(self, name: str, data: bytes) -> None:
         """Brings one file to where it belongs."""
-        module, settings = MODULE.fullmatch(name), SETTINGS.fullmatch(name)
+        module, settings = MODULE_FILE.fullmatch(name), PARAMETER_FILE.fullmatch(name)
         if name.startswith("HOME/"):
             folder, _, last = self._home(name).rpartition("/")
             self._parts.files.make_folder(folder)
@@ -196,23 +198,23 @@ class Restore:
         self._parts.mastership.ask("load settings", doing=doing, state=state, form=form)
 
 
-def restore(parts: Parts, folder: str | FilePath, only: Sequence[str]) -> Restore:
+def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) -> Restore:
     """What of a backup differs from the controller, of which a backup is made to compare."""
-    then = folders.contents(folder, KIND)
+    then = folders.backup_contents(folder, KIND)
     for one in only:
-        if not any(_named(name, one) for name in then):
+        if not any(_is_meant(name, one) for name in then):
             known = ", ".join(f"`{name}`" for name in sorted(then)[:10])
             raise Refused(rules.NOT_IN_BACKUP(name=one, known=known, place=str(folder)))
     with tempfile.TemporaryDirectory(prefix="robot-assistant-") as place:
         current = FilePath(place) / "now"
         back_up(parts.session, parts.files, current)
-        return Restore(parts, folders.contents(current, KIND), then, only)
+        return Restore(parts, folders.backup_contents(current, KIND), then, only)
 
 
 @contextmanager
 def _laid_down(files: Files, name: str, data: bytes) -> Iterator[str]:
     """The path of a file on the controller, for as long as something is loaded from it."""
-    path = f"{PLACE}/{name}"
+    path = f"{LOADING_VOLUME}/{name}"
     try:
         files.put(path, data, "nothing of it is loaded")
         yield path
@@ -234,7 +236,7 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
     return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
 
 
-def _named(name: str, wanted: str, patterns: Sequence[str] = ("*",)) -> bool:
+def _is_meant(name: str, wanted: str, patterns: Sequence[str] = ("*",)) -> bool:
     """Whether a file is meant: by its whole name, by a folder above it, or by its last part.
 
     patterns: such a folder has to match one.

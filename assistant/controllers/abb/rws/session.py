@@ -15,7 +15,7 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.abb import trust
 from assistant.controllers.abb.rws import codes
-from assistant.controllers.abb.rws.answers import Answer, parse, plain
+from assistant.controllers.abb.rws.answers import Answer, parse_answer, plain_message
 from assistant.controllers.abb.rws.dialects import ANYTHING, DIALECTS, XHTML, Operation
 from assistant.controllers.abb.rws.transport import BUSY, Broken, Response, Transport
 from assistant.controllers.address import Address
@@ -220,9 +220,9 @@ class Session:
     def _trusted(self) -> ssl.SSLContext:
         host, port = self.address.host, self.address.port
         try:
-            shown = partial(trust.shown_at, host, port, self.timeout)
-            return trust.context(self._certificate, shown)
-        except trust.BadFile as error:
+            shown = partial(trust.certificate_at, host, port, self.timeout)
+            return trust.tls_context(self._certificate, shown)
+        except trust.BadCertificateFile as error:
             self._untrusted(f"`{self._certificate}`: {error}")
         except (OSError, ValueError) as error:
             raise self._unreachable(reason_of(error)) from None
@@ -296,7 +296,7 @@ class Session:
         if good and (operation.accept == ANYTHING or operation.method in ("PUT", "DELETE")):
             return answer
         try:
-            rows, following, number, text = parse(response.data)
+            rows, following, number, text = parse_answer(response.data)
         except ValueError as error:
             if good:
                 raise self.garbled(doing, str(error), state) from None
@@ -305,7 +305,7 @@ class Session:
             return Answer(
                 response.status, rows, following, number, text, response.location, response.data
             )
-        raise self._refused(response.status, number, plain(text), doing, state)
+        raise self._refused(response.status, number, plain_message(text), doing, state)
 
     def _refused(
         self, status: int, number: int | None, text: str, doing: str, state: str
@@ -328,10 +328,10 @@ class Session:
             rules.ALARM(
                 place=place,
                 number=number,
-                text=said or codes.TEXTS.get(number, f"HTTP {status}"),
+                text=said or codes.ERROR_TEXTS.get(number, f"HTTP {status}"),
                 doing=doing,
                 state=state,
-                cure=codes.CURES.get(number, codes.ELSE),
+                cure=codes.ERROR_CURES.get(number, codes.OTHER_CURE),
             )
         )
 

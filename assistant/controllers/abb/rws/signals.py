@@ -13,7 +13,7 @@ from assistant.controllers.abb.rws.answers import Row
 from assistant.controllers.abb.rws.mastership import Mastership
 from assistant.controllers.abb.rws.session import Session
 
-NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
+SIGNAL_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
 INPUTS: Final = frozenset({"DI", "AI", "GI"})
 OUTPUTS: Final = frozenset({"DO", "AO", "GO"})
 LARGEST_GROUP: Final = 2**32 - 1
@@ -76,7 +76,7 @@ class Signals:
         pages = self._session.pages("signals", doing=doing)
         rows = [row for page in pages for row in page.of("ios-signal")]
         wanted = [row for row in rows if row.get("type") in kinds]
-        return {_name(row): self._number(row, doing) for row in wanted}
+        return {_checked_signal_name(row): self._number(row, doing) for row in wanted}
 
     def _value(self, name: str) -> float:
         doing = f"reading `{name}`"
@@ -97,14 +97,16 @@ class Signals:
         doing = f"looking for the signal `{name}`"
         found = self._session.ask("find signal", doing=doing, form={"name": name})
         pages = [found]
-        if found.next and not any(_name(r).lower() == name.lower() for r in found.rows):
+        if found.next and not any(
+            _checked_signal_name(r).lower() == name.lower() for r in found.rows
+        ):
             pages = self._session.pages("signals", doing=doing)
         rows = [row for page in pages for row in page.of("ios-signal")]
-        return [row for row in rows if _name(row).lower() == name.lower()]
+        return [row for row in rows if _checked_signal_name(row).lower() == name.lower()]
 
     def _place(self, name: str) -> tuple[str, str]:
         """Address and type of a signal; looked for once, for they stay until a restart."""
-        if not NAME.fullmatch(name):
+        if not SIGNAL_NAME.fullmatch(name):
             reason = "a letter, then letters, digits and `_`, 32 at most"
             raise Refused(
                 rules.BAD_VALUE(
@@ -121,9 +123,12 @@ class Signals:
                 raise self._session.refusal(
                     f"find the signal `{name}`", "there is none", "check its name"
                 )
-            self._places[name] = (same[0].title or _name(same[0]), same[0].get("type"))
+            self._places[name] = (
+                same[0].title or _checked_signal_name(same[0]),
+                same[0].get("type"),
+            )
         return self._places[name]
 
 
-def _name(row: Row) -> str:
+def _checked_signal_name(row: Row) -> str:
     return row.get("name") or row.title.rpartition("/")[2]

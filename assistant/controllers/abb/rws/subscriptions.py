@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
-from assistant.controllers.abb.rws.answers import Answer, Row, parse
+from assistant.controllers.abb.rws.answers import Answer, Row, parse_answer
 from assistant.controllers.abb.rws.session import Session
 from assistant.controllers.abb.rws.signals import Signals
 
 if TYPE_CHECKING:
     from assistant.controllers.abb.rws.channel import Channel
 
-GROUP: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
-PLACE: Final = re.compile(r"[\w/.;$:-]+")
+GROUP_ADDRESS: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
+RESOURCE_ADDRESS: Final = re.compile(r"[\w/.;$:-]+")
 PRIORITY: Final = {"log": "1", "signal": "2", "variable": "2"}
 """Highest priorities that the kinds of resources may have; the others have 1 at most."""
 
@@ -53,7 +53,7 @@ class Events:
             message = self._received(max(left, 0.0))
             if message is None:
                 return None
-            self._waiting.extend(_events(self._session, message))
+            self._waiting.extend(_parse_events(self._session, message))
         return self._waiting.pop(0)
 
     def _received(self, timeout: float) -> bytes | None:
@@ -82,7 +82,7 @@ def subscribed(
     doing = f"subscribing to {', '.join(names)}"
     answer = session.ask("subscribe", doing=doing, body="&".join(form).encode())
     where = answer.location or _link(answer)
-    group = GROUP.search(where)
+    group = GROUP_ADDRESS.search(where)
     if group is None:
         raise session.garbled(doing, f"the place of the events is `{where}`")
     with ExitStack() as stack:
@@ -107,7 +107,7 @@ def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
         place = session.dialect.events[kind].format(about)
     else:
         place = ""
-    if not PLACE.fullmatch(place):
+    if not RESOURCE_ADDRESS.fullmatch(place):
         known = ", ".join(f"`{known}`" for known in sorted(session.dialect.events))
         raise Refused(
             rules.BAD_VALUE(
@@ -141,11 +141,11 @@ def _link(answer: Answer) -> str:
     return found[1].decode("ascii", "replace") if found else ""
 
 
-def _events(session: Session, message: bytes) -> list[Event]:
+def _parse_events(session: Session, message: bytes) -> list[Event]:
     if message.strip() in (b"", b"PONG"):
         return []
     try:
-        rows, _, _, _ = parse(message)
+        rows, _, _, _ = parse_answer(message)
     except ValueError as error:
         raise session.garbled("waiting for events", str(error)) from None
     return _of_rows(rows)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.controllers.pace import Pace
+from assistant.controllers.pace import TransferDeadline
 
 if TYPE_CHECKING:
     import httpx
@@ -114,11 +114,11 @@ class Transport:
         request = self._client.build_request(
             method, self._root + address, content=body, headers=said, timeout=granted
         )
-        with Pace(WAITS * granted, self._client.close):
+        with TransferDeadline(WAITS * granted, self._client.close):
             response = self._client.send(request, stream=True)
         pieces: list[bytes] = []
         try:
-            with Pace(granted, self._client.close) as pace:
+            with TransferDeadline(granted, self._client.close) as pace:
                 for piece in response.iter_raw():
                     pieces.append(piece)
                     pace.moved(len(piece))

@@ -16,9 +16,9 @@ from assistant.controllers.abb.rws.signals import Signals
 from assistant.controllers.abb.rws.subscriptions import Event, Events, subscribed
 from assistant.controllers.states import Sample, State
 
-CHANGES: Final = ("motors", "mode", "override", "execution")
+WATCHED_RESOURCES: Final = ("motors", "mode", "override", "execution")
 """What is told of by events instead of being asked for at each look."""
-RENEWED: Final = 1.0
+FULL_LOOK_INTERVAL: Final = 1.0
 """Seconds after which the state is asked for in any case."""
 
 
@@ -37,15 +37,15 @@ def watch(
     while they run, when an event has told of another one, or after a second.
     """
     with ExitStack() as stack:
-        events = _events(session, signals, names, stack)
+        events = _subscription(session, signals, names, stack)
         began = due = time.monotonic()
         state, asked = State(), float("-inf")
         values: dict[str, float] = {}
         while True:
-            told = list(_told(events))
+            told = list(_waiting_events(events))
             running = panel.running()
             old = events is None or running or running != state.running or bool(told)
-            if old or time.monotonic() > asked + RENEWED:
+            if old or time.monotonic() > asked + FULL_LOOK_INTERVAL:
                 state, asked = panel.state(rapid.tasks()), time.monotonic()
             if names and (events is None or not values or any(_of_signal(e) for e in told)):
                 values = signals.values(names, frozenset())
@@ -54,11 +54,11 @@ def watch(
             time.sleep(max(0.0, due - time.monotonic()))
 
 
-def _events(
+def _subscription(
     session: Session, signals: Signals, names: Sequence[str], stack: ExitStack
 ) -> Events | None:
     """A subscription; None where the controller has none to give, so that all is asked for."""
-    wanted = [*CHANGES, *(f"signal:{signals.known(name)}" for name in names)]
+    wanted = [*WATCHED_RESOURCES, *(f"signal:{signals.known(name)}" for name in names)]
     try:
         return stack.enter_context(subscribed(session, signals, wanted))
     except rules.Lost:
@@ -67,7 +67,7 @@ def _events(
         return None
 
 
-def _told(events: Events | None) -> Iterator[Event]:
+def _waiting_events(events: Events | None) -> Iterator[Event]:
     while events is not None and (event := events.next(0.0)) is not None:
         yield event
 

@@ -11,11 +11,11 @@ from typing import Final, Self
 from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
-from assistant.controllers.mitsubishi.control_mode.status import STOPPING, Streaming
+from assistant.controllers.mitsubishi.control_mode.status import STOPPING_TIMEOUT, Streaming
 from assistant.controllers.mitsubishi.data_link import DataLink
-from assistant.controllers.mitsubishi.helpers import Before
+from assistant.controllers.mitsubishi.helpers import BorrowedState
 
-TASK: Final = "2"
+MEASURING_SLOT: Final = "2"
 
 
 class Measuring(Streaming):
@@ -38,17 +38,19 @@ class Measuring(Streaming):
     ) -> None:
         super().__init__(line, silence, timeout)
         self._controller, self._replace = controller, replace
-        self._before: Before | None = None
+        self._before: BorrowedState | None = None
 
     def __enter__(self) -> Self:
         self._anew()
         self._stream.link.prepare()
         try:
             if self._controller is not None:
-                self._before = Before.of(self._controller, (programs.MEASURE,))
-                programs.install(self._controller, (programs.MEASURE,), replace=self._replace)
-                self._controller.load(programs.MEASURE, task=TASK)
-                self._controller.start(TASK)
+                self._before = BorrowedState.of(self._controller, (programs.MEASURING_PROGRAM,))
+                programs.install_programs(
+                    self._controller, (programs.MEASURING_PROGRAM,), replace=self._replace
+                )
+                self._controller.load(programs.MEASURING_PROGRAM, task=MEASURING_SLOT)
+                self._controller.start(MEASURING_SLOT)
             self._stream.link.open()
             self._stream.start()
             self._stream.first()
@@ -68,7 +70,7 @@ class Measuring(Streaming):
     def _end(self, *, failed: bool) -> None:
         """End the stream, restore the controller. A program that gets no stop ends within 2 s."""
         try:
-            self._stream.stop(STOPPING, again=True)
+            self._stream.stop(STOPPING_TIMEOUT, again=True)
         finally:
             self._stream.close()
         if self._before is not None:

@@ -20,24 +20,28 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
-from assistant.controllers.mitsubishi.control_mode.points import check_steps, checked, limits_of
+from assistant.controllers.mitsubishi.control_mode.points import (
+    check_steps,
+    checked_points,
+    joint_limits,
+)
 from assistant.controllers.mitsubishi.control_mode.status import (
-    STOPPING,
+    STOPPING_TIMEOUT,
     Status,
     Streaming,
     link_to,
 )
 from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
-from assistant.controllers.mitsubishi.helpers import Before
+from assistant.controllers.mitsubishi.helpers import BorrowedState
 from assistant.controllers.rules import Lost
 
-AHEAD: Final = 8
+POINTS_AHEAD: Final = 8
 """Points that are sent before the controller has taken them: what it moves to at most if the
 line dies.
 """
-REACHED: Final = 0.02
+ARRIVAL_TOLERANCE: Final = 0.02
 """Degrees; positions are printed with two decimals."""
-LOOK: Final = 0.1
+ARRIVAL_POLL: Final = 0.1
 """Seconds between two looks whether they have."""
 
 
@@ -62,14 +66,14 @@ class ControlMode(Streaming):
         *,
         limits: ArrayLike,
         most_step: float | None = None,
-        ahead: int = AHEAD,
+        ahead: int = POINTS_AHEAD,
         silence: float = 2.0,
         timeout: float = 10.0,
         replace: bool = False,
     ) -> None:
         super().__init__(status_line, silence, timeout)
         self.controller = controller
-        self.limits = limits_of(limits)
+        self.limits = joint_limits(limits)
         self.most_step = most_step
         self.ahead = ahead
         self.timeout = timeout
@@ -79,7 +83,7 @@ class ControlMode(Streaming):
         self._last: Floats | None = None
         """The point that was sent last, None before the first."""
         self._started = self._stopped = False
-        self._before: Before | None = None
+        self._before: BorrowedState | None = None
 
     def __enter__(self) -> Self:
         self._anew()
@@ -102,7 +106,7 @@ class ControlMode(Streaming):
     ) -> None:
         """Raises Refused if the programs could not be stopped, unless there is an error already."""
         state = self._end(error)
-        if state != STOPPED and error is None:
+        if state != STOPPED_REASON and error is None:
             raise Lost(rules.NOT_ENDED(place=self._stream.link.target, state=state))
 
     def follow(
@@ -114,7 +118,7 @@ class ControlMode(Streaming):
         of how many the controller has taken. Whatever fails, ^C too, stops the programs.
         Raises Refused: limits are looked at before anything is sent.
         """
-        points = checked(joints, self.limits, self.most_step)
+        points = checked_points(joints, self.limits, self.most_step)
         try:
             self._follow(points, progress or (lambda _done, _count: None))
         except BaseException as error:
@@ -130,7 +134,7 @@ class ControlMode(Streaming):
         meanwhile; the arm stands at the last one. Limits, and `most_step` from the point before,
         are looked at before it is sent. Whatever fails, ^C too, stops the programs.
         """
-        points = checked(np.atleast_2d(np.asarray(joints)), self.limits, None)
+        points = checked_points(np.atleast_2d(np.asarray(joints)), self.limits, None)
         try:
             if self.most_step is not None:
                 before = self._last if self._last is not None else self._commanded()
@@ -147,13 +151,15 @@ class ControlMode(Streaming):
     def stop(self) -> str:
         """Stops the arm and the programs; in words, what is known of them."""
         if self._stopped or not self._started:
-            return STOPPED
-        said = self._stream.stop(STOPPING, again=self.controller is None)
+            return STOPPED_REASON
+        said = self._stream.stop(STOPPING_TIMEOUT, again=self.controller is None)
         if self.controller is not None:
             stands = self._stop_through(self.controller, said)
-            said = stands or self._stream.stop(STOPPING, again=True)
+            said = stands or self._stream.stop(STOPPING_TIMEOUT, again=True)
         self._stopped = said
-        return STOPPED if self._stopped else f"they could not be stopped: {self._stream.state}"
+        return (
+            STOPPED_REASON if self._stopped else f"they could not be stopped: {self._stream.state}"
+        )
 
     # ------------------------------------------------------------------------------ inside
 
@@ -162,9 +168,11 @@ class ControlMode(Streaming):
         self._stream.link.prepare()
         if self.controller is not None:
             programs.check_idle(self.controller)
-            self._before = Before.of(self.controller, programs.NAMES, programs.SHARED)
-            programs.install(self.controller, replace=self._replace)
-            self.controller.load(programs.FIRST)
+            self._before = BorrowedState.of(
+                self.controller, programs.PROGRAM_NAMES, programs.SHARED_VARIABLES
+            )
+            programs.install_programs(self.controller, replace=self._replace)
+            self.controller.load(programs.STARTING_PROGRAM)
             self._started = True
             self.controller.start()
         self._stream.link.open()
@@ -179,7 +187,7 @@ class ControlMode(Streaming):
             state = self.stop()
         finally:
             self._close()
-        if self._before is not None and state == STOPPED:
+        if self._before is not None and state == STOPPED_REASON:
             try:
                 self._before.put_back()
             except Refused:
@@ -232,7 +240,7 @@ class ControlMode(Streaming):
     def _is_at(self, now: Status, goal: Floats) -> bool:
         there = np.array(now.commanded.values[: len(goal)])
         away = np.nan_to_num(np.abs(there - goal))
-        return now.taken == self._sent and bool((away <= REACHED).all())
+        return now.taken == self._sent and bool((away <= ARRIVAL_TOLERANCE).all())
 
     def _stalled(self, left: int, count: int) -> Refused:
         place = self._control.target
@@ -240,10 +248,10 @@ class ControlMode(Streaming):
 
     def _stop_through(self, controller: Controller, said: bool) -> bool:
         """Whether no program runs any more; they are stopped unless they end by themselves."""
-        end = time.monotonic() + (STOPPING if said else 0.0)
+        end = time.monotonic() + (STOPPING_TIMEOUT if said else 0.0)
         try:
             while controller.state().running and time.monotonic() < end:
-                time.sleep(LOOK)
+                time.sleep(ARRIVAL_POLL)
             if controller.state().running:
                 controller.stop()
             return not controller.state().running
@@ -267,7 +275,7 @@ class ControlMode(Streaming):
         return f"; the controller says: {', '.join(found)}" if found else ""
 
 
-STOPPED: Final = "the programs were stopped"
+STOPPED_REASON: Final = "the programs were stopped"
 
 
 def _moved(then: Status, now: Status | None) -> bool:

@@ -11,31 +11,33 @@ from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.mitsubishi.data_link.records import AXES, DECIMALS
 
 
-def limits_of(limits: ArrayLike) -> Floats:
+def joint_limits(limits: ArrayLike) -> Floats:
     """(k, 2) lowest and highest degrees of each axis; raises Refused if they are none."""
-    rows = _numbers(limits, "the limits")
+    rows = _number_rows(limits, "the limits")
     if rows.ndim != 2 or rows.shape[1:] != (2,) or not 0 < len(rows) <= AXES:
-        raise _bad(
+        raise _bad_points(
             f"the limits have the shape {rows.shape}", "give (low, high) in degrees for each axis"
         )
     if not (rows[:, 0] < rows[:, 1]).all():
-        raise _bad("a limit is no range", "give (low, high) in degrees for each axis")
+        raise _bad_points("a limit is no range", "give (low, high) in degrees for each axis")
     return rows
 
 
-def checked(joints: ArrayLike, limits: Floats, most_step: float | None) -> Floats:
+def checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) -> Floats:
     """(n, k) degrees as they will arrive, NaN for an axis that the arm lacks.
 
     limits: (k, 2). most_step: degrees that an axis may turn from one point to the next.
     Raises Refused before anything is sent.
     """
-    points = _numbers(joints, "the points")
+    points = _number_rows(joints, "the points")
     if points.ndim != 2 or len(points) == 0 or points.shape[1] != len(limits):
         reason = f"it has the shape {points.shape}, the arm {len(limits)} axes"
-        raise _bad(reason, "give a row for each point, with an angle for each axis")
+        raise _bad_points(reason, "give a row for each point, with an angle for each axis")
     lacking = np.isnan(points)
     if np.isinf(points).any() or (lacking != lacking[0]).any() or lacking.all():
-        raise _bad("an angle is no number", "leave an axis out (NaN) of all points or of none")
+        raise _bad_points(
+            "an angle is no number", "leave an axis out (NaN) of all points or of none"
+        )
     points = points.round(DECIMALS)
     outside = (points < limits[:, 0]) | (points > limits[:, 1])
     if outside.any():
@@ -72,12 +74,14 @@ def check_steps(points: Floats, most: float, first: int = 2) -> None:
         )
 
 
-def _numbers(given: ArrayLike, what: str) -> Floats:
+def _number_rows(given: ArrayLike, what: str) -> Floats:
     try:
         return reals(given)
     except ValueError as error:
-        raise _bad(f"{what} are no table of numbers: {error}", "give rows of numbers") from None
+        raise _bad_points(
+            f"{what} are no table of numbers: {error}", "give rows of numbers"
+        ) from None
 
 
-def _bad(reason: str, cure: str) -> Refused:
+def _bad_points(reason: str, cure: str) -> Refused:
     return Refused(rules.BAD_POINTS(reason=reason, cure=cure), exit_status=2)

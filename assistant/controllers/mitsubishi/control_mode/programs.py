@@ -11,27 +11,29 @@ from assistant.controllers.mitsubishi.data_link import rules
 from assistant.controllers.states import State
 from assistant.resources import resource
 
-FIRST: Final = "MULTITASK"
+STARTING_PROGRAM: Final = "MULTITASK"
 """Starts and stops the others."""
-NAMES: Final = (FIRST, "DATALINK", "CONTROLLINK")
-SHARED: Final = ("M_01", "M_02", "M_03", "M_04")
+PROGRAM_NAMES: Final = (STARTING_PROGRAM, "DATALINK", "CONTROLLINK")
+SHARED_VARIABLES: Final = ("M_01", "M_02", "M_03", "M_04")
 """External variables by which they signal each other."""
-MEASURE: Final = "MEASURE"
+MEASURING_PROGRAM: Final = "MEASURE"
 """Sends the status by itself, beside what another slot does."""
 
 
-def texts(names: Sequence[str] = NAMES) -> dict[str, bytes]:
+def program_texts(names: Sequence[str] = PROGRAM_NAMES) -> dict[str, bytes]:
     """The programs by name. They are the same in all versions of the language."""
     folder = "melfa/datalink"
     return {name: resource("samples", f"{folder}/{name}.prg").read_bytes() for name in names}
 
 
-def install(controller: Controller, names: Sequence[str] = NAMES, *, replace: bool = False) -> None:
+def install_programs(
+    controller: Controller, names: Sequence[str] = PROGRAM_NAMES, *, replace: bool = False
+) -> None:
     """Writes the programs that are not there yet.
 
     replace: other programs of these names, too; they are refused else.
     """
-    wanted = texts(names)
+    wanted = program_texts(names)
     there = {name: controller.read(name) for name in wanted}
     missing = [
         name

@@ -20,16 +20,16 @@ from assistant.controllers.rules import Lost
 
 FORM: Final = Form.parse("M_TIMER(1) | P_CURR | J_FBC | J_CURR | M_RSPD(3) | M_04")
 """What the program DATALINK prints."""
-READY: Final = "READY"
-ENDED: Final = "END"
-STOP: Final = "0"
-WATCHED: Final = "2"
-BEAT: Final = 0.4
+READY_WORD: Final = "READY"
+END_WORD: Final = "END"
+STOP_MESSAGE: Final = "0"
+WATCH_MESSAGE: Final = "2"
+WATCH_INTERVAL: Final = 0.4
 """Seconds between two messages of a client that is watched; two seconds stop the programs."""
-STOPPING: Final = 5.0
+STOPPING_TIMEOUT: Final = 5.0
 """Seconds that the programs have to end."""
-WATCHING: Final = "the programs stop by themselves within 2 s of the last message"
-UNWATCHED: Final = "no position was sent; programs that run may still wait for one"
+STOP_BY_THEMSELVES: Final = "the programs stop by themselves within 2 s of the last message"
+RUN_ON: Final = "no position was sent; programs that run may still wait for one"
 """What is known of a controller whose status line is gone."""
 
 
@@ -112,15 +112,15 @@ class StatusStream:
         self.link.close()
         self.link.open()
         while not self.ended and time.monotonic() < end:
-            self.link.send(STOP)
+            self.link.send(STOP_MESSAGE)
             heard = time.monotonic()
-            while not self.ended and time.monotonic() - heard < BEAT:
-                self.ended = self.link.wait(SLICE) == ENDED
+            while not self.ended and time.monotonic() - heard < WATCH_INTERVAL:
+                self.ended = self.link.wait(RECORD_SLICE) == END_WORD
 
     @property
     def state(self) -> str:
         """What is known of the programs if nothing more is heard of them."""
-        return UNWATCHED if self.latest is None else WATCHING
+        return RUN_ON if self.latest is None else STOP_BY_THEMSELVES
 
     def close(self) -> None:
         """Ends the thread and the line."""
@@ -148,16 +148,16 @@ class StatusStream:
 
     def _hear(self) -> None:
         began = heard = time.monotonic()
-        said, word = -BEAT, ""
+        said, word = -WATCH_INTERVAL, ""
         while not self._over.is_set():
             now = time.monotonic()
-            asked = STOP if self._stopping.is_set() else WATCHED
-            if now - said >= BEAT or asked != word:
+            asked = STOP_MESSAGE if self._stopping.is_set() else WATCH_MESSAGE
+            if now - said >= WATCH_INTERVAL or asked != word:
                 said, word = now, asked
                 self.link.send(word)
-            line = self.link.wait(SLICE)
+            line = self.link.wait(RECORD_SLICE)
             now = time.monotonic()
-            if line == ENDED:
+            if line == END_WORD:
                 with self._news:
                     self.ended = True
                     self._news.notify_all()
@@ -170,7 +170,7 @@ class StatusStream:
 
     def _take(self, line: str, seconds: float) -> bool:
         """Whether the line is a record; raises Lost if it is nothing that the program says."""
-        if line == READY and self.latest is None:
+        if line == READY_WORD and self.latest is None:
             return False
         try:
             values = FORM.read(line)
@@ -232,5 +232,5 @@ def link_to(line: str | DataLink, timeout: float) -> DataLink:
     return line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)
 
 
-SLICE: Final = 0.1
+RECORD_SLICE: Final = 0.1
 """Seconds that a record is waited for at a time."""

@@ -14,7 +14,7 @@ from assistant.controllers.rules import Lost
 
 MOST_LINE: Final = 4096
 """Bytes without an end after which what comes is no line of a program."""
-END: Final = b"\r"
+LINE_END: Final = b"\r"
 
 
 class DataLink:
@@ -77,7 +77,7 @@ class DataLink:
 
         Raises Refused for what no line can carry, Lost if it does not go out.
         """
-        data = f"{self._prefix}{records.written(values)}".encode(records.ENCODING) + END
+        data = f"{self._prefix}{records.input_line(values)}".encode(records.ENCODING) + LINE_END
         try:
             self.stream.send(data, self.timeout)
         except OSError as error:
@@ -118,7 +118,7 @@ class DataLink:
 
     def _whole(self) -> str | None:
         self._come = self._come.removeprefix(b"\n")
-        line, end, rest = self._come.partition(END)
+        line, end, rest = self._come.partition(LINE_END)
         if not end:
             return None
         self._come = rest

@@ -32,8 +32,13 @@ COMPONENTS: Final = {
 }
 """Names of the components of a value, as they are recorded."""
 
-Kind = Literal["number", "text", "position", "joints"]
-KINDS: Final[dict[str, Kind]] = {"M": "number", "C": "text", "P": "position", "J": "joints"}
+ValueKind = Literal["number", "text", "position", "joints"]
+VALUE_KINDS: Final[dict[str, ValueKind]] = {
+    "M": "number",
+    "C": "text",
+    "P": "position",
+    "J": "joints",
+}
 """First letter of a variable → what it holds."""
 
 
@@ -75,7 +80,7 @@ class Form:
     """
 
     names: tuple[str, ...]
-    kinds: tuple[Kind, ...]
+    kinds: tuple[ValueKind, ...]
     separator: str = "|"
 
     @staticmethod
@@ -83,16 +88,18 @@ class Form:
         """The form that a text such as `M_TIMER | P_CURR | J_FBC` says; raises Refused."""
         names = tuple(name.strip() for name in text.split(separator))
         for name in names:
-            if not FIELD.fullmatch(name):
+            if not FORM_FIELD.fullmatch(name):
                 raise Refused(rules.BAD_FORM(place=text, field=name), exit_status=2)
-        return Form(names, tuple(KINDS[name[0].upper()] for name in names), separator)
+        return Form(names, tuple(VALUE_KINDS[name[0].upper()] for name in names), separator)
 
     def read(self, line: str) -> tuple[Value, ...]:
         """The values of a line; raises ValueError if it is of another form."""
         parts = line.split(self.separator)
         if len(parts) != len(self.names):
             raise ValueError(f"{len(parts)} fields, not {len(self.names)}")
-        return tuple(read(part.strip(), kind) for part, kind in zip(parts, self.kinds, strict=True))
+        return tuple(
+            read_value(part.strip(), kind) for part, kind in zip(parts, self.kinds, strict=True)
+        )
 
     def recording(self, *more: str) -> Recording:
         """An empty recording of these fields but for texts, behind single numbers `more`."""
@@ -102,37 +109,39 @@ class Form:
 
     def record(self, recording: Recording, values: Sequence[Value], *more: float) -> None:
         """Adds a row to one of `recording`."""
-        recording.add(*more, *(numbers(value) for value in values if not isinstance(value, str)))
+        recording.add(
+            *more, *(value_components(value) for value in values if not isinstance(value, str))
+        )
 
-    def _numeric(self) -> Iterable[tuple[str, Kind]]:
+    def _numeric(self) -> Iterable[tuple[str, ValueKind]]:
         pairs = zip(self.names, self.kinds, strict=True)
         return ((name, kind) for name, kind in pairs if kind != "text")
 
 
-FIELD: Final = re.compile(r"[MCPJ][A-Z0-9_]*[$%&!#]?(?:\(\s*\d+\s*(?:,\s*\d+\s*)*\))?", re.I)
+FORM_FIELD: Final = re.compile(r"[MCPJ][A-Z0-9_]*[$%&!#]?(?:\(\s*\d+\s*(?:,\s*\d+\s*)*\))?", re.I)
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?", re.I)
-GROUP: Final = re.compile(r"\(([^()]*)\)\s*(?:\(([^()]*)\))?")
+BRACKETS: Final = re.compile(r"\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 LACKING: Final = {"", "****"}
 """What stands for an axis that the arm lacks."""
 
 
-def numbers(value: float | Position | Joints) -> float | tuple[float, ...]:
+def value_components(value: float | Position | Joints) -> float | tuple[float, ...]:
     """The components of a value, as a recording has them."""
     return value if isinstance(value, (int, float)) else value.numbers
 
 
-def read(text: str, kind: Kind) -> Value:
+def read_value(text: str, kind: ValueKind) -> Value:
     """A printed value; raises ValueError if it is of another kind."""
     match kind:
         case "text":
             return text
         case "number":
-            return _number(text)
+            return _read_number(text)
         case "joints" | "position":
-            return _group(text, kind)
+            return _read_brackets(text, kind)
 
 
-def _number(text: str) -> float:
+def _read_number(text: str) -> float:
     if not NUMBER.fullmatch(text):
         raise ValueError(f"{text!r} is no number")
     value = float(text)
@@ -141,33 +150,33 @@ def _number(text: str) -> float:
     return value
 
 
-def _group(text: str, kind: Literal["position", "joints"]) -> Position | Joints:
-    found = GROUP.fullmatch(text)
+def _read_brackets(text: str, kind: Literal["position", "joints"]) -> Position | Joints:
+    found = BRACKETS.fullmatch(text)
     if found is None or (found[2] is None) != (kind == "joints"):
         raise ValueError(f"{text!r} is no {kind}")
     parts = [part.strip() for part in found[1].split(",")]
     if len(parts) > AXES:
         raise ValueError(f"{text!r} has more than {AXES} components")
-    given = [math.nan if part in LACKING else _number(part) for part in parts]
+    given = [math.nan if part in LACKING else _read_number(part) for part in parts]
     values = (*given, *[math.nan] * (AXES - len(given)))
     if found[2] is None:
         return Joints(values)
-    flags = [_number(part.strip()) for part in found[2].split(",")]
+    flags = [_read_number(part.strip()) for part in found[2].split(",")]
     if len(flags) != 2 or any(flag != int(flag) for flag in flags):
         raise ValueError(f"{text!r} has no two whole flags")
     return Position(values, (int(flags[0]), int(flags[1])))
 
 
-def written(values: Sequence[Value]) -> str:
+def input_line(values: Sequence[Value]) -> str:
     """A line for Input#, its items between commas; raises Refused for what no line can carry."""
-    line = ",".join(map(_item, values))
+    line = ",".join(map(_item_text, values))
     if len(line) > MOST_BYTES:
         reason = f"it has {len(line)} bytes, a line {MOST_BYTES}"
         raise _unsendable("the line", reason, "send fewer items at once")
     return line
 
 
-def _item(value: Value) -> str:
+def _item_text(value: Value) -> str:
     match value:
         case str():
             if strange := re.search(r"[\x00-\x1f\x7f-\x9f,()\"]|[^\x00-\xff]", value):
@@ -175,21 +184,21 @@ def _item(value: Value) -> str:
                 raise _unsendable(repr(value), reason, "send a text without it")
             return value
         case Position(values, (one, two)):
-            return f"{_bracket(values)}({one},{two})"
+            return f"{_bracket_text(values)}({one},{two})"
         case Joints(values):
-            return _bracket(values)
-    return _plain(value)
+            return _bracket_text(values)
+    return _decimal_text(value)
 
 
-def _bracket(values: Sequence[float]) -> str:
+def _bracket_text(values: Sequence[float]) -> str:
     """Components up to the last one that there is; 0 for one that the arm lacks."""
     count = max((place for place, value in enumerate(values, 1) if value == value), default=0)
     if not 0 < count <= AXES:
         raise _unsendable(str(tuple(values)), f"it has {count} components", f"give 1 to {AXES}")
-    return f"({','.join('0' if math.isnan(v) else _plain(v) for v in values[:count])})"
+    return f"({','.join('0' if math.isnan(v) else _decimal_text(v) for v in values[:count])})"
 
 
-def _plain(value: float) -> str:
+def _decimal_text(value: float) -> str:
     if not math.isfinite(value):
         raise _unsendable(str(value), "it is not finite", "send a finite number")
     text = f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".")

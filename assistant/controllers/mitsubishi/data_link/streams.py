@@ -23,15 +23,15 @@ try:
     TERMINAL_ERRORS: tuple[type[Exception], ...] = (_terminal_error,)
 except ImportError:  # not on Windows
     TERMINAL_ERRORS = ()
-AT_ONCE: Final = 1 << 16
-RETRY: Final = 0.1
+READ_AT_ONCE: Final = 1 << 16
+CONNECT_RETRY: Final = 0.1
 """Seconds between two trials to connect to a program that may not have opened its line yet."""
 
 
-PSEUDO: Final = re.compile("/dev/pts/")
+PSEUDO_TERMINAL: Final = re.compile("/dev/pts/")
 """A pseudo terminal has no parity, and refuses to be set to one where nothing else changes."""
-LETTERS: Final = {"none": "N", "odd": "O", "even": "E"}
-SLICE: Final = 0.05
+PARITY_LETTERS: Final = {"none": "N", "odd": "O", "even": "E"}
+PORT_SLICE: Final = 0.05
 """Seconds that a serial port is waited for at a time."""
 
 
@@ -99,7 +99,7 @@ class _Tcp:
                 raise ConnectionError("it was closed here") from None
             if not selector.select(timeout):
                 raise TimeoutError
-        data = peer.recv(AT_ONCE)
+        data = peer.recv(READ_AT_ONCE)
         if not data:
             raise ConnectionResetError("the controller closed it")
         return data
@@ -129,12 +129,12 @@ class TcpClient(_Tcp):
         end = time.monotonic() + timeout
         while True:
             try:
-                left = max(RETRY, end - time.monotonic())
+                left = max(CONNECT_RETRY, end - time.monotonic())
                 peer = socket.create_connection(self._place, timeout=left)
             except ConnectionRefusedError:
-                if not self._patient or time.monotonic() + RETRY > end:
+                if not self._patient or time.monotonic() + CONNECT_RETRY > end:
                     raise
-                time.sleep(RETRY)
+                time.sleep(CONNECT_RETRY)
             else:
                 return self._use(peer)
 
@@ -191,9 +191,9 @@ class Serial:
                 self.target,
                 self._rate.baud,
                 bytesize=self._rate.bits,
-                parity="N" if _is_pseudo(self.target) else LETTERS[self._rate.parity],
+                parity="N" if _is_pseudo(self.target) else PARITY_LETTERS[self._rate.parity],
                 stopbits=self._rate.stops,
-                timeout=SLICE,  # and not changed later: that would set the port anew each time
+                timeout=PORT_SLICE,  # and not changed later: that would set the port anew each time
                 write_timeout=timeout,
                 exclusive=None if os.name == "nt" else True,
             )
@@ -233,7 +233,7 @@ class Serial:
 
 def _is_pseudo(target: str) -> bool:
     """Whether a serial port is a pseudo terminal, or a link to one."""
-    return PSEUDO.match(os.path.realpath(target)) is not None
+    return PSEUDO_TERMINAL.match(os.path.realpath(target)) is not None
 
 
 def stream_to(target: str, rate: Rate | None = None) -> Stream:

@@ -19,9 +19,9 @@ from assistant.base.diagnostics import Refused
 from assistant.controllers import cyclic
 from assistant.controllers.cyclic import Endpoint, Limits, Progress, Report, Settings, Trajectory
 from assistant.controllers.cyclic.rules import BROKEN, NO_ANSWER
-from assistant.controllers.cyclic.wire import Wire
-from assistant.controllers.mitsubishi.mxt.link import ADDED, Mode, MxtLink, Watched
-from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES, DATA
+from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.mitsubishi.mxt.link import WATCHED_OFFSETS, Mode, MxtLink, Watched
+from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES, DATA_FORMS
 from assistant.controllers.mitsubishi.mxt.rules import BAD_SETTING, WRONG_KIND, require
 from assistant.program.motion import Path
 
@@ -31,7 +31,7 @@ CYCLES: Final = {"CR750": 64 / 9000, "CR800": 0.0035}
 """Series → seconds of a cycle: CRn-500, CRn-700 and CR750 7.11 ms; CR800 3.5 ms, but 7.11 ms with
 a user mechanism."""
 KINDS: Final = {"pose": "poses", "joint": "joints", "pulse": "joints"}
-ENDS: Final = 2
+END_PACKETS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 
 
@@ -71,13 +71,20 @@ class Mxt:
         local_port: int = 0,
     ) -> None:
         require("mode", mode, mode in COMMAND_TYPES, "it is pose, joint or pulse")
-        require("watched", watched, watched in ADDED, f"it is one of {', '.join(ADDED)}")
+        require(
+            "watched",
+            watched,
+            watched in WATCHED_OFFSETS,
+            f"it is one of {', '.join(WATCHED_OFFSETS)}",
+        )
         require("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
         require("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
         require("cycle", cycle, 0.001 <= cycle <= 0.1, "it is seconds, 0.0035 or 0.00711")
         require("axes", axes, 1 <= axes <= 8, "a packet has room for 1 to 8")
         require("sliding", sliding, set(sliding) <= set(range(1, axes + 1)), "axes are from 1 on")
-        require("also", also, len(also) <= 3 and set(also) <= set(DATA), "three types, 1 to 11")
+        require(
+            "also", also, len(also) <= 3 and set(also) <= set(DATA_FORMS), "three types, 1 to 11"
+        )
         require("also", also, not (short and also), "short packets carry one type only")
         first, mask, word = outputs or (inputs or 0, 0, 0)
         numbers = all(0 <= value <= 0xFFFF for value in (first, mask, word, *flags))
@@ -133,7 +140,7 @@ class Mxt:
         self._open = True
         return self._told
 
-    def _asked(self, wire: Wire) -> str:
+    def _asked(self, wire: PacketSocket) -> str:
         """Has the controller tell where the arm is; why it did not, "" if it did."""
         left = self._settings.timeout
         each = self._settings.lapse * self._link.cycle
@@ -214,16 +221,16 @@ class Mxt:
         with self._wire() as wire, contextlib.suppress(OSError):
             if not self._told and self._asked(wire):
                 return False
-            for _ in range(ENDS):
+            for _ in range(END_PACKETS):
                 wire.send(self._link.end(self._told, self._count))
                 self._count += 1
                 if wire.receive(4 * self._link.cycle) is not None:
                     return True
         return False
 
-    def _wire(self) -> Wire:
+    def _wire(self) -> PacketSocket:
         try:
-            return Wire(self._endpoint)
+            return PacketSocket(self._endpoint)
         except OSError as error:
             reason = error.strerror or str(error)
             refusal = NO_ANSWER(address=self._endpoint, reason=reason)

@@ -27,9 +27,9 @@ from assistant.controllers.mitsubishi.mxt.rules import MONITOR_SILENT, NO_MONITO
 
 PORT: Final = 12000
 """First element of MONPORT as delivered."""
-SIZE: Final = 196
-START: Final = 1
-END: Final = 255
+PACKET_SIZE: Final = 196
+START_COMMAND: Final = 1
+END_COMMAND: Final = 255
 FIELDS: Final = (
     *((0, "H", "command"), (4, "H", "type1"), (8, "40s", "data1")),
     *((48, "H", "first_input"), (50, "H", "first_output")),
@@ -39,7 +39,7 @@ FIELDS: Final = (
     *((152, "H", "type4"), (156, "40s", "data4")),
 )
 """Offset, form and name of each field that is used; little-endian."""
-AT: Final = {name: (offset, struct.Struct("<" + form)) for offset, form, name in FIELDS}
+FIELD_STRUCTS: Final = {name: (offset, struct.Struct("<" + form)) for offset, form, name in FIELDS}
 
 AXES: Final = tuple(f"J{i}" for i in range(1, 9))
 POSE: Final = (*"xyzabc", "l1", "l2", "flag1", "flag2")
@@ -58,7 +58,7 @@ FORMS: Final[Mapping[str, tuple[struct.Struct, tuple[str, ...]]]] = {
 }
 """Structure → its form and what its numbers are called; of `robot` mm/s, mm, tenths of degrees
 Celsius and cycles since the controller was switched on, without the name of the program."""
-PROGRAM: Final = slice(26, 32)
+PROGRAM_NAME_BYTES: Final = slice(26, 32)
 """Where `robot` has the name of the program in slot 1."""
 
 TYPES: Final[Mapping[str, tuple[int, str]]] = {
@@ -102,7 +102,7 @@ TYPES: Final[Mapping[str, tuple[int, str]]] = {
 """Name → data type ID and structure (table 5-8). Those from 1001 on are degrees and amperes, which
 controllers know from software R4b/S4b on; those with units in their name are older."""
 MOST_TYPES: Final = 4
-AGAIN: Final = 0.1
+START_RETRY: Final = 0.1
 """Seconds after which a start that is not answered is sent again."""
 
 
@@ -185,7 +185,9 @@ class Monitor:
         began, packet = self._first
         before, moment = None, began
         while True:
-            counter = int(AT["counter"][1].unpack_from(packet, AT["counter"][0])[0])
+            counter = int(
+                FIELD_STRUCTS["counter"][1].unpack_from(packet, FIELD_STRUCTS["counter"][0])[0]
+            )
             ahead = 1 if before is None else (counter - before) % (1 << 32)
             if 0 < ahead < 1 << 31:
                 before = counter
@@ -215,8 +217,8 @@ class Monitor:
         """The first packet and when it came."""
         until = time.monotonic() + self._timeout
         for _ in count():
-            self._send(START)
-            got = self._receive(min(AGAIN, max(0.0, until - time.monotonic())))
+            self._send(START_COMMAND)
+            got = self._receive(min(START_RETRY, max(0.0, until - time.monotonic())))
             if got is not None:
                 return got
             if time.monotonic() >= until:
@@ -242,14 +244,14 @@ class Monitor:
                 return None
             except ConnectionError:  # nothing listened on that port when it was asked
                 continue
-            if sender[0] == self._peer[0] and len(packet) == SIZE and self._is_asked(packet):
+            if sender[0] == self._peer[0] and len(packet) == PACKET_SIZE and self._is_asked(packet):
                 return time.monotonic(), packet
         return None
 
     def _is_asked(self, packet: bytes) -> bool:
         wanted = [TYPES[name][0] for name in self._types]
         for i, number in enumerate(wanted, 1):
-            offset, form = AT[f"type{i}"]
+            offset, form = FIELD_STRUCTS[f"type{i}"]
             if form.unpack_from(packet, offset)[0] != number:
                 return False
         return True
@@ -258,33 +260,34 @@ class Monitor:
         values: dict[str, tuple[float, ...]] = {}
         program = ""
         for i, name in enumerate(self._types, 1):
-            offset = AT[f"data{i}"][0]
+            offset = FIELD_STRUCTS[f"data{i}"][0]
             structure = TYPES[name][1]
             numbers = FORMS[structure][0].unpack_from(packet, offset)
             values[name] = tuple(float(v) if isfinite(v) else float("nan") for v in numbers)
             if structure == "robot":
-                named = packet[offset + PROGRAM.start : offset + PROGRAM.stop]
+                named = packet[offset + PROGRAM_NAME_BYTES.start : offset + PROGRAM_NAME_BYTES.stop]
                 program = named.split(b"\0")[0].decode("ascii", "replace").strip()
         inputs, outputs = (
-            int(AT[n][1].unpack_from(packet, AT[n][0])[0]) for n in ("inputs", "outputs")
+            int(FIELD_STRUCTS[n][1].unpack_from(packet, FIELD_STRUCTS[n][0])[0])
+            for n in ("inputs", "outputs")
         )
         return MonitorSample(seconds, counter, values, inputs, outputs, program, lost)
 
     def _send(self, command: int) -> None:
-        packet = bytearray(SIZE)
+        packet = bytearray(PACKET_SIZE)
         fields = {"command": command}
-        if command == START:
+        if command == START_COMMAND:
             fields |= {f"type{i}": TYPES[name][0] for i, name in enumerate(self._types, 1)}
             fields |= {"first_input": self._signals[0], "first_output": self._signals[1]}
         for name, value in fields.items():
-            offset, form = AT[name]
+            offset, form = FIELD_STRUCTS[name]
             form.pack_into(packet, offset, value)
         self._socket.sendto(packet, self._peer)
 
     def _stop(self) -> None:
         """Asks the controller to send no more."""
         try:
-            self._send(END)
+            self._send(END_COMMAND)
         except OSError:
             return  # there is no way to the controller, whose packets go nowhere then
         finally:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import asin, atan2, copysign, cos, pi, sin, sqrt
 
 
-def quaternion(a: float, b: float, c: float) -> tuple[float, float, float, float]:
+def quaternion_of_angles(a: float, b: float, c: float) -> tuple[float, float, float, float]:
     """(w, x, y, z), w not below 0."""
     ca, sa, cb, sb = cos(a / 2), sin(a / 2), cos(b / 2), sin(b / 2)
     cc, sc = cos(c / 2), sin(c / 2)
@@ -19,7 +19,7 @@ def quaternion(a: float, b: float, c: float) -> tuple[float, float, float, float
     return (w, x, y, z) if w >= 0.0 else (-w, -x, -y, -z)
 
 
-def angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+def angles_of_quaternion(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A, B, C in radians; where B is a quarter turn, A is all of what A and C turn together."""
     size = sqrt(w * w + x * x + y * y + z * z)
     w, x, y, z = w / size, x / size, y / size, z / size

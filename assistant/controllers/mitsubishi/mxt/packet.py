@@ -10,7 +10,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-FIELDS: Final = (
+PACKET_FIELDS: Final = (
     (0, "H", "command"),
     (2, "H", "send_type"),
     (4, "H", "recv_type"),
@@ -34,15 +34,15 @@ FIELDS: Final = (
     (156, "40s", "data3"),
 )
 """Offset, form and name of each field; the names are those of the manual."""
-LAYOUT: Final = struct.Struct("<" + "".join(form for _, form, _ in FIELDS))
-NAMES: Final = tuple(name for _, _, name in FIELDS)
-SIZE: Final = 196
-SHORT: Final = 64
+PACKET_LAYOUT: Final = struct.Struct("<" + "".join(form for _, form, _ in PACKET_FIELDS))
+FIELD_NAMES: Final = tuple(name for _, _, name in PACKET_FIELDS)
+PACKET_SIZE: Final = 196
+SHORT_SIZE: Final = 64
 """Bytes of a packet of the CRn-500 series."""
 
-NULL: Final = 0
-MOVE: Final = 1
-END: Final = 255
+NULL_COMMAND: Final = 0
+MOVE_COMMAND: Final = 1
+END_COMMAND: Final = 255
 """Commands: no motion, move, end the control."""
 NO_SIGNALS: Final = 0
 OUTPUTS: Final = 1
@@ -51,40 +51,42 @@ INPUTS: Final = 2
 FILTERED: Final = 3
 FEEDBACK: Final = 6
 """What is added to the type of a command for the same after the filter, and from the encoders."""
-POSE: Final = struct.Struct("<8f2I")
-JOINT: Final = struct.Struct("<8f8x")
-PULSE: Final = struct.Struct("<8i8x")
+POSE_DATA: Final = struct.Struct("<8f2I")
+JOINT_DATA: Final = struct.Struct("<8f8x")
+PULSE_DATA: Final = struct.Struct("<8i8x")
 COMMAND_TYPES: Final = {"pose": 1, "joint": 2, "pulse": 3}
 """Mode → type of the data in a command, which also is one more than the statement's argument."""
-DATA: Final[Mapping[int, struct.Struct]] = {
-    **dict.fromkeys((1, 4, 7), POSE),
-    **dict.fromkeys((2, 5, 8), JOINT),
-    **dict.fromkeys((3, 6, 9, 10, 11), PULSE),
+DATA_FORMS: Final[Mapping[int, struct.Struct]] = {
+    **dict.fromkeys((1, 4, 7), POSE_DATA),
+    **dict.fromkeys((2, 5, 8), JOINT_DATA),
+    **dict.fromkeys((3, 6, 9, 10, 11), PULSE_DATA),
 }
 """Type of data → its form; 10 and 11 are the currents, commanded and fed back, in percent."""
-NOTHING: Final = bytes(40)
+NO_DATA: Final = bytes(40)
 
 
-def pack(fields: Mapping[str, int | bytes], size: int = SIZE) -> bytes:
+def pack_packet(fields: Mapping[str, int | bytes], size: int = PACKET_SIZE) -> bytes:
     """A packet of these fields; those that are left out are 0."""
-    empty: Mapping[str, int | bytes] = {"data": NOTHING, "data1": NOTHING}
-    given = {**empty, "data2": NOTHING, "data3": NOTHING, **fields}
-    return LAYOUT.pack(*(given.get(name, 0) for name in NAMES))[:size]
+    empty: Mapping[str, int | bytes] = {"data": NO_DATA, "data1": NO_DATA}
+    given = {**empty, "data2": NO_DATA, "data3": NO_DATA, **fields}
+    return PACKET_LAYOUT.pack(*(given.get(name, 0) for name in FIELD_NAMES))[:size]
 
 
-def unpack(packet: bytes, size: int = SIZE) -> dict[str, int | bytes] | None:
+def unpack_packet(packet: bytes, size: int = PACKET_SIZE) -> dict[str, int | bytes] | None:
     """The fields of a packet, None if it has another size."""
     if len(packet) != size:
         return None
-    return dict(zip(NAMES, LAYOUT.unpack(packet.ljust(SIZE, b"\0")), strict=True))
+    return dict(
+        zip(FIELD_NAMES, PACKET_LAYOUT.unpack(packet.ljust(PACKET_SIZE, b"\0")), strict=True)
+    )
 
 
-def data(kind: int, values: Sequence[float], flags: tuple[int, int] = (0, 0)) -> bytes:
+def pack_data(kind: int, values: Sequence[float], flags: tuple[int, int] = (0, 0)) -> bytes:
     """Eight numbers as data of a type; what is left out is 0. flags: of a pose."""
     eight = [*values, *[0.0] * (8 - len(values))]
-    form = DATA[kind]
-    if form is POSE:
+    form = DATA_FORMS[kind]
+    if form is POSE_DATA:
         return form.pack(*eight, *flags)
-    if form is PULSE:
+    if form is PULSE_DATA:
         return form.pack(*(round(value) for value in eight))
     return form.pack(*eight)

@@ -13,10 +13,10 @@ ONE = pytest.mark.parametrize("client", ["rws"], indirect=True)
 
 def changed(source, target, **texts):
     """A backup with other texts in some of its files."""
-    files = dict(folders.contents(source, "abb"))
-    with folders.appearing(target, "abb") as place:
+    files = dict(folders.backup_contents(source, "abb"))
+    with folders.appearing_folder(target, "abb") as place:
         for name, data in (files | {k: texts[k] for k in texts}).items():
-            folders.put(place, name, data)
+            folders.put_file(place, name, data)
 
 
 MODULE = "RAPID/TASK1/PROGMOD/Seam.mod"

@@ -8,7 +8,7 @@ import numpy as np
 from assistant import robots
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
 from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import Wire
+from assistant.controllers.cyclic.wire import PacketSocket
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
 from assistant.virtual.cr.mxt import MxtArm, MxtControl
 from tests.virtual.cr.waiting import wait_for
@@ -53,6 +53,6 @@ def led(control, trajectory, *, mode="joint", settings=PATIENT, stop=None, tell=
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     rows = resampled(trajectory, limits, CYCLE)
     job = Job(trajectory.kind, rows, tuple(speeds), tuple(rises), settings)
-    with Wire(Endpoint("127.0.0.1", control.port)) as wire:
+    with PacketSocket(Endpoint("127.0.0.1", control.port)) as wire:
         loop = Loop(made, wire, job, stop or Stop(), tell or (lambda *told: None))
         return loop.run("127.0.0.1")

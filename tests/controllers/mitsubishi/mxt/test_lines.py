@@ -29,8 +29,8 @@ def test_packets_that_are_not_counted_are_all_answers():
 
 
 def test_an_answer_of_an_earlier_run_does_not_tell_where_the_arm_is():
-    away = packet.data(2, np.radians(ARM.home + 3.0).tolist())
-    late = packet.pack({"send_type": 2, "recv_type": 2, "data": away, "c_count": 999})
+    away = packet.pack_data(2, np.radians(ARM.home + 3.0).tolist())
+    late = packet.pack_packet({"send_type": 2, "recv_type": 2, "data": away, "c_count": 999})
     with controller() as control, through(Early(control.port, late)) as line:
         done = led(line, joints())
     assert (done.code, control.result.reason) == ("", "end")
