@@ -27,10 +27,9 @@ from assistant.blocks.diagrams.running import LATE, run
 from assistant.blocks.library.external_control import ExternalControl, Led
 from assistant.blocks.library.sources import Constant, joint_table
 from assistant.controllers.cyclic import Leading, Limits
-from assistant.controllers.cyclic.scheduling import real_time
-from assistant.controllers.leading.cycles import CyclicCarrier
-from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
-from assistant.controllers.mitsubishi.mxt.link import MxtLink
+from assistant.controllers.cyclic.worker import real_time
+from assistant.controllers.mitsubishi.external_control import CYCLES, Mxt, MxtLink
+from assistant.controllers.setpoint_streams import CyclicCarrier
 from assistant.virtual.cr.mxt_process import MxtProcess
 from assistant.vision.servoing.bounds import Bounds, Guard
 from benchmarks.real_time import PATIENT, ROBOT, busy, trajectory

@@ -19,8 +19,7 @@ import numpy as np
 
 from assistant import robots
 from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
-from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
-from assistant.controllers.mitsubishi.mxt.link import MxtLink
+from assistant.controllers.mitsubishi.external_control import CYCLES, Mxt, MxtLink
 from assistant.virtual.cr.mxt_process import MxtProcess
 
 ROBOT: Final = "rv-4frl"

@@ -14,8 +14,8 @@ from assistant.blocks.diagrams.running import ending
 from assistant.blocks.rules import NO_STATEMENTS
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
+from assistant.controllers.mitsubishi.arm_moves import Goal
 from assistant.controllers.mitsubishi.cr import Cr
-from assistant.controllers.mitsubishi.jogging import Goal
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
 

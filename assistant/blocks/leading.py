@@ -25,12 +25,11 @@ from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.rules import BEHIND, NO_MEASURING, NO_WAY
 from assistant.compiler.teaching import own_joints
 from assistant.controllers import Controller, connect
-from assistant.controllers.following import LinkOptions
-from assistant.controllers.leading import MODES, Arm, Carrier
-from assistant.controllers.leading.data_link import DataLinkCarrier
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
 from assistant.controllers.mitsubishi.cr import Cr
-from assistant.controllers.mitsubishi.position import turn_of
+from assistant.controllers.mitsubishi.state import turn_of
+from assistant.controllers.setpoint_streams import MODES, Arm, Carrier, DataLinkCarrier
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of

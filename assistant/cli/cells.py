@@ -42,7 +42,7 @@ def client_of(one: Named, timeout: float | None = None) -> Programs:
 
 def _tell_clear_text(one: Named) -> None:
     """Says that what is sent can be read on the way, once, unless the project has accepted it."""
-    from assistant.controllers.clear_text import clear_text_finding
+    from assistant.controllers.address import clear_text_finding
     from assistant.findings.severities import severities_for
 
     told = clear_text_finding(one.address)

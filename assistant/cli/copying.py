@@ -118,7 +118,7 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
 
 def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
     """Delete programs; all of them are checked before the first one is deleted."""
-    from assistant.deploy.removing import check_removable, found_programs, unseen_use
+    from assistant.deploy.preconditions import check_removable, found_programs, unseen_use
 
     with reached(cell, "rm") as there:
         address = there.one.address

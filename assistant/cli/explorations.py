@@ -138,7 +138,7 @@ def wander(
     """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
     from assistant.cli.exploring import check_moving, check_still, run_wander
     from assistant.cli.exploring_arms import Bounds, run_wander_arm
-    from assistant.controllers.following import LinkOptions
+    from assistant.controllers.trajectory_execution import LinkOptions
 
     if cell is None:
         moved: dict[str, object] = {"--contact": contact, "--key": key, "--camera": camera}

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.compiler.exploring import Asked, Ready
     from assistant.controllers import Controller
-    from assistant.controllers.following import LinkOptions
+    from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.exploring.contacts import AnyContacts, Contacts, Region
     from assistant.vision.exploring.moving import Log
@@ -266,7 +266,7 @@ def _slowed(controller: Controller, percent: int) -> Iterator[None]:
 
     A program that is not known to have stopped keeps the override.
     """
-    from assistant.controllers.stopping import stop_at_once
+    from assistant.controllers.arm_stop import stop_at_once
 
     before = controller.state().override
     controller.set_override(percent)

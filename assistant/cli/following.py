@@ -16,7 +16,7 @@ from assistant.cli.moving import NO_SPEED, moving
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.controllers.following import LinkOptions, Mode, Progress
+    from assistant.controllers.trajectory_execution import LinkOptions, Mode, Progress
 
 NO_WAY: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
 NO_ROBOT: Final = error(
@@ -93,8 +93,8 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
 
 
 def _mode(options: Options) -> Mode:
-    from assistant.controllers.following import MODES
     from assistant.controllers.recording import check_place
+    from assistant.controllers.trajectory_execution import MODES
 
     if options.by not in MODES:
         raise Refused(NO_WAY(by=options.by, known=", ".join(MODES)), exit_status=2)

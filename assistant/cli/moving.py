@@ -25,8 +25,8 @@ from assistant.cli.presentation import Format, console, print_findings, print_js
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named
+    from assistant.controllers.arm_stop import Rest
     from assistant.controllers.states import Jog, State
-    from assistant.controllers.stopping import Rest
 
 BROKEN_OFF: Final = warning(
     "CL240", "broken off: the arm was stopped and stands at {where}", "look before it goes on"
@@ -74,7 +74,7 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     """
     from assistant.base.termination import raise_on_termination
     from assistant.controllers import Controller
-    from assistant.controllers.stopping import PATIENCE, brought_to_rest
+    from assistant.controllers.arm_stop import PATIENCE, brought_to_rest
 
     motion: Moving | None = None
     try:
@@ -106,7 +106,7 @@ def moving(text: str, command: str) -> Iterator[Moving]:
 @contextmanager
 def _stopped(motion: Moving) -> Iterator[None]:
     """Sends the stop on the session of the motion, before that is closed."""
-    from assistant.controllers.stopping import stop_at_once
+    from assistant.controllers.arm_stop import stop_at_once
 
     try:
         yield

@@ -101,7 +101,7 @@ def hand(
 
 
 def complete_mode(incomplete: str) -> list[str]:
-    from assistant.controllers.following import MODES
+    from assistant.controllers.trajectory_execution import MODES
 
     return [name for name in MODES if name.startswith(incomplete)]
 
@@ -139,7 +139,7 @@ def follow(
 ) -> None:
     """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
     from assistant.cli.following import Options, run_follow
-    from assistant.controllers.following import LinkOptions
+    from assistant.controllers.trajectory_execution import LinkOptions
 
     wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
     options = Options(by, speed, interval, log, wishes, yes, format)
@@ -147,7 +147,7 @@ def follow(
 
 
 def complete_leading(incomplete: str) -> list[str]:
-    from assistant.controllers.leading import MODES
+    from assistant.controllers.setpoint_streams import MODES
 
     return [name for name in MODES if name.startswith(incomplete)]
 
@@ -180,7 +180,7 @@ def servo(
 ) -> None:
     """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
     from assistant.cli.servoing import Options, run_servo
-    from assistant.controllers.following import LinkOptions
+    from assistant.controllers.trajectory_execution import LinkOptions
 
     wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
     raise typer.Exit(run_servo(cell, task, Options(cameras, by, log, wishes, yes, format)))

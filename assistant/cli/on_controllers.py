@@ -282,7 +282,7 @@ def teach(
     if point is not None:
         from assistant.cli.pointing import run_point
         from assistant.cli.shown import Options as Pointing
-        from assistant.controllers.following import LinkOptions
+        from assistant.controllers.trajectory_execution import LinkOptions
 
         words = [cell, *(names or ())] if cell is not None else []
         pointing = Pointing(

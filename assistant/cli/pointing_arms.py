@@ -22,8 +22,8 @@ from assistant.cli.shown import Shown, next_place, place_line, recorded, surenes
 
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place
-    from assistant.controllers.following import LinkOptions, Mode
-    from assistant.controllers.leading import Mode as ByPictures
+    from assistant.controllers.setpoint_streams import Mode as ByPictures
+    from assistant.controllers.trajectory_execution import LinkOptions, Mode
     from assistant.robots import Robot
     from assistant.vision.pointing.holding import Held
     from assistant.vision.servoing.setting_up import SetUp
@@ -106,7 +106,7 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.shown_places import check_names
-    from assistant.controllers.following import MODES, LinkOptions
+    from assistant.controllers.trajectory_execution import MODES, LinkOptions
 
     options = shown.options
     if options.by not in MODES:
@@ -142,7 +142,7 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
 def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None:
     if file is None:
         return None
-    from assistant.controllers.leading import MODES
+    from assistant.controllers.setpoint_streams import MODES
     from assistant.vision.servoing.task_file import read_servo
 
     return MODES[by], read_servo(file, led_elsewhere=True)

@@ -19,8 +19,8 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.controllers import Programs
-    from assistant.controllers.following import LinkOptions
-    from assistant.controllers.leading import Mode
+    from assistant.controllers.setpoint_streams import Mode
+    from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.servoing.loop import Served
 
@@ -101,7 +101,7 @@ def _mode(options: Options) -> Mode:
 
 def way(by: str) -> Mode:
     """Return the mode of that name to lead an arm; raises Refused."""
-    from assistant.controllers.leading import MODES
+    from assistant.controllers.setpoint_streams import MODES
 
     if by not in MODES:
         raise Refused(NO_WAY(by=by, known=", ".join(MODES)), exit_status=2)

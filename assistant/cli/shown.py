@@ -16,7 +16,7 @@ from assistant.cli.presentation import Format, print_findings, say
 if TYPE_CHECKING:
     from assistant.compiler.shown_places import Place
     from assistant.compiler.teaching import Wanted
-    from assistant.controllers.following import LinkOptions
+    from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig

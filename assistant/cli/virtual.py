@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
 from assistant.cli.presentation import say
-from assistant.controllers.credentials import PASSWORD_VARIABLE
+from assistant.controllers.address import PASSWORD_VARIABLE
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -16,8 +16,8 @@ from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import load
 from assistant.compiler.teaching import own_joints
 from assistant.compiler.turning import with_turns
-from assistant.controllers.following import TimedMotion
 from assistant.controllers.states import Position
+from assistant.controllers.trajectory_execution import TimedMotion
 from assistant.program.program import Program
 from assistant.program.statements import Comment, Moving, Statement, Wait
 

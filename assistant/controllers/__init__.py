@@ -6,9 +6,8 @@ with controllers.connect("ftp://engineer@192.168.125.1", ask=getpass) as control
 Instead of an address the name of a controller does, of the table `[controllers]` of the project.
 """
 
-from assistant.controllers.address import Address, parse
+from assistant.controllers.address import Address, Credentials, parse
 from assistant.controllers.controller import Controller, Programs, connect
-from assistant.controllers.credentials import Credentials
 from assistant.controllers.named import Named, controllers_of, named
 
 __all__ = [

@@ -9,8 +9,7 @@ from typing import Final, Protocol, Self, runtime_checkable
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import rules
-from assistant.controllers.address import SCHEMES, Address
-from assistant.controllers.credentials import Credentials, Question, find_credentials
+from assistant.controllers.address import SCHEMES, Address, Credentials, Question, find_credentials
 from assistant.controllers.named import Named, named
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
@@ -204,7 +203,7 @@ def connect(
 ) -> Programs:
     """The client for an address, or for a name of this project; use it in a `with`, which connects.
 
-    user, password, ask: see `credentials.find`. timeout: seconds to wait for an answer.
+    user, password, ask: see `address.find_credentials`. timeout: seconds to wait for an answer.
     certificate: file of the certificate that a controller is trusted by over TLS.
     Raises Refused if there is no such controller or no password can be found.
     """

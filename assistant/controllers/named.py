@@ -25,8 +25,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.controllers import rules
-from assistant.controllers.address import Address, holds_password, parse, without_password
-from assistant.controllers.credentials import password_variable
+from assistant.controllers.address import (
+    Address,
+    holds_password,
+    parse,
+    password_variable,
+    without_password,
+)
 
 if TYPE_CHECKING:
     from assistant.program.settings_tables import Table

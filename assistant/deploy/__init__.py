@@ -5,16 +5,21 @@ deployment = deploy.deploy(plan)
 deploy.rollback(controller)
 """
 
-from assistant.deploy.deployment import deploy
-from assistant.deploy.files import gathered
-from assistant.deploy.finishing import resume, rollback
-from assistant.deploy.held import Held
-from assistant.deploy.journal import Journal, Step, all_journals, journals, place_of
-from assistant.deploy.many import PARALLEL, Cell, CellState, Halt, Outcome, Rollout, deploy_to_all
-from assistant.deploy.outcome import Deployment, FileState
-from assistant.deploy.plan import EVERY, Change, Plan, PlannedFile, plan
-from assistant.deploy.record import Record
-from assistant.deploy.verifying import Seen, SeenProgram, Verified, verify
+from assistant.deploy.deployment import Deployment, FileState, deploy
+from assistant.deploy.history import Journal, Step, all_journals, journals, place_of
+from assistant.deploy.plan import EVERY, Change, Plan, PlannedFile, gathered, plan
+from assistant.deploy.record import Held, Record
+from assistant.deploy.recovery import resume, rollback
+from assistant.deploy.rollout import (
+    PARALLEL,
+    Cell,
+    CellState,
+    Halt,
+    Outcome,
+    Rollout,
+    deploy_to_all,
+)
+from assistant.deploy.verification import Seen, SeenProgram, Verified, verify
 
 __all__ = [
     "EVERY",

@@ -1,29 +1,256 @@
-"""Carrying out a plan: all programs are on the controller and verified, or none is changed."""
+"""Execution of a plan: all programs are on the controller and verified, or none is changed.
+
+`Transfer` carries the programs of a journal to the controller, forward or back, and verifies each.
+Every step may be repeated: what is already there is only verified. So the same code deploys,
+finishes an interrupted deployment, and takes one back.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import enum
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path as FilePath
+from typing import Final
 
-from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.termination import Termination, raise_on_termination
+from assistant.controllers import Address
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
-from assistant.deploy.archive import pack_journal
-from assistant.deploy.carrying import PUT_BACK_TIMEOUT, Progress, Tell, Transfer
-from assistant.deploy.claiming import check_claim, claim, holder, lock_on_this_computer, unclaim
-from assistant.deploy.held import Digests
-from assistant.deploy.identifying import of_another
-from assistant.deploy.journal import Entry, Journal, Step, create_journal, open_journal, place_of
-from assistant.deploy.outcome import Deployment, FileState
+from assistant.deploy.history import (
+    Entry,
+    Journal,
+    Step,
+    create_journal,
+    last_record,
+    open_journal,
+    pack_journal,
+    place_of,
+)
+from assistant.deploy.lock import check_claim, claim, holder, lock_on_this_computer, unclaim
 from assistant.deploy.plan import Change, Plan
-from assistant.deploy.record import Record, new_record
-from assistant.deploy.remembering import last_record
-from assistant.deploy.resting import check_not_running, pointers_lost, tasks
+from assistant.deploy.preconditions import check_not_running, in_the_way, pointers_lost, tasks
+from assistant.deploy.record import Digests, Held, Record, new_record, of_another
 from assistant.deploy.site import RECORD, UNDER_WAY, Site
+
+
+class FileState(enum.StrEnum):
+    """What a program on the controller is after a deployment."""
+
+    SAME = "same"
+    """It was already what was to be sent."""
+    INSTALLED = "installed"
+    """Sent, read back and found equal."""
+    UNTOUCHED = "untouched"
+    """Still what it was before."""
+    PUT_BACK = "put back"
+    """Was changed, and is again what it was before (or gone, if it was new)."""
+    UNKNOWN = "unknown"
+    """Could not be put back or not be read: somebody has to look."""
+
+
+@dataclass(frozen=True, slots=True)
+class Deployment:
+    """What became of a plan.
+
+    states: state of each planned program, by its name on the controller. folder: in the history,
+    with what was there before; None if nothing was to be changed. back: whether it was asked to
+    take a deployment back.
+    """
+
+    address: Address
+    states: dict[str, FileState]
+    findings: tuple[Diagnostic, ...] = ()
+    folder: FilePath | None = None
+    back: bool = False
+
+    @property
+    def ok(self) -> bool:
+        forward = (FileState.SAME, FileState.INSTALLED)
+        backward = (FileState.PUT_BACK, FileState.UNTOUCHED)
+        done = backward if self.back else forward
+        return not has_errors(self.findings) and all(s in done for s in self.states.values())
+
+    @property
+    def summary(self) -> str:
+        """One sentence on the state of the controller."""
+        states = list(self.states.values())
+        unknown = [name for name, state in self.states.items() if state is FileState.UNKNOWN]
+        if unknown:
+            return f"{', '.join(unknown)} on {self.address}: not in a known state; do not start it"
+        if self.back or not self.ok:
+            return f"every program on {self.address} is what it was before"
+        installed = states.count(FileState.INSTALLED)
+        same = states.count(FileState.SAME)
+        return f"{installed} installed and verified, {same} already there on {self.address}"
+
+
+PUT_BACK_TIMEOUT: Final = 20.0
+"""Seconds for which what cannot be put back is tried again: a controller keeps a dead session,
+and the program that it had open, for a while."""
+Progress = Callable[[Entry], None]
+"""Is told each program before it is changed."""
+Tell = Callable[[Diagnostic], None]
+"""Is given what a user has to know before all is over."""
+
+
+class Transfer:
+    """A journal on its way. states: of its programs, by name."""
+
+    def __init__(self, site: Site, journal: Journal, patience: float = PUT_BACK_TIMEOUT) -> None:
+        self.site, self.journal, self.patience = site, journal, patience
+        site.patience = min(site.patience, patience)
+        self.states: dict[str, FileState] = {}
+        self.findings: list[Diagnostic] = []
+
+    def forward(self, entries: Iterable[Entry], progress: Progress | None = None) -> None:
+        """Installs them one by one; raises Refused at the first that fails."""
+        entries = tuple(entries)
+        self._make_room([(entry.name, entry.after, entry.before) for entry in entries])
+        for entry in entries:
+            if progress is not None:
+                progress(entry)
+            self.journal.add(Step.WRITING, entry.name)
+            self.states[entry.name] = FileState.UNKNOWN
+            self.site.put(entry.name, entry.after, entry.before)
+            self._verify(entry)
+            self.journal.add(Step.VERIFIED, entry.name)
+            self.states[entry.name] = FileState.INSTALLED
+
+    def back(self, entries: Iterable[Entry], *, connected: bool) -> bool:
+        """Every program becomes what it was; whether all could be seen to be that.
+
+        connected: whether the session can be used as it is.
+        """
+        entries = tuple(entries)
+        room = partial(self._make_room, [(e.name, e.before, e.after) for e in entries])
+        whole, connected = self._insisted(self.clear_rests, connected)
+        if whole:
+            whole, connected = self._insisted(room, connected)
+        for entry in entries:
+            try:
+                restore = partial(self._restore, entry)
+                touched = self.site.insist(restore, self.patience, connected=connected)
+            except Refused as refusal:
+                whole = connected = False
+                self.findings += refusal.findings
+                self.findings.append(self._not_put_back(entry))
+                self.states[entry.name] = FileState.UNKNOWN
+            else:
+                connected = True
+                self.states[entry.name] = FileState.PUT_BACK if touched else FileState.UNTOUCHED
+                if touched:
+                    gone = entry.before.file is None
+                    rule = rules.REMOVED if gone else rules.PUT_BACK
+                    self.findings.append(rule(place=entry.name, name=entry.name))
+        if whole:
+            whole, _ = self._insisted(self._restore_record, connected)
+        return whole
+
+    def _make_room(self, steps: Sequence[tuple[str, Held, Held]]) -> None:
+        """Takes modules out of memory whose names others of them get."""
+        memory = self.site.memory
+        for name, old in in_the_way(self.site, steps) if memory is not None else ():
+            now = self.site.held(name, old.file)
+            if memory is None or old.loaded is None or now.loaded is None:
+                continue
+            if self.site.forms(now).loaded == self.site.forms(old).loaded:
+                self.journal.add(Step.WRITING, name)
+                self.states[name] = FileState.UNKNOWN
+                memory.put_out(old.loaded, self.site.task)
+
+    def clear_rests(self) -> None:
+        """Deletes what a step that was cut left beside the programs."""
+        self.site.clear_rests(
+            {
+                entry.name: {
+                    data
+                    for held in (entry.before, entry.after)
+                    for data in (held.file, held.loaded)
+                    if data is not None
+                }
+                for entry in self.journal.entries
+            }
+        )
+
+    def keep_record(self) -> None:
+        """The controller gets the record of what it has now."""
+        if self.site.disk is not None:
+            self.site.controller.write(RECORD, self.journal.record.written())
+
+    def _restore_record(self) -> None:
+        """The record that was there before is there again."""
+        earlier, controller = self.journal.earlier, self.site.controller
+        if self.site.disk is None or controller.read(RECORD) == earlier:
+            return
+        if earlier is None:
+            controller.remove(RECORD)
+        else:
+            controller.write(RECORD, earlier)
+
+    def _insisted(self, act: Callable[[], None], connected: bool) -> tuple[bool, bool]:
+        """Whether something could be done, and whether there is a session then."""
+        try:
+            self.site.insist(act, self.patience, connected=connected)
+        except Refused as refusal:
+            self.findings += refusal.findings
+            return False, False
+        return True, True
+
+    def unknown(self, entries: Iterable[Entry]) -> list[Diagnostic]:
+        """Programs that neither this deployment nor what was before left as they are now."""
+        return [
+            rules.CHANGED_BETWEEN(place=entry.name, name=entry.name)
+            for entry in entries
+            if not self._known(entry)
+        ]
+
+    def _known(self, entry: Entry) -> bool:
+        """Whether what is there is of this deployment; between two steps it may be a mixture."""
+        now = self.site.forms(self._now(entry))
+        known = [self.site.forms(held) for held in (entry.before, entry.after)]
+        # On its way into memory a file holds what is to be loaded.
+        raw = [Held(held.loaded) for held in (entry.before, entry.after)]
+        files = {None, *(held.file for held in known), *(self.site.forms(h).file for h in raw)}
+        return now.file in files and now.loaded in {None, *(held.loaded for held in known)}
+
+    def _now(self, entry: Entry) -> Held:
+        return self.site.held(entry.name, entry.after.file or entry.before.file)
+
+    def _verify(self, entry: Entry) -> None:
+        wanted, now = self.site.forms(entry.after), self.site.forms(self._now(entry))
+        pairs = ((wanted.file, now.file), (wanted.loaded, now.loaded))
+        for sent, read in pairs:
+            if sent != read:
+                raise Refused(_altered_finding(entry.name, sent or b"", read or b""))
+
+    def _restore(self, entry: Entry) -> bool:
+        if self.site.same(self._now(entry), entry.before):
+            return False
+        self.site.put(entry.name, entry.before, entry.after)
+        if not self.site.same(self._now(entry), entry.before):
+            raise Refused()
+        return True
+
+    def _not_put_back(self, entry: Entry) -> Diagnostic:
+        folder = self.journal.folder / "before"
+        old = f"what it was is in `{folder}`" if entry.before.file is not None else "it was new"
+        return rules.NOT_PUT_BACK(place=entry.name, name=entry.name, backup=old)
+
+
+def _altered_finding(name: str, sent: bytes, read: bytes) -> Diagnostic:
+    """The finding with the first line that differs."""
+    left, right = (data.split(b"\r\n") for data in (sent, read))
+    shorter = min(len(left), len(right))
+    at = next((i for i in range(shorter) if left[i] != right[i]), shorter)
+    shown = [
+        repr(lines[at].decode("latin-1")[:60]) if at < len(lines) else "nothing"
+        for lines in (left, right)
+    ]
+    return rules.ALTERED(place=name, row=at + 1, name=name, sent=shown[0], read=shown[1])
 
 
 def deploy(
@@ -38,7 +265,7 @@ def deploy(
 ) -> Deployment:
     """Brings the plan's changes to its controller, reads each back, and compares.
 
-    What was there is kept in the history first, see `journal`. If any program fails, every one
+    What was there is kept in the history first, see `history`. If any program fails, every one
     that was changed is put back (after Ctrl-C as well); the findings say what happened, nothing
     is raised for it. A plan with conflicts, or whose controller has changed meanwhile, changes
     nothing; neither does one that would replace a running program. Never starts motion.

@@ -1,7 +1,9 @@
-"""The record of a deployment: who put which programs on which controller, with their digests.
+"""Record of a deployment: who installed which programs on which controller, with their digests.
 
-The controller keeps the last one beside its programs if it has a disk; each stands in the history
-of the computer that deployed. Its own digest tells a record that was changed or cut.
+A controller that has a disk keeps the last record beside its programs; every record is in the
+history of the computer that deployed. A digest of the record itself reveals one that was changed or
+cut. `check_meant` and `check_same` refuse a controller other than that of the project, the plan or
+the record.
 """
 
 from __future__ import annotations
@@ -18,11 +20,42 @@ from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.base.diagnostics import Refused
+from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
-from assistant.deploy.held import Digests
 from assistant.deploy.repository import commit_of
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A program on a controller.
+
+    file: its bytes, None if it is not there. loaded: the module in memory with what was taught
+    since, None if it is not loaded or the controller has no such memory.
+    """
+
+    file: bytes | None = field(default=None, repr=False)
+    loaded: bytes | None = field(default=None, repr=False)
+
+
+NOTHING_INSTALLED: Final = Held()
+
+
+@dataclass(frozen=True, slots=True)
+class Digests:
+    """SHA-256 of a `Held`, of the forms that are compared; None for what is not there.
+
+    task: in whose memory the module is, "" if it is in none.
+    """
+
+    file: str | None = None
+    loaded: str | None = None
+    task: str = ""
+
+
+def digest(data: bytes | None) -> str | None:
+    return None if data is None else hashlib.sha256(data).hexdigest()
+
 
 FORMAT: Final = 1
 PROGRAM_NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
@@ -126,3 +159,85 @@ def _text(content: Mapping[str, Any]) -> str:
 
 def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(_text(content).encode()).hexdigest()
+
+
+NAME_WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
+CLOSE_FIGURES: Final = 0.05
+"""By how much two figures of a robot's name may differ: a reach of 0.58 m is also told as 0.6."""
+
+
+def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple[Diagnostic, ...]:
+    """Refuses another controller than the one that a project means, serial number and robot.
+
+    Comes back with a warning of a serial number that cannot be told. Many a project names the
+    robot only to compile for it: one that is not told is passed over.
+    """
+    told = identity or Identity()
+    refused: list[Diagnostic] = []
+    if _is_model(told.robot) and meant.robot and not same_robot(meant.robot, told.robot):
+        refused.append(
+            rules.NOT_MEANT(place=place, what="the robot", wanted=meant.robot, told=told.robot)
+        )
+    what, wanted, there = "the serial number", meant.serial.strip(), told.serial.strip()
+    if wanted and there and wanted.casefold() != there.casefold():
+        refused.append(rules.NOT_MEANT(place=place, what=what, wanted=wanted, told=there))
+    if refused:
+        raise Refused(*refused)
+    return (rules.UNTOLD(place=place, what=what, wanted=wanted),) if wanted and not there else ()
+
+
+def check_same(identity: Identity | None, record: Record, place: str) -> None:
+    """Refuses another controller than that of a deployment, as far as both are told."""
+    if _other(identity, record) is not None:
+        raise Refused(rules.ANOTHER(place=place))
+
+
+def of_another(identity: Identity | None, record: Record | None) -> Diagnostic | None:
+    """The warning that a record was brought to this controller from another one, with its files."""
+    other = None if record is None else _other(identity, record)
+    if record is None or other is None:
+        return None
+    now, then = other
+    return rules.OF_ANOTHER(place=record.name, name=record.name, now=now, then=then)
+
+
+def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
+    """What is told otherwise than in a record, and what that says; what is not told is not."""
+    told = identity or Identity()
+    pairs = (
+        (plain_text(told.robot), record.robot),
+        (plain_text(told.controller), record.controller),
+        (plain_text(told.serial), record.serial),
+    )
+    return next(((now, then) for now, then in pairs if now and then and now != then), None)
+
+
+def same_robot(one: str, other: str) -> bool:
+    """Whether two names mean one robot: `irb1200-7-0.7` is `IRB 1200-7/0.7`.
+
+    The shorter name may lack what the other adds: the maker, a cable or a colour.
+    """
+    shorter, longer = sorted((_name_words(one), _name_words(other)), key=len)
+    left = list(longer)
+    for word in shorter:
+        found = next((there for there in left if _similar_words(word, there)), None)
+        if found is None:
+            return False
+        left.remove(found)
+    return True
+
+
+def _is_model(name: str) -> bool:
+    """Whether it is a model of a maker, with letters and figures."""
+    words = _name_words(name)
+    return any(map(str.isalpha, words)) and not all(map(str.isalpha, words))
+
+
+def _name_words(name: str) -> list[str]:
+    return NAME_WORD.findall(name.lower())
+
+
+def _similar_words(one: str, other: str) -> bool:
+    if "." in one and "." in other:
+        return abs(float(one) - float(other)) < CLOSE_FIGURES
+    return one == other

@@ -15,7 +15,7 @@ import subprocess
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.controllers.credentials import without_passwords
+from assistant.controllers.address import without_passwords
 
 OPTIONS: Final = (
     "--literal-pathspecs",

@@ -1,21 +1,64 @@
-"""A controller as deployments see it: what it has of each program, and how that is changed."""
+"""Controller as deployments see it: its programs, how they are changed, and how versions differ.
+
+A controller prints a module from its memory in its own layout, and data with their present values.
+So modules in memory are compared declaration by declaration and statement by statement: another
+layout is no difference, another value is.
+"""
 
 from __future__ import annotations
 
+import difflib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from functools import partial
+from functools import lru_cache, partial
 from typing import Final, Self, TypeVar
 
+from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import decode, lines_of, visible
 from assistant.controllers import Address, Controller, Programs
 from assistant.controllers.abilities import Disk, Memory, Rests
 from assistant.controllers.rules import Lost, Taken
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
-from assistant.deploy.comparing import module_form
-from assistant.deploy.held import NOTHING_INSTALLED, Digests, Held, digest
+from assistant.deploy.record import NOTHING_INSTALLED, Digests, Held, digest
+
+
+def module_form(data: bytes, language: str) -> bytes:
+    """What a module says, a line each declaration or statement, without its layout."""
+    return "\r\n".join(form for form, _ in _module_pieces(data, language)).encode()
+
+
+def module_difference(
+    before: bytes, after: bytes, language: str, labels: tuple[str, str], around: int = 3
+) -> str:
+    """A unified diff of two states of a module, "" if they say the same.
+
+    What says the same is shown as it stands in the first. around: lines of context.
+    """
+    written: dict[str, str] = {}
+    left, right = (
+        [written.setdefault(form, text) for form, text in _module_pieces(data, language)]
+        for data in (before, after)
+    )
+    lines = difflib.unified_diff(
+        _visible_lines(left), _visible_lines(right), *labels, n=around, lineterm=""
+    )
+    return "".join(f"{line}\n" for line in lines)
+
+
+@lru_cache(maxsize=32)
+def _module_pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
+    spoken = languages.get(language)
+    return tuple(spoken.said(decode(data, None, (*spoken.encodings, "latin-1")).text))
+
+
+def _visible_lines(texts: Sequence[str]) -> list[str]:
+    """With no character in them that a terminal would obey."""
+    lines = (line for text in texts for line in lines_of(text))
+    return [visible(line.rstrip()) for line in lines if line.strip()]
+
 
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
@@ -233,3 +276,39 @@ class Site:
         if before != memory.stored_in_memory(wanted.loaded):
             self.controller.write(name, wanted.loaded, as_it_was=True)
             memory.take_in(name, self.task)
+
+
+SHOWN_ENCODINGS: Final = ("utf-8", "latin-1")
+"""To show a program in; differences are found on its bytes."""
+ABSENT_FILE: Final = "/dev/null"
+"""Where a program is that is not there, as a unified difference says it."""
+
+
+def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
+    """A unified diff of two versions of a program, "" if there is none. one, other: which ones."""
+    left, right = _shown_lines(before or b""), _shown_lines(after or b"")
+    origin = one if before is not None else ABSENT_FILE
+    target = other if after is not None else ABSENT_FILE
+    lines = difflib.unified_diff(left, right, origin, target, lineterm="")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def difference_since(site: Site, name: str, left: Held | None, now: Held) -> str:
+    """A unified difference from what the last deployment left to what is there, "" if unknown."""
+    if left is None:
+        return ""
+    one, other = site.forms(left), site.forms(now)
+    here = f"{name} (on the controller)"
+    text = difference(one.file, other.file, f"{name} (as it was left)", here)
+    labels = (f"{name} (loaded, as it was left)", f"{name} (in memory)")
+    if left.loaded is not None and now.loaded is not None:
+        text += module_difference(left.loaded, now.loaded, site.language, labels)
+    elif left.loaded is not None or now.loaded is not None:
+        text += difference(left.loaded, now.loaded, *labels)
+    return text
+
+
+def _shown_lines(data: bytes) -> list[str]:
+    """The lines, with no character in them that a terminal would obey."""
+    lines = lines_of(decode(data, None, SHOWN_ENCODINGS).text)
+    return [visible(line) for line in lines if line]

@@ -18,10 +18,10 @@ from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
 from assistant.deploy import Change, Held, Plan, PlannedFile
-from assistant.deploy.merging import StoredForm, in_layout, merged
 from assistant.deploy.repository import is_committed
 from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
+from assistant.deploy.text_merge import StoredForm, in_layout, merged
 from assistant.project import rules
 from assistant.project.pulled_targets import PLACES_OF, changed_targets, with_targets
 from assistant.robots import Robot

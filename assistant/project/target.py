@@ -9,8 +9,8 @@ from pathlib import Path as FilePath
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Named, Programs, connect
-from assistant.controllers.credentials import Question
-from assistant.deploy.journal import HISTORY
+from assistant.controllers.address import Question
+from assistant.deploy.history import HISTORY
 from assistant.project import kept, rules, virtual
 from assistant.project.layout import BUILT, Place, Project, inside, project_of
 from assistant.project.making import order_of

@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import BinaryIO, Final, Generic, TypeVar
 
-from assistant.controllers.credentials import without_passwords
+from assistant.controllers.address import without_passwords
 
 A = TypeVar("A")
 B = TypeVar("B")

@@ -15,9 +15,9 @@ from assistant.base.budgets import internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Controller, Named, Programs, connect
 from assistant.controllers import rules as controller_rules
+from assistant.controllers.arm_stop import PATIENCE, Rest, brought_to_rest, stop_at_once, stopped
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
-from assistant.controllers.stopping import PATIENCE, Rest, brought_to_rest, stop_at_once, stopped
 from assistant.studio import rules
 from assistant.studio.answering import findings, plain
 from assistant.studio.windows import Tell

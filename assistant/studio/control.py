@@ -25,8 +25,8 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.jogging import ABOUT, ALONG, JOINTS, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
+from assistant.controllers.arm_stop import PATIENCE, Rest, stop_at_once
 from assistant.controllers.states import Jog, record
-from assistant.controllers.stopping import PATIENCE, Rest, stop_at_once
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.connections import Connection

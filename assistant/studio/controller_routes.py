@@ -121,7 +121,7 @@ def _kept(studio: Studio) -> FilePath:
 
 def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
     """Whether what is sent can be read on the way, unless the project has accepted that."""
-    from assistant.controllers.clear_text import clear_text_finding
+    from assistant.controllers.address import clear_text_finding
     from assistant.findings.severities import severities_for
 
     told = clear_text_finding(one.address)

@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.leading import led
 from assistant.blocks.running_bdsim import run_paced
-from assistant.controllers.following import LinkOptions
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.virtual.cr import VirtualCr
 
 ROBOT = robots.get("rv-2aj")

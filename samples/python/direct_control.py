@@ -15,14 +15,14 @@ from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Limits, Settings, Trajectory
-from assistant.controllers.following import (
+from assistant.controllers.mitsubishi.external_control import CYCLES, Mxt
+from assistant.controllers.trajectory_execution import (
     FIRST_PACKET_TIMEOUT,
     MXT_PROGRAM,
     LinkOptions,
     mxt_installed,
     on_network,
 )
-from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
 
 
 def main():

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.cli import main
 from assistant.controllers import parse
-from assistant.controllers.clear_text import clear_text_finding
+from assistant.controllers.address import clear_text_finding
 from tests.controllers.abb.bad_ftp import FtpPeer
 
 

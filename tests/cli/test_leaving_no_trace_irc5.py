@@ -11,8 +11,8 @@ import pytest
 
 from assistant import robots
 from assistant.controllers import connect
-from assistant.controllers.following import LinkOptions
-from assistant.controllers.leading import MODES
+from assistant.controllers.setpoint_streams import MODES
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.cabinet import Signal
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

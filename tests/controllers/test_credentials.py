@@ -7,7 +7,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import Credentials, connect, parse
-from assistant.controllers.credentials import PASSWORD_VARIABLE, USER_VARIABLE, find_credentials
+from assistant.controllers.address import PASSWORD_VARIABLE, USER_VARIABLE, find_credentials
 
 ADDRESS = parse("ftp://irc5")
 

@@ -10,7 +10,7 @@ import pytest
 
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused
-from assistant.controllers import connect, folders
+from assistant.controllers import backup_folder, connect
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.sftp_server import SftpServer
@@ -151,10 +151,10 @@ def test_what_was_there_goes_back_as_it_was(tmp_path):
 
 
 def other_backup(source, target, kind, **texts):
-    files = {**folders.backup_contents(source, kind), **texts}
-    with folders.appearing_folder(target, kind) as place:
+    files = {**backup_folder.backup_contents(source, kind), **texts}
+    with backup_folder.appearing_folder(target, kind) as place:
         for name, data in files.items():
-            folders.put_file(place, name, data)
+            backup_folder.put_file(place, name, data)
 
 
 @pytest.mark.parametrize("cell", ["rws", "melfa"], indirect=True)

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect, controllers_of, named, parse
-from assistant.controllers.credentials import find_credentials, password_variable
+from assistant.controllers.address import find_credentials, password_variable
 from assistant.findings.severities import severities_for
 
 TABLE = """

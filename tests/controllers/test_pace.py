@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from assistant.controllers.pace import LEAST_BYTES, TransferDeadline
+from assistant.controllers.connection import LEAST_BYTES, TransferDeadline
 
 
 def test_what_came_just_before_the_line_was_cut_counts_as_lost():

@@ -18,10 +18,9 @@ from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Held, Step
-from assistant.deploy import archive as archives
-from assistant.deploy.held import Digests
-from assistant.deploy.journal import Entry, create_journal, journals
-from assistant.deploy.record import new_record, read_record
+from assistant.deploy import history as archives
+from assistant.deploy.history import Entry, create_journal, journals
+from assistant.deploy.record import Digests, new_record, read_record
 from assistant.deploy.site import CLAIM, CLAIMANT, RECORD, UNDER_WAY
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.bad_ftp import FtpPeer

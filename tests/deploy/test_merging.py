@@ -4,8 +4,8 @@ import random
 
 import pytest
 
-from assistant.controllers.mitsubishi import listing
-from assistant.deploy.merging import in_layout, merged, says_the_same
+from assistant.controllers.mitsubishi import programs
+from assistant.deploy.text_merge import in_layout, merged, says_the_same
 
 OWN = b"""\
 MODULE m
@@ -65,13 +65,13 @@ CR = b"10 MOV P2\r\n20 DLY 0.5  ' wait\r\n30 END\r\nP2=(+1.234,+2.00)\r\nP1=(3,+
 
 
 def test_values_that_a_controller_lists_by_name_keep_their_places_and_digits():
-    there = listing.listed_form(CR).replace(b"+3.00", b"+3.25")
+    there = programs.listed_form(CR).replace(b"+3.00", b"+3.25")
     assert there.index(b"P1=") < there.index(b"P2=")
-    assert in_layout(CR, there, listing.listed_form) == CR.replace(b"(3,", b"(+3.25,")
+    assert in_layout(CR, there, programs.listed_form) == CR.replace(b"(3,", b"(+3.25,")
     own = CR.replace(b"DLY 0.5", b"DLY 0.75")
-    both = merged(CR, own, there, listing.listed_form)
+    both = merged(CR, own, there, programs.listed_form)
     assert both == own.replace(b"(3,", b"(+3.25,")
-    assert merged(CR, both, there, listing.listed_form) == both, "it is not brought home twice"
+    assert merged(CR, both, there, programs.listed_form) == both, "it is not brought home twice"
 
 
 def test_both_sides_are_kept_and_one_place_is_nobodys():

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.deploy.files import file_findings, gathered
+from assistant.deploy.plan import file_findings, gathered
 
 
 @dataclass

@@ -15,8 +15,8 @@ import pytest
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused
 from assistant.deploy import FileState
-from assistant.deploy.claiming import lock_on_this_computer
-from assistant.deploy.journal import place_of
+from assistant.deploy.history import place_of
+from assistant.deploy.lock import lock_on_this_computer
 from assistant.deploy.site import Site
 from tests.deploy.benches import CrBench, Irc5Bench, files_below, make_files
 from tests.deploy.children import child
@@ -189,7 +189,7 @@ def hold(bench, name="20260101T000000Z-abcdef"):
 
 
 def test_a_claim_of_who_changed_nothing_is_freed(bench, monkeypatch):
-    monkeypatch.setattr("assistant.deploy.claiming.BETWEEN", 0.01)
+    monkeypatch.setattr("assistant.deploy.lock.BETWEEN", 0.01)
     for name in ("", "20260101T000000Z-abcdef"):
         for act in (bench.resume, bench.rollback):
             hold(bench, name)
@@ -240,7 +240,7 @@ def evil(record):
 
 
 def test_an_archive_that_somebody_made_up_does_nothing(bench, tmp_path, monkeypatch):
-    monkeypatch.setattr("assistant.deploy.archive.MOST_ARCHIVE_BYTES", 2_500_000)
+    monkeypatch.setattr("assistant.deploy.history.MOST_ARCHIVE_BYTES", 2_500_000)
     record = (place(bench) / "0001" / "record.json").read_bytes()
     bench.history = tmp_path / "elsewhere"
     hold(bench, json.loads(record)["name"])

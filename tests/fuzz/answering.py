@@ -15,18 +15,15 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Final
 
-from assistant.controllers import Controller, Programs, connect, folders
-from assistant.controllers.abb import ftp_folders
-from assistant.controllers.abb.egm import messages as egm
-from assistant.controllers.abb.exchange import messages as exchange
-from assistant.controllers.abb.exchange import plain
+from assistant.controllers import Controller, Programs, backup_folder, connect
+from assistant.controllers.abb import egm, ftp
+from assistant.controllers.abb.exchange import files as exchange
+from assistant.controllers.abb.exchange import protocols
 from assistant.controllers.abb.ftp import Ftp
-from assistant.controllers.abb.rws import answers as rws
-from assistant.controllers.mitsubishi import answers as link
-from assistant.controllers.mitsubishi import backup, framing, listing, parameter_files
+from assistant.controllers.abb.rws import protocol as rws
+from assistant.controllers.mitsubishi import backup, external_control, link, programs, values
 from assistant.controllers.mitsubishi.data_link import Form
-from assistant.controllers.mitsubishi.mxt import packet
-from assistant.deploy.archive import archived_programs
+from assistant.deploy.history import archived_programs
 from tests.fuzz.target import Target, file, folder, promise, refusing
 
 CUT: Final = b"\n=====\n"
@@ -150,7 +147,7 @@ def link_client(data: bytes) -> None:
 
 def listings(data: bytes) -> None:
     lines = data.decode("latin-1").split("\n")
-    for read in (ftp_folders.parse_list, ftp_folders.parse_mlsd):
+    for read in (ftp.parse_list, ftp.parse_mlsd):
         for entry in read(lines) or ():
             promise(entry.size is None or entry.size >= 0, "a file of less than no bytes")
 
@@ -169,13 +166,13 @@ def rws_answer(data: bytes) -> None:
 def link_answer(data: bytes) -> None:
     text = data.decode("latin-1")
     link.parse_answer(text)
-    framing.unframed(data)
-    promise(framing.unframed(framing.frame(data[:200])[1:-1]) in (None, data[:200]), "framed anew")
-    for line in listing.program_lines(data):
-        listing.statement_form(line.text)
-        listing.rounded_values(line.text)
-    again = listing.listed_form(data)
-    promise(listing.listed_form(again) == again, "a listing that is another one when listed")
+    link.unframed(data)
+    promise(link.unframed(link.frame(data[:200])[1:-1]) in (None, data[:200]), "framed anew")
+    for line in programs.program_lines(data):
+        programs.statement_form(line.text)
+        programs.rounded_values(line.text)
+    again = programs.listed_form(data)
+    promise(programs.listed_form(again) == again, "a listing that is another one when listed")
     backup.assignments(data)
 
 
@@ -189,11 +186,14 @@ def egm_packet(data: bytes) -> None:
 
 
 def mxt_packet(data: bytes) -> None:
-    fields = packet.unpack_packet(data)
-    promise((fields is None) == (len(data) != packet.PACKET_SIZE), "a packet of another length")
+    fields = external_control.unpack_packet(data)
+    promise(
+        (fields is None) == (len(data) != external_control.PACKET_SIZE),
+        "a packet of another length",
+    )
     if fields is not None:
         promise(
-            packet.unpack_packet(packet.pack_packet(fields)) == fields,
+            external_control.unpack_packet(external_control.pack_packet(fields)) == fields,
             "packed again it is another one",
         )
 
@@ -213,7 +213,7 @@ def exchange_answer(data: bytes) -> None:
 
 def plain_answer(data: bytes) -> None:
     texts = [*data.split(b"|"), b"", b"", b""][:3]
-    answer = plain.parse_plain_answer(1, texts)
+    answer = protocols.parse_plain_answer(1, texts)
     if answer is not None:
         numbers = (*answer.pose.position, *answer.pose.quaternion)
         promise(all(map(math.isfinite, numbers)), "an answer is of finite numbers", numbers)
@@ -221,7 +221,7 @@ def plain_answer(data: bytes) -> None:
 
 def parameters(data: bytes) -> None:
     with refusing():
-        parameter_files.parameter_kinds([file("input.PRM", data)])
+        values.parameter_kinds([file("input.PRM", data)])
 
 
 # -------------------------------------------------------------------------- what was kept there
@@ -234,9 +234,9 @@ def backed_up(data: bytes) -> None:
     shutil.rmtree(place, ignore_errors=True)
     (place / "programs").mkdir(parents=True)
     (place / "programs" / "A.prg").write_bytes(content)
-    (place / folders.INDEX).write_bytes(index)
+    (place / backup_folder.INDEX).write_bytes(index)
     with refusing():
-        found = folders.backup_contents(place, backup.KIND)
+        found = backup_folder.backup_contents(place, backup.KIND)
         promise(set(found.values()) <= {content, index}, "bytes from elsewhere")
 
 
@@ -320,7 +320,7 @@ def _egm() -> Iterable[bytes]:
 def _backup() -> Iterable[bytes]:
     content = b"10 END\r\n"
     digest = hashlib.sha256(content).hexdigest()
-    index = {"format": folders.FORMAT, "kind": "melfa", "files": {"programs/A.prg": digest}}
+    index = {"format": backup_folder.FORMAT, "kind": "melfa", "files": {"programs/A.prg": digest}}
     return [json.dumps(index).encode() + CUT + content, b"{}"]
 
 
@@ -332,7 +332,7 @@ def _archive() -> Iterable[bytes]:
 
 
 def _packets() -> Iterable[bytes]:
-    return [bytes(packet.PACKET_SIZE), bytes(range(packet.PACKET_SIZE)), b""]
+    return [bytes(external_control.PACKET_SIZE), bytes(range(external_control.PACKET_SIZE)), b""]
 
 
 def _records() -> Iterable[bytes]:

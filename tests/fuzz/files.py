@@ -24,7 +24,7 @@ from assistant.compiler.checking import check_files
 from assistant.compiler.filling import in_cell
 from assistant.compiler.script_file import parse_script
 from assistant.controllers.named import controllers_of
-from assistant.deploy.journal import read_journal, steps_of
+from assistant.deploy.history import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
 from assistant.findings.severities import severities_for
 from assistant.learning.calibration.calibrating import calibrate

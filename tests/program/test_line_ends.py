@@ -11,7 +11,7 @@ from assistant import languages
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import LINE_ENDS, SourceText, lines_of
 from assistant.compiler import check_files, translate
-from assistant.controllers.mitsubishi.listing import program_lines as listed_lines
+from assistant.controllers.mitsubishi.programs import program_lines as listed_lines
 
 HIDDEN = {
     "TEST1.prg": "10 ' a {}15 HLT\r\n20 DLY 1\r\n30 END\r\n",

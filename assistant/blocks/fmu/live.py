@@ -11,8 +11,7 @@ from assistant.blocks.fmu.joints import flags, joint_variables, pose_variables
 from assistant.blocks.fmu.model import Model
 from assistant.blocks.fmu.variables import Group, Variable
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.mitsubishi.mxt import CYCLES
-from assistant.controllers.mitsubishi.mxt.client import PORT
+from assistant.controllers.mitsubishi.external_control import CYCLES, PORT
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 

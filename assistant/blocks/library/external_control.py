@@ -26,13 +26,12 @@ from assistant.blocks.library.arrays import at_least_0, joints_port
 from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
 from assistant.blocks.rules import NO_NUMBERS
-from assistant.controllers import connect
+from assistant.controllers import connect, setpoint_streams
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Report, Settings, Timing
-from assistant.controllers.cyclic.space import braked
-from assistant.controllers.following import LinkOptions, on_network
-from assistant.controllers.leading import cycles
-from assistant.controllers.leading.cycles import CyclicCarrier
+from assistant.controllers.cyclic.trajectory import braked
+from assistant.controllers.setpoint_streams import CyclicCarrier
+from assistant.controllers.trajectory_execution import LinkOptions, on_network
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 from assistant.vision.servoing.bounds import Bounds, Guard
@@ -77,7 +76,7 @@ def by_egm(
     @contextmanager
     def opening() -> Iterator[Led]:
         guard = Guard(robot, bounds or Bounds(), tool)
-        with cycles.by_egm(host, guard.arm(), port, cycle, settings) as carrier:
+        with setpoint_streams.by_egm(host, guard.arm(), port, cycle, settings) as carrier:
             yield Led(guard, carrier)
 
     return Connection(name, opening, moves=True)
@@ -118,7 +117,7 @@ def by_mxt(
                     session.stop()
 
             last.callback(stop_what_failed)
-            carrier = cycles.by_mxt(session, guard.arm(), wanted)
+            carrier = setpoint_streams.by_mxt(session, guard.arm(), wanted)
             led = Led(guard, last.enter_context(carrier))
             yield led
 

@@ -21,8 +21,8 @@ from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.connected import Connected
 from assistant.blocks.library.poses import pose_port, shown
 from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
-from assistant.controllers.mitsubishi import single_moves
-from assistant.controllers.mitsubishi.jogging import Goal
+from assistant.controllers.mitsubishi import arm_moves
+from assistant.controllers.mitsubishi.arm_moves import Goal
 from assistant.controllers.states import Position
 from assistant.robots.robot import Robot
 
@@ -132,14 +132,14 @@ class JointMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.joints_statement(ways[0])
+        return arm_moves.joints_statement(ways[0])
 
 
 class JointMovCart(Move):
     """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), by the joints."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.pose_statement(ways[0], self._posture())
+        return arm_moves.pose_statement(ways[0], self._posture())
 
 
 class LinMovJoint(Move):
@@ -148,14 +148,14 @@ class LinMovJoint(Move):
     of_joints = True
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.line_to_joints_statement(ways[0])
+        return arm_moves.line_to_joints_statement(ways[0])
 
 
 class LinMovCart(Move):
     """To a pose of six numbers (X, Y, Z, A, B, C) or seven (quaternion), on a line."""
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.line_to_pose_statement(ways[0], self._posture())
+        return arm_moves.line_to_pose_statement(ways[0], self._posture())
 
 
 class CircularMov(Move):
@@ -164,4 +164,4 @@ class CircularMov(Move):
     ways = ("via", "target")
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        return single_moves.arc_statement(ways[0], ways[1], self._posture())
+        return arm_moves.arc_statement(ways[0], ways[1], self._posture())

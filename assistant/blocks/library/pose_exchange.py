@@ -18,7 +18,7 @@ from assistant.blocks.library.arrays import POSE, parts, pose_port, pose_signal
 from assistant.blocks.library.connected import Connected
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import PoseExchange
-from assistant.controllers.abb.exchange.messages import Answer
+from assistant.controllers.abb.exchange.files import Answer
 from assistant.program.geometry import Pose, Vector
 
 

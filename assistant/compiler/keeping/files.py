@@ -19,7 +19,7 @@ from assistant.compiler.keeping.remembered import SUFFIX, bytes_of
 from assistant.compiler.keeping.sides import Wishes
 from assistant.compiler.loading import language_of, lift, load_text
 from assistant.compiler.proof import prove
-from assistant.deploy.differences import difference
+from assistant.deploy.site import difference
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

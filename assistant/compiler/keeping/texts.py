@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.source_text import comments
-from assistant.deploy.merging import says_the_same
+from assistant.deploy.text_merge import says_the_same
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

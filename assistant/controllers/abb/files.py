@@ -17,9 +17,8 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import check_sent
 from assistant.controllers import rules
 from assistant.controllers.abilities import Rests
-from assistant.controllers.address import Address
-from assistant.controllers.credentials import Credentials
-from assistant.controllers.os_errors_in_words import reason_of
+from assistant.controllers.address import Address, Credentials
+from assistant.controllers.connection import reason_of
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""

@@ -1,27 +1,655 @@
-"""Client of an ABB IRC5: its file server, by FTP or FTP over TLS."""
+"""Client of an ABB IRC5: its file server, by FTP or FTP over TLS.
+
+Listings: MLSD gives exact entries (RFC 3659). Servers without it, vsftpd and that of VxWorks among
+them, have LIST, with lines of `ls -l` or DOS. Otherwise names come from NLST, and an entry that can
+be entered is a folder.
+Long transfers are resumed. Servers differ in REST and STOR: some overwrite in place, pure-ftpd cuts
+the file at the offset. So an upload goes on by APPE after the part on the server was read back and
+compared; a download goes on only if the file still has its size and time and the same bytes at the
+end of the local part.
+"""
 
 from __future__ import annotations
 
 import ftplib
 import io
+import json
+import os
 import re
-from contextlib import suppress
+import socket
+import ssl
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path as FilePath
-from typing import Final
+from typing import BinaryIO, Final, Literal, NoReturn, Self
 
-from assistant.base.diagnostics import Refused
-from assistant.controllers import rules
-from assistant.controllers.abb import ftp_folders, ftp_resuming
+from assistant.base import file_access
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_text
+from assistant.controllers import backup_folder, connection, rules
+from assistant.controllers.abb import ftp_connection
 from assistant.controllers.abb.files import (
+    MOST_ENTRIES,
+    MOST_FOLDERS,
     TEMPORARY,
+    FileSession,
     checked_name,
     checked_path,
     first_difference,
     free_aside,
+    told_name,
 )
-from assistant.controllers.abb.ftp_session import FtpSession
+from assistant.controllers.abb.ftp_connection import (
+    BYTE_ENCODING,
+    BoundedFtp,
+    BoundedFtpTls,
+    certificate_of_server,
+    cut_line,
+    decoded_line,
+)
+from assistant.controllers.address import Address, Credentials
+from assistant.controllers.connection import TransferDeadline, reason_of
 
-__all__ = ["Ftp", "checked_name", "first_difference"]
+SEARCH_RATE: Final = 50_000.0
+"""Bytes a second that a server is granted for looking through a file before it answers."""
+LISTING_TIMEOUTS: Final = 10
+"""Time-outs in which a whole listing has to come."""
+PIECE: Final = 65536
+"""Bytes that are sent or received at once."""
+FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
+"""What ftplib raises where there is no connection any more, or the answer makes no sense: no port
+is that large."""
+
+
+class FtpSession(FileSession):
+    """A session with the file server of a controller; a context manager.
+
+    timeout: seconds for an answer; more is granted after a long file.
+    certificate: file with the certificate to trust (`ftps`), None for the system's own.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        credentials: Credentials,
+        *,
+        timeout: float = 30.0,
+        certificate: str | FilePath | None = None,
+    ) -> None:
+        super().__init__(address, credentials, timeout=timeout, certificate=certificate)
+        self._ftp: BoundedFtp | None = None
+        self.tell: Callable[[Diagnostic], None] = lambda _: None
+        """Called with a finding if another folder than that of the address was entered."""
+
+    def __enter__(self) -> Self:
+        """Connects, logs in and goes to the folder of the address."""
+        try:
+            self._ftp = self._connected()
+            self._login(self._ftp)
+            self._enter_folder(self._ftp)
+        except BaseException:
+            self._hang_up()
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._ftp is not None:
+            with suppress(*FAILURES):
+                self._ftp.quit()
+        self._hang_up()
+
+    @property
+    def session(self) -> BoundedFtp:
+        if self._ftp is None:
+            raise rules.Lost(
+                rules.LOST(
+                    place=str(self.address),
+                    doing="waiting",
+                    reason="there is no session",
+                    state="nothing was changed by that",
+                )
+            )
+        return self._ftp
+
+    def _connected(self) -> BoundedFtp:
+        secure = self.address.scheme == "ftps"
+        ftp = BoundedFtpTls(self._trust()) if secure else BoundedFtp()
+        ftp.set_pasv(self.address.option("mode", "passive") == "passive")
+        try:
+            ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
+        except FAILURES as error:
+            ftp.close()
+            self._unreachable(error)
+        if isinstance(ftp, BoundedFtpTls):
+            self._encrypt(ftp)
+        return ftp
+
+    def _encrypt(self, ftp: BoundedFtpTls) -> None:
+        """Goes over to TLS before anything that is secret is sent."""
+        try:
+            ftp.auth()
+        except ssl.SSLError as error:
+            ftp.close()
+            self._untrusted(reason_of(error))
+        except ftplib.error_perm as error:
+            ftp.close()
+            self._no_tls(error, "nothing that is secret was sent")
+        except FAILURES as error:
+            ftp.close()
+            self._unreachable(error)
+
+    def _trust(self) -> ssl.SSLContext:
+        """What the server is checked with; its certificate is looked at where a file is given."""
+        shown = partial(certificate_of_server, self.address.host, self.address.port, self._timeout)
+        try:
+            return connection.tls_context(self._certificate, shown)
+        except connection.BadCertificateFile as error:
+            self._untrusted(f"`{self._certificate}`: {error}")
+        except ftplib.error_perm as error:
+            self._no_tls(error, "nothing that is secret was sent")
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _no_tls(self, error: ftplib.Error, state: str) -> NoReturn:
+        """Of a server that refused to go over to TLS."""
+        place, reply = self.address, self.said(error)
+        raise Refused(
+            rules.NO_TLS(place=str(place), address=place, reply=reply, state=state), exit_status=2
+        ) from None
+
+    def _login(self, ftp: BoundedFtp) -> None:
+        name = self._credentials.user
+        try:
+            ftp.login(name, self._credentials.password)
+            if isinstance(ftp, BoundedFtpTls):
+                self._keep_private(ftp)
+        except ftplib.error_perm as error:
+            reply = self.said(error)
+            raise Refused(
+                rules.LOGIN(place=str(self.address), address=self.address, user=name, reply=reply),
+                exit_status=2,
+            ) from None
+        except ValueError:
+            # ftplib: a line end in the user or the password would be a second command.
+            raise Refused(
+                rules.LOGIN(
+                    place=str(self.address),
+                    address=self.address,
+                    user=name,
+                    reply="a line end in the user or the password",
+                ),
+                exit_status=2,
+            ) from None
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _keep_private(self, ftp: BoundedFtpTls) -> None:
+        """Has the files go over TLS as well as the commands."""
+        try:
+            ftp.prot_p()
+        except ftplib.error_perm as error:
+            self._no_tls(error, "no file was sent")
+
+    def _enter_folder(self, ftp: BoundedFtp) -> None:
+        try:
+            ftp_connection.enter_home_folder(self, ftp)
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _unreachable(self, error: Exception) -> NoReturn:
+        reason = self.said(error)
+        raise rules.Lost(
+            rules.UNREACHABLE(place=str(self.address), address=self.address, reason=reason)
+        ) from None
+
+    def _untrusted(self, reason: str) -> NoReturn:
+        raise Refused(
+            rules.CERTIFICATE(place=str(self.address), address=self.address, reason=reason),
+            exit_status=2,
+        ) from None
+
+    def store(self, name: str, data: bytes, doing: str, state: str, command: str = "STOR") -> None:
+        """Sends a file. command: `APPE` to send what follows on what is there."""
+        with self.during(doing, state):
+            ftp = self.session
+            assert ftp.sock is not None
+            left = memoryview(data)
+            with self._transfer(ftp, f"{command} {name}") as (channel, pace):
+                while left:
+                    sent = channel.send(left[:PIECE])
+                    pace.moved(sent)
+                    left = left[sent:]
+            ftp.sock.settimeout(self._timeout + len(data) / SEARCH_RATE)
+            try:
+                ftp.voidresp()
+            finally:
+                ftp.sock.settimeout(self._timeout)
+
+    def retrieve(self, name: str, state: str, start: int = 0) -> bytes:
+        """The bytes of a file from `start` on."""
+        data = io.BytesIO()
+        self.retrieve_into(name, state, data.write, start)
+        return data.getvalue()
+
+    def retrieve_into(
+        self, name: str, state: str, sink: Callable[[bytes], object], start: int = 0
+    ) -> None:
+        with self.during(f"reading `{name}`", state):
+            self.receive(f"RETR {name}", sink, start=start)
+
+    def receive(
+        self, command: str, sink: Callable[[bytes], object], *, kind: str = "TYPE I", start: int = 0
+    ) -> None:
+        """What a command brings, piece by piece, within its deadline; raises as ftplib does."""
+        ftp = self.session
+        with self._transfer(ftp, command, kind, start) as (channel, pace):
+            while piece := channel.recv(PIECE):
+                pace.moved(len(piece))
+                sink(piece)
+        ftp.voidresp()
+
+    def lines(self, command: str) -> list[str]:
+        """Lines of a listing; bytes that are no UTF-8 are taken for Latin-1. Raises as ftplib does.
+
+        All of it has to come in `LISTING_TIMEOUTS` time-outs.
+        """
+        data = bytearray()
+        until = time.monotonic() + LISTING_TIMEOUTS * self._timeout
+
+        def take(piece: bytes) -> None:
+            data.extend(piece)
+            if time.monotonic() > until:
+                raise TimeoutError
+
+        self.receive(command, take, kind="TYPE A")
+        try:
+            text = data.decode(self.session.spelling)
+        except UnicodeDecodeError:
+            text = data.decode(BYTE_ENCODING)
+            self.session.spelling = BYTE_ENCODING  # names go back as they came
+        return [line for line in re.split(r"\r?\n", text) if line]
+
+    @contextmanager
+    def _transfer(
+        self, ftp: BoundedFtp, command: str, kind: str = "TYPE I", start: int = 0
+    ) -> Iterator[tuple[socket.socket, TransferDeadline]]:
+        """The channel of a transfer, which is cut where it does not keep its pace."""
+        ftp.voidcmd(kind)
+        with (
+            ftp.transfercmd(command, start or None) as channel,
+            TransferDeadline(self._timeout, partial(cut_line, channel)) as pace,
+        ):
+            yield channel, pace
+            if isinstance(channel, ssl.SSLSocket):
+                channel.unwrap()
+
+    def discard(self, name: str) -> None:
+        """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
+        with suppress(*FAILURES):
+            if self._ftp is not None:
+                self._ftp.delete(name)
+
+    @contextmanager
+    def during(self, doing: str, state: str) -> Iterator[None]:
+        """Turns what goes wrong inside into a finding with the state of the controller."""
+        place = str(self.address)
+        try:
+            yield
+        except (ftplib.error_perm, ftplib.error_temp) as error:
+            reply = self.said(error)
+            if reply.startswith("421"):  # the server says good-bye
+                self._hang_up()
+                raise rules.Lost(
+                    rules.LOST(place=place, doing=doing, reason=reply, state=state)
+                ) from None
+            raise Refused(
+                rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
+            ) from None
+        except FAILURES as error:
+            self._hang_up()
+            raise rules.Lost(
+                rules.LOST(place=place, doing=doing, reason=self.said(error), state=state)
+            ) from None
+
+    def said(self, error: Exception) -> str:
+        """What a server said is UTF-8 or Latin-1; see `FileSession.said`."""
+        text = reason_of(error)
+        if isinstance(error, ftplib.Error):
+            text = decoded_line(text)
+        return self._credentials.hidden(text)
+
+    def _hang_up(self) -> None:
+        if self._ftp is not None:
+            self._ftp.close()
+            self._ftp = None
+
+
+Progress = Callable[[int, int | None], None]
+"""Is told how many bytes are here, and of how many, None if the server does not tell."""
+
+COMPARED_OVERLAP: Final = 4096
+"""Bytes at the end of a part that are fetched again and compared."""
+UNTOUCHED: Final = "nothing was changed by that"
+
+
+def file_size(session: FtpSession, name: str) -> int | None:
+    """Bytes of a file; in binary mode, for in ASCII mode servers refuse or count otherwise."""
+    told = _status_text(session, f"SIZE {name}")
+    return int(told) if told is not None and told.isdecimal() else None
+
+
+def read_whole(session: FtpSession, name: str) -> bytes:
+    """A file with as many bytes as the server says that it has, where it says so."""
+    data = session.retrieve(name, UNTOUCHED)
+    length = file_size(session, name)
+    if length not in (None, len(data)):
+        raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
+    return data
+
+
+def download(session: FtpSession, name: str, to: FilePath, progress: Progress | None) -> int:
+    to = FilePath(os.path.realpath(to))  # a link stays one
+    part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
+    stamp = _size_and_time(session, name)
+    whole = None if stamp is None else int(stamp[0])
+    try:
+        start = _partial_size(part, note, stamp)
+        if start == 0:
+            part.write_bytes(b"")
+            if stamp is not None:
+                note.write_text(json.dumps(stamp), encoding="utf-8")
+        with part.open("r+b") as file:
+            if not _went_on(session, name, file, start, whole, progress):
+                _fetch_rest(session, name, file, 0, whole, progress)
+            file.flush()
+            os.fsync(file.fileno())
+        length = part.stat().st_size
+        if stamp != _size_and_time(session, name) or (whole is not None and length != whole):
+            part.unlink()
+            raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
+        part.replace(to)
+        file_access.sync_folder(to.parent)
+        note.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise Refused(rules.NOT_KEPT(path=str(to), name=name, reason=reason)) from None
+    return length
+
+
+def upload(session: FtpSession, name: str, data: bytes) -> None:
+    """Puts a file whole under its temporary name."""
+    temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
+    state = f"`{name}` there is as it was"
+    there = file_size(session, temporary) or 0
+    begun = 0
+    if 0 < there <= len(data) and session.retrieve(temporary, state) == data[:there]:
+        begun = there
+    if begun:
+        try:
+            session.store(temporary, data[begun:], doing, state, command="APPE")
+        except rules.Lost:
+            raise
+        except Refused:
+            begun = 0  # a server that takes no parts
+    if not begun:
+        session.store(temporary, data, doing, state)
+    back = session.retrieve(temporary, state, start=begun)
+    if back != data[begun:] or file_size(session, temporary) not in (None, len(data)):
+        session.discard(temporary)
+        raise Refused(
+            rules.ALTERED(
+                place=name,
+                name=name,
+                sent=len(data),
+                back=begun + len(back),
+                at=begun + first_difference(data[begun:], back),
+                state=state,
+            )
+        )
+
+
+def _went_on(
+    session: FtpSession,
+    name: str,
+    file: BinaryIO,
+    start: int,
+    whole: int | None,
+    progress: Progress | None,
+) -> bool:
+    """Whether the rest could be fetched, and belongs to what is there."""
+    try:
+        return start > 0 and _fetch_rest(session, name, file, start, whole, progress)
+    except rules.Lost:
+        raise
+    except Refused:
+        return False  # a server that only sends whole files
+
+
+def _fetch_rest(
+    session: FtpSession,
+    name: str,
+    file: BinaryIO,
+    start: int,
+    whole: int | None,
+    progress: Progress | None,
+) -> bool:
+    """Fetches into a file from an offset on; False if what is there is not the same any more."""
+    begin = max(0, start - COMPARED_OVERLAP)
+    file.seek(begin)
+    known = file.read(start - begin)
+    file.seek(begin)
+    file.truncate()
+    seen = bytearray()
+
+    def keep(piece: bytes) -> None:
+        if len(seen) < len(known):
+            seen.extend(piece)
+        file.write(piece)
+        if progress is not None:
+            progress(file.tell(), whole)
+
+    session.retrieve_into(name, UNTOUCHED, keep, begin)
+    return bytes(seen[: len(known)]) == known
+
+
+def _partial_size(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
+    """Bytes that an earlier transfer left of the same file."""
+    if stamp is None or not part.is_file() or not note.is_file():
+        return 0
+    try:
+        same = json.loads(read_text(note)) == list(stamp)
+    except ValueError:
+        return 0
+    length = part.stat().st_size
+    return length if same and length <= int(stamp[0]) else 0
+
+
+def _size_and_time(session: FtpSession, name: str) -> tuple[str, str] | None:
+    """Size and time of a file, None if the server does not tell both."""
+    length, changed = file_size(session, name), _status_text(session, f"MDTM {name}")
+    return None if length is None or changed is None else (str(length), changed)
+
+
+def _status_text(session: FtpSession, command: str) -> str | None:
+    """What stands behind `213` in the answer to a command, None for another answer."""
+    with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
+        try:
+            session.session.voidcmd("TYPE I")
+            answer = session.session.sendcmd(command)
+        except ftplib.error_perm:
+            return None
+    return answer[4:].strip() if answer.startswith("213") else None
+
+
+EntryKind = Literal["file", "folder", "other"]
+"""Links and devices are others: they are never followed, for they may lead in circles."""
+FOLDER_KIND: Final = "abb files"
+"""Of the index of a folder of files: no backup of a whole controller."""
+
+UNIX_LINE: Final = re.compile(
+    r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
+    r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
+    r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
+)
+"""As `ls -l` writes a line: mode, links, owner, group, size, date, time or year, name."""
+DOS_LINE: Final = re.compile(
+    r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
+    r"(?P<name>.+)",
+    re.IGNORECASE,
+)
+UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
+MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Entry:
+    """path: below the folder that was asked for. size: bytes, None where it is not told."""
+
+    path: str
+    kind: EntryKind
+    size: int | None = None
+
+
+def folder_tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
+    """All below a folder, sorted; the session is in its own folder again afterwards."""
+    with session.during("asking for the folder", UNTOUCHED):
+        home = session.session.pwd()
+    found: list[Entry] = []
+    try:
+        if folder:
+            _enter(session, folder)
+        with session.during("asking for the folder", UNTOUCHED):
+            top = session.session.pwd()
+        spelling = session.session.spelling
+        _walk(session, top.rstrip("/"), "", 0, found)
+        if session.session.spelling != spelling:  # what was read before is spelled anew
+            found.clear()
+            _enter(session, top)
+            _walk(session, top.rstrip("/"), "", 0, found)
+    except rules.Lost:
+        raise
+    except Refused:
+        _enter(session, home)
+        raise
+    _enter(session, home)
+    return tuple(sorted(found))
+
+
+def fetch_tree(session: FtpSession, folder: str, into: FilePath) -> tuple[str, ...]:
+    """Fetches all files below a folder into a new one."""
+    files = [entry.path for entry in folder_tree(session, folder) if entry.kind == "file"]
+    start = f"{folder.rstrip('/')}/" if folder else ""
+    with backup_folder.appearing_folder(into, FOLDER_KIND) as new:
+        for path in files:
+            backup_folder.put_file(new, path, read_whole(session, start + path))
+    return tuple(files)
+
+
+def parse_list(lines: Iterable[str]) -> list[Entry] | None:
+    """What the lines of LIST say, None if one of them is of no known form."""
+    found = []
+    for line in lines:
+        if re.fullmatch(r"(total \d+)?\s*", line):
+            continue
+        unix, dos = UNIX_LINE.fullmatch(line), DOS_LINE.fullmatch(line)
+        if unix is not None:
+            kind = UNIX_TYPES.get(unix["type"], "other")
+            name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
+            found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
+        elif dos is not None:
+            size = None if dos["folder"] else int(dos["size"])
+            found.append(Entry(dos["name"], "folder" if dos["folder"] else "file", size))
+        else:
+            return None
+    return found
+
+
+def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
+    """What the lines of MLSD say: facts, a blank, the name."""
+    found = []
+    for line in lines:
+        facts, blank, name = line.partition(" ")
+        pairs = dict(fact.lower().partition("=")[::2] for fact in facts.rstrip(";").split(";"))
+        if not blank or "type" not in pairs:
+            return None
+        if pairs["type"] in ("cdir", "pdir"):
+            continue
+        size = pairs.get("size", "")
+        kind = MLSD_TYPES.get(pairs["type"], "other")
+        found.append(Entry(name, kind, int(size) if size.isdecimal() else None))
+    return found
+
+
+def _walk(session: FtpSession, top: str, below: str, depth: int, found: list[Entry]) -> None:
+    """Gathers what is in a folder, which the session is in, and in those inside of it."""
+    if depth > MOST_FOLDERS:
+        reason = f"folders are more than {MOST_FOLDERS} deep"
+        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
+    if len(found) > MOST_ENTRIES:
+        reason = f"there are more than {MOST_ENTRIES} files and folders"
+        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
+    inner = []
+    for entry in _entries(session):
+        if entry.path in (".", ".."):
+            continue
+        path = f"{below}{told_name(entry.path)}"
+        found.append(Entry(path, entry.kind, entry.size))
+        if entry.kind == "folder":
+            inner.append(path)
+    for path in inner:
+        _enter(session, f"{top}/{path}")
+        _walk(session, top, f"{path}/", depth + 1, found)
+
+
+def _entries(session: FtpSession) -> list[Entry]:
+    ways: tuple[tuple[str, Callable[[Iterable[str]], list[Entry] | None]], ...] = (
+        ("MLSD", parse_mlsd),
+        ("LIST", parse_list),
+    )
+    for command, read in ways:
+        try:
+            found = read(_listing_lines(session, command))
+        except rules.Lost:
+            raise
+        except Refused:
+            continue
+        if found is not None:
+            return found
+    return list(_entries_by_name(session))
+
+
+def _listing_lines(session: FtpSession, command: str) -> list[str]:
+    with session.during("listing a folder", UNTOUCHED):
+        return session.lines(command)
+
+
+def _entries_by_name(session: FtpSession) -> Iterator[Entry]:
+    """By names alone: what can be entered is a folder."""
+    names = [line.rsplit("/", 1)[-1] for line in _listing_lines(session, "NLST")]
+    with session.during("asking for the folder", UNTOUCHED):
+        here = session.session.pwd()
+    for name in sorted(set(names) - {".", ".."}):
+        try:
+            _enter(session, told_name(name))
+        except rules.Lost:
+            raise
+        except Refused:
+            yield Entry(name, "file")
+        else:
+            _enter(session, here)
+            yield Entry(name, "folder")
+
+
+def _enter(session: FtpSession, folder: str) -> None:
+    if re.search(r"[\x00-\x1f\x7f]", folder):
+        reason = "it holds a control character"
+        raise Refused(rules.FILE_NAME(place=repr(folder), name=repr(folder), reason=reason))
+    with session.during(f"entering `{folder}`", UNTOUCHED):
+        session.session.cwd(folder)
+
 
 NOT_NOW: Final = ("550", "450")
 """Replies for a file that is not there, or that somebody else has open (RFC 959, 5.4)."""
@@ -52,7 +680,7 @@ class Ftp(FtpSession):
         checked_name(name)
         if not self._has(name) and self.size(name) is None:
             return None
-        return ftp_resuming.read_whole(self, name)
+        return read_whole(self, name)
 
     def remove(self, name: str) -> None:
         checked_name(name)
@@ -122,17 +750,15 @@ class Ftp(FtpSession):
 
     def size(self, name: str) -> int | None:
         """Bytes of a file, None if there is none or the server does not tell."""
-        return ftp_resuming.file_size(self, checked_path(name))
+        return file_size(self, checked_path(name))
 
-    def download(
-        self, name: str, to: str | FilePath, progress: ftp_resuming.Progress | None = None
-    ) -> int:
+    def download(self, name: str, to: str | FilePath, progress: Progress | None = None) -> int:
         """Fetches a file, also out of folders, into one of this computer; its bytes.
 
         It appears there when it is whole. What an interrupted transfer left beside it, in
         `<to>.part`, is gone on with, unless the file has changed on the controller meanwhile.
         """
-        return ftp_resuming.download(self, checked_path(name), FilePath(to), progress)
+        return download(self, checked_path(name), FilePath(to), progress)
 
     def upload(self, name: str, data: bytes) -> None:
         """As `write`; goes on with what an interrupted `upload` left on the controller.
@@ -140,21 +766,21 @@ class Ftp(FtpSession):
         What is there is read and compared first: of the bytes that went through none is trusted.
         """
         checked_name(name)
-        ftp_resuming.upload(self, name, data)
+        upload(self, name, data)
         temporary = TEMPORARY.format(name=name)
         with self._discarding(temporary):
             self.replace(temporary, name)
 
-    def tree(self, folder: str = "") -> tuple[ftp_folders.Entry, ...]:
+    def tree(self, folder: str = "") -> tuple[Entry, ...]:
         """All files and folders below a folder, `HOME:` or one of the address for ""."""
-        return ftp_folders.folder_tree(self, folder)
+        return folder_tree(self, folder)
 
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder of the controller into a new one; its files, relative to it.
 
         The new folder appears when all of it is there, with an index as every backup has.
         """
-        return ftp_folders.fetch_tree(self, folder, FilePath(into))
+        return fetch_tree(self, folder, FilePath(into))
 
     def _has(self, name: str) -> bool:
         """Whether there is a file of that name; the controller's disk ignores case."""

@@ -17,7 +17,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, NoReturn, Self
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import folders, rules
+from assistant.controllers import backup_folder, rules
 from assistant.controllers.abb.files import (
     MOST_ENTRIES,
     MOST_FOLDERS,
@@ -26,10 +26,8 @@ from assistant.controllers.abb.files import (
     checked_path,
     told_name,
 )
-from assistant.controllers.address import Address
-from assistant.controllers.credentials import Credentials
-from assistant.controllers.os_errors_in_words import reason_of
-from assistant.controllers.pace import LEAST_BYTES, TransferDeadline
+from assistant.controllers.address import Address, Credentials
+from assistant.controllers.connection import LEAST_BYTES, TransferDeadline, reason_of
 
 if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient
@@ -170,9 +168,9 @@ class Sftp(FileSession):
         with self._during("listing the folder", UNTOUCHED, LISTING) as (files, pace):
             _walk(files, pace, start, "", 0, entries)
         found = sorted(path for path, is_file in entries.items() if is_file)
-        with folders.appearing_folder(into, KIND) as new:
+        with backup_folder.appearing_folder(into, KIND) as new:
             for path in found:
-                folders.put_file(new, path, self.retrieve(start + path, UNTOUCHED))
+                backup_folder.put_file(new, path, self.retrieve(start + path, UNTOUCHED))
         return tuple(found)
 
     def _trust(self, ssh: SSHClient) -> None:

@@ -1,17 +1,16 @@
-"""Motion that is commanded cycle by cycle, whosever controller it is.
+"""Cyclic control of an arm, one command for each packet of the controller, for any maker.
 
-`trajectory.py` brings a trajectory to the cycle, `process.py` starts a process that sends it by
-`loop.py`, paced by the controller's packets; `leading.py` leads by corrections that are worked out
-meanwhile; `link.py` is what a maker's packets have to answer.
+`trajectory` resamples a trajectory to the cycle, `process` starts a process that runs the `loop` of
+`worker` and follows the trajectory or leads by corrections, `setpoint_source` gives the row of each
+cycle, and `link` is the interface that the packets of a maker have to answer.
 """
 
-from assistant.controllers.cyclic.leading import Leading
-from assistant.controllers.cyclic.link import Endpoint, Link, Measured
-from assistant.controllers.cyclic.process import Ended, Progress, follow
-from assistant.controllers.cyclic.report import Delays, Report, Timing
-from assistant.controllers.cyclic.settings import Settings
-from assistant.controllers.cyclic.space import ArmLimits, Limits
-from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+from __future__ import annotations
+
+from assistant.controllers.cyclic.loop import Delays, Endpoint, Link, Measured, Report, Timing
+from assistant.controllers.cyclic.process import Ended, Leading, Progress, follow
+from assistant.controllers.cyclic.setpoint_source import Settings
+from assistant.controllers.cyclic.trajectory import ArmLimits, Limits, Trajectory, resampled
 
 __all__ = [
     "ArmLimits",

@@ -1,23 +1,389 @@
-"""The loop that leads an arm along rows: one command for each packet of the controller.
+"""Loop that leads an arm along rows, one command for each packet of the controller.
 
-It is paced by these packets and by no clock of its own. Whatever happens, it brings the arm to rest
-on its way, holds it, and ends the control.
+The packets pace the loop; it has no clock of its own. However it ends, it brings the arm to rest on
+its path, holds it there, and ends the control. `Report` says whether its answers were in time, and
+what the controller sent meanwhile. `PacketSocket` stamps each packet with its time of arrival.
+A maker's module gives a frozen dataclass that answers `Link`. The loop runs in a separate process,
+which makes the link anew from its class and fields: numbers, texts, truths and tuples of them.
+
+    @dataclass(frozen=True)
+    class Egm:
+        cycle: float = 0.004
+        ...
 """
 
 from __future__ import annotations
 
+import contextlib
+import select
+import socket
+import struct
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from pathlib import Path as FilePath
+from typing import Final, Protocol
 
-from assistant.base.diagnostics import Rule
+import numpy as np
+
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.controllers.cyclic import rules
-from assistant.controllers.cyclic.link import Link, Measured
-from assistant.controllers.cyclic.report import Timing, TimingRecorder
-from assistant.controllers.cyclic.space import column_names
-from assistant.controllers.cyclic.ways import Job, LoopFailure, Row, column_named, source_of
-from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.cyclic.rules import MISSED, PRIORITY
+from assistant.controllers.cyclic.setpoint_source import (
+    Job,
+    LoopFailure,
+    Row,
+    column_named,
+    source_of,
+)
+from assistant.controllers.cyclic.trajectory import column_names
+from assistant.controllers.recording import save_columns
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What a packet of the controller tells.
+
+    values: where the arm is, in the columns of the trajectory. counter: of the packet, to know one
+    that comes twice or late; None if it has none. missed: cycles in a row that the controller says
+    it was left without a command. stopped: why it does not follow (any more), "" while it does.
+    ready: False while a controller that speaks first does not take commands yet.
+    extra: what else is recorded, as `Link.recorded` names it.
+    """
+
+    values: tuple[float, ...]
+    counter: int | None = None
+    missed: int = 0
+    stopped: str = ""
+    ready: bool = True
+    extra: tuple[float, ...] = ()
+
+
+class Link(Protocol):
+    """The packets of one conversation; each call is made in the loop, so it must be quick.
+
+    cycle: seconds from packet to packet of the controller. speaks_first: whether the controller
+    sends of its own accord in each cycle; else it answers a packet with one.
+    recorded: names of `Measured.extra`.
+    """
+
+    @property
+    def cycle(self) -> float: ...
+
+    @property
+    def speaks_first(self) -> bool: ...
+
+    @property
+    def recorded(self) -> tuple[str, ...]: ...
+
+    def hello(self, count: int) -> bytes:
+        """A packet that moves nothing and asks where the arm is; unused if it speaks first."""
+
+    def read(self, packet: bytes) -> Measured | None:
+        """What a packet says; None if it is none of this conversation or makes no sense."""
+
+    def command(self, values: Sequence[float], count: int) -> bytes:
+        """The packet that leads the arm to a row. count: of packets that were sent before."""
+
+    def end(self, values: Sequence[float], count: int) -> bytes | None:
+        """The packet that ends the control; None if there is none and silence ends it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Where the packets go. host: of the controller; None to take the first one that speaks.
+
+    port: of the controller, 0 to take it from its first packet. local_host, local_port: on this
+    machine, "" and 0 for any.
+    """
+
+    host: str | None
+    port: int
+    local_host: str = ""
+    local_port: int = 0
+
+    def __str__(self) -> str:
+        if self.host is None:
+            return f"port {self.local_port} of this machine"
+        return f"{self.host}:{self.port}" if self.port else self.host
+
+
+@dataclass(frozen=True, slots=True)
+class Delays:
+    """Seconds from the arrival of a packet in this machine to its answer being sent.
+
+    late: how many were more than half a cycle. measured: `kernel` if the arrival was stamped by
+    it, `program` if only when the program saw the packet, which hides the time until it woke up.
+    """
+
+    count: int
+    median: float
+    most_of: float
+    longest: float
+    late: int
+    measured: str
+
+    @staticmethod
+    def of(seconds: Floats, cycle: float, measured: str) -> Delays:
+        """most_of: the 99th percentile."""
+        if not len(seconds):
+            return Delays(0, 0.0, 0.0, 0.0, 0, measured)
+        median, most_of = np.percentile(seconds, (50, 99))
+        late = int((seconds > cycle / 2.0).sum())
+        return Delays(
+            len(seconds), float(median), float(most_of), float(seconds.max()), late, measured
+        )
+
+    def __str__(self) -> str:
+        ms = [f"{1e3 * value:.3f}" for value in (self.median, self.most_of, self.longest)]
+        return (
+            f"delay of {self.count} answers: median {ms[0]} ms, 99 % below {ms[1]} ms, longest "
+            f"{ms[2]} ms; {self.late} later than half a cycle"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How a loop has kept its time by now.
+
+    cycles: packets that were answered. late: how many of them more than half a cycle after they
+    came. longest, jitter: seconds, the greatest of these delays and their standard deviation.
+    """
+
+    cycles: int = 0
+    late: int = 0
+    longest: float = 0.0
+    jitter: float = 0.0
+
+
+@dataclass(slots=True)
+class TimingRecorder:
+    """Gathers a `Timing` while a loop runs. half: seconds of half a cycle."""
+
+    half: float
+    count: int = 0
+    late: int = 0
+    longest: float = 0.0
+    sum: float = 0.0
+    squares: float = 0.0
+
+    def add(self, delay: float) -> None:
+        self.count += 1
+        self.late += delay > self.half
+        self.longest = max(self.longest, delay)
+        self.sum += delay
+        self.squares += delay * delay
+
+    @property
+    def timing(self) -> Timing:
+        count = max(1, self.count)
+        spread = max(0.0, self.squares / count - (self.sum / count) ** 2) ** 0.5
+        return Timing(self.count, self.late, self.longest, spread)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """A trajectory that was followed, or the part of it up to a failure.
+
+    done, rows: points that were sent, of how many. seconds: that it took. cycle: of the controller.
+    asked_again: times when the controller was silent for a while. repeated: packets that came
+    twice or out of order. garbled: without sense. missed: the most cycles in a row that the
+    controller says it was left without a command. priority: what the loop ran with; refused: why
+    that is no real-time priority, "" if it is or was not wanted.
+    columns: what was recorded, one value a packet: `time` in seconds since the first, `row` of the
+    trajectory, where the arm was by the names of its joints or of its pose, `to_…` what it was
+    told, and what else the packets tell.
+    """
+
+    done: int
+    rows: int
+    seconds: float
+    cycle: float
+    delays: Delays
+    asked_again: int
+    repeated: int
+    garbled: int
+    missed: int
+    priority: str
+    refused: str
+    columns: Mapping[str, Floats]
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """What should be looked at, although all was followed."""
+        found = []
+        if self.delays.late or self.missed:
+            cycles, late = self.delays.count, self.delays.late
+            found.append(MISSED(late=late, cycles=cycles, without=self.missed))
+        if self.refused:
+            found.append(PRIORITY(reason=self.refused))
+        return tuple(found)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.done} of {self.rows} points in {self.seconds:.2f} s, cycle "
+            f"{1e3 * self.cycle:.2f} ms, {self.priority}; {self.delays}"
+        )
+
+    def save(self, path: str | FilePath) -> None:
+        """Writes the columns as `.csv` or `.npz`; see `save_columns`."""
+        save_columns(path, self.columns)
+
+
+BIGGEST_PACKET: Final = 2048
+"""Bytes of a packet that are read; longer ones make no sense here."""
+MOST_DROPPED: Final = 1000
+SHORTEST_BLOCK: Final = 0.001
+"""Seconds for which it is worth while to block."""
+_SO_TIMESTAMPNS: Final = 35
+"""SO_TIMESTAMPNS of Linux on machines of 64 bits (asm-generic/socket.h): the kernel stamps each
+packet as it arrives."""
+_TIMESTAMP: Final = struct.Struct("=qq")
+_CONTROL_BYTES: Final = 64
+"""Bytes for the stamp and its head."""
+
+
+class PacketSocket:
+    """A UDP socket to one controller; a context manager. Raises OSError.
+
+    spin: seconds before a packet is due, `cycle` behind the last one, from which on it is looked
+    for without pause until as long after; 0 to block in the kernel all the time, inf never to.
+    refused: whether the other side said that nothing listens on that port.
+    """
+
+    def __init__(self, endpoint: Endpoint, *, spin: float = 0.0, cycle: float = 0.0) -> None:
+        self._endpoint = endpoint
+        self._spin, self._cycle = spin, cycle
+        self._came = 0.0
+        self._host = None if endpoint.host is None else socket.gethostbyname(endpoint.host)
+        self.stamped = self.refused = False
+        self._open()
+
+    def _open(self) -> None:
+        endpoint = self._endpoint
+        self._peer: tuple[str, int] | None = None
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._socket.setblocking(False)
+            self._socket.bind((endpoint.local_host, endpoint.local_port))
+            if sys.platform == "linux" and struct.calcsize("P") == 8:
+                self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+                self.stamped = True
+            if self._host is not None:
+                self._peer = (self._host, endpoint.port)
+                if endpoint.port:
+                    self._socket.connect(self._peer)
+        except OSError:
+            self._socket.close()
+            raise
+        self._poll = select.poll() if hasattr(select, "poll") else None
+        if self._poll is not None:
+            self._poll.register(self._socket, select.POLLIN)
+
+    def forget(self) -> None:
+        """Hears whoever speaks next, where the one that spoke first is of an earlier run."""
+        if not self._endpoint.port:
+            self._socket.close()
+            self._open()
+
+    def __enter__(self) -> PacketSocket:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._socket.close()
+
+    @property
+    def connected(self) -> bool:
+        """Whether it is known whom to send to."""
+        return self._peer is not None and self._peer[1] != 0
+
+    def send(self, packet: bytes) -> None:
+        try:
+            self._socket.send(packet)
+        except ConnectionRefusedError:  # what an earlier packet met; this one was not sent
+            self.refused = True
+            with contextlib.suppress(ConnectionRefusedError):
+                self._socket.send(packet)
+
+    def receive(self, seconds: float) -> tuple[bytes, float] | None:
+        """The next packet and its arrival by `now`, None if none comes in that time.
+
+        Other senders are not heard. The first one that speaks is the peer where none is known.
+        """
+        until = time.monotonic() + seconds
+        while True:
+            try:
+                packet, data, sender = self._read()
+            except ConnectionRefusedError:
+                self.refused = True
+            except BlockingIOError:
+                now = time.monotonic()
+                if now >= until:
+                    return None
+                self._pause(now, until)
+                continue
+            else:
+                if self._is_heard(sender):
+                    self._came = time.monotonic()
+                    return packet, self._arrival(data)
+            if seconds and time.monotonic() >= until:  # however much others send
+                return None
+
+    def hush(self, seconds: float) -> None:
+        """Drops what comes until nothing has come for that long, at most `MOST_DROPPED`."""
+        for _ in range(MOST_DROPPED):
+            if self.receive(seconds) is None:
+                return
+
+    def _is_heard(self, sender: tuple[str, int]) -> bool:
+        """Whether it is the peer, or becomes it; packets from before it did may wait here still."""
+        if self.connected:
+            return sender == self._peer
+        if self._peer is not None and sender[0] != self._peer[0]:
+            return False
+        self._peer = sender
+        self._socket.connect(sender)
+        return True
+
+    def now(self) -> float:
+        """Seconds of the clock that arrivals are stamped with."""
+        return time.time() if self.stamped else time.perf_counter()
+
+    def _read(self) -> tuple[bytes, list[tuple[int, int, bytes]], tuple[str, int]]:
+        if not self.stamped:  # where the system may lack `recvmsg`
+            packet, sender = self._socket.recvfrom(BIGGEST_PACKET)
+            return packet, [], sender
+        packet, data, _, sender = self._socket.recvmsg(BIGGEST_PACKET, _CONTROL_BYTES)
+        return packet, data, sender
+
+    def _arrival(self, data: list[tuple[int, int, bytes]]) -> float:
+        for level, kind, value in data:
+            if (
+                level == socket.SOL_SOCKET
+                and kind == _SO_TIMESTAMPNS
+                and len(value) >= _TIMESTAMP.size
+            ):
+                seconds, nanoseconds = _TIMESTAMP.unpack_from(value)
+                return float(seconds + 1e-9 * nanoseconds)
+        return self.now()
+
+    def _pause(self, now: float, until: float) -> None:
+        """Blocks until a packet comes or there is a reason to look again."""
+        due = self._came + self._cycle
+        if now >= due + self._spin:
+            self._wait(until - now)
+        elif (rest := min(until, due - self._spin) - now) >= SHORTEST_BLOCK:
+            self._wait(rest, early=True)
+
+    def _wait(self, seconds: float, *, early: bool = False) -> None:
+        """early: not a moment longer; the kernel counts in ms here."""
+        if self._poll is not None:
+            self._poll.poll(int(1e3 * seconds) if early else max(1.0, 1e3 * seconds))
+        else:
+            select.select([self._socket], [], [], seconds)
+
 
 ReportProgress = Callable[[float, float, Row, Timing], None]
 """Is told now and then: seconds since the first packet, the row, where the arm is, how the time was

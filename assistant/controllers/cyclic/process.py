@@ -1,4 +1,15 @@
-"""Following a trajectory in a process of its own, which nothing here can keep waiting."""
+"""Cyclic motion run in a separate process, which this one cannot delay.
+
+`follow` leads an arm along a trajectory. `Leading` leads it by corrections that are computed
+meanwhile:
+
+    with Leading(link, endpoint, axes, limits) as leading:
+        here = leading.joints()
+        leading.to(row, seconds)
+
+The loop in the process keeps the limits in each cycle whatever it receives. The arm comes to rest
+when no correction follows, when this program ends, and when the context ends.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +25,18 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path as FilePath
-from typing import IO, Final
+from types import TracebackType
+from typing import IO, Final, Self
 
 import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.controllers.credentials import without_passwords
+from assistant.controllers.address import without_passwords
 from assistant.controllers.cyclic import rules
-from assistant.controllers.cyclic.link import Endpoint, Link
-from assistant.controllers.cyclic.report import Delays, Report, Timing
-from assistant.controllers.cyclic.settings import Settings
-from assistant.controllers.cyclic.space import Limits
-from assistant.controllers.cyclic.trajectory import Trajectory, resampled
-from assistant.controllers.cyclic.ways import correction_line
+from assistant.controllers.cyclic.loop import Delays, Endpoint, Link, Report, Timing
+from assistant.controllers.cyclic.setpoint_source import Settings, correction_line
+from assistant.controllers.cyclic.trajectory import Limits, Trajectory, resampled
 
 PATIENCE: Final = 20.0
 """Seconds beyond its own time-outs without a word of it after which the process is told to stop."""
@@ -318,3 +327,111 @@ def _report(
         columns=columns,
         **counts,
     )
+
+
+SILENCE: Final = 1.0
+"""Seconds without a word of the process after which it is not known where the arm is."""
+
+
+class Leading:
+    """A context manager: entering waits for the controller, leaving brings the arm to rest.
+
+    width: how many joints. limits: of joints, with their range. report: what came of it, None
+    before. Raises Refused, on entering and by all methods, for what ended it.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        endpoint: Endpoint,
+        width: int,
+        limits: Limits,
+        settings: Settings | None = None,
+    ) -> None:
+        self._settings = settings or Settings()
+        self._given = (link, endpoint, width, limits)
+        self._feed, self._stop = Feed(), threading.Event()
+        self._news = threading.Condition()
+        self._latest: Progress | None = None
+        self._ended: Refused | None = None
+        self._over = False
+        self.report: Report | None = None
+        self._thread = threading.Thread(target=self._run, name="leading", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        try:
+            self._wait(self._settings.first + GRACE)
+        except BaseException:
+            self._end()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        before = self._ended
+        self._end()
+        if error is None and before is None and self._ended is not None:
+            raise self._ended
+
+    def joints(self) -> tuple[float, ...]:
+        """Where the arm is, as the controller told some milliseconds ago."""
+        self._wait(SILENCE)
+        assert self._latest is not None
+        return self._latest.values
+
+    def timing(self) -> Timing:
+        """How the loop has kept its time by now."""
+        return Timing() if self._latest is None else self._latest.timing
+
+    def to(self, row: Sequence[float], seconds: float) -> None:
+        """Has the arm be at a row in so many seconds, as the limits let it, and go no further."""
+        if self._ended is not None:
+            raise self._ended
+        self._feed.put(row, seconds)
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        return () if self.report is None else self.report.findings
+
+    def _wait(self, seconds: float) -> None:
+        """Until it is known where the arm is."""
+        with self._news:
+            self._news.wait_for(lambda: self._over or self._latest is not None, seconds)
+        if self._ended is not None:
+            raise self._ended
+        if self._latest is None:
+            raise Refused(rules.BROKEN(reason="its process says nothing"), exit_status=2)
+
+    def _end(self) -> None:
+        self._stop.set()
+        with suppress(RuntimeError):  # it was not started
+            self._thread.join()
+
+    def _run(self) -> None:
+        link, endpoint, width, limits = self._given
+        try:
+            self.report = follow_corrections(
+                *(link, endpoint, width, limits, self._feed, self._settings),
+                watch=self._told,
+                stop=self._stop,
+            )
+        except Ended as ended:
+            self.report = ended.report
+            asked = self._stop.is_set() and ended.findings[0].code == rules.INTERRUPTED.code
+            self._ended = None if asked else ended
+        except Refused as refused:
+            self._ended = refused
+        finally:
+            with self._news:
+                self._over = True
+                self._news.notify_all()
+
+    def _told(self, progress: Progress) -> None:
+        with self._news:
+            self._latest = progress
+            self._news.notify_all()

@@ -1,29 +1,194 @@
-"""Trajectories, brought to the cycle of a controller within limits of speed and acceleration.
+"""Trajectories, resampled to the cycle of a controller within limits of speed and acceleration.
 
-    rows = resampled(Trajectory.of_joints(angles, times), Limits((420.0, 336.0)), cycle=0.00711)
-
-The curve through the points stays as it is; only the time along it is stretched where a limit would
-be broken, never compressed below the times that were given.
+Rows are joints in degrees or mm (pulses of some controllers), or poses: x, y, z in mm and
+w, x, y, z. The curve through the rows never leaves the range between two neighbours, column by
+column.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, reals
+from assistant.base.arrays import Floats, Rows, norms, reals
 from assistant.base.diagnostics import Refused
-from assistant.controllers.cyclic.curve import Curve
-from assistant.controllers.cyclic.rules import BAD_SETTING, BAD_TRAJECTORY
-from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked_rows, sizes
+from assistant.controllers.cyclic.rules import BAD_LIMITS, BAD_SETTING, BAD_TRAJECTORY
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE
 from assistant.program.motion import Kind as Move
 from assistant.program.motion import Path
+
+Kind = Literal["joints", "poses"]
+"""Rows of joints, degrees or mm each (or pulses); or of x, y, z in mm with w, x, y, z."""
+
+POSE_COLUMNS: Final = 7
+TO_FULL_SPEED: Final = 0.3
+"""Seconds in which an axis may come to its full speed where no acceleration is given: cautious,
+makers quote less for light loads."""
+
+
+def sizes(kind: Kind, changes: Floats) -> Floats:
+    """How large changes of rows (n, c) are in what has a limit.
+
+    (n, c) a joint each; of poses (n, 2), mm and degrees.
+    """
+    if kind == "joints":
+        return np.asarray(np.abs(changes))
+    turn = 2.0 * np.degrees(norms(changes[:, 3:]))
+    return np.column_stack([norms(changes[:, :3]), turn])
+
+
+@dataclass(frozen=True, slots=True)
+class ArmLimits:
+    """What the joints of an arm may do while its tool is led along poses.
+
+    joints: (n, 7) poses → (n, a) joints without jumps from row to row, of a robot of the caller's;
+    it may raise Refused. speeds: (a,) a second.
+    """
+
+    joints: Callable[[Floats], Floats]
+    speeds: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What no cycle may exceed.
+
+    speeds: of joints, each a second; of poses two, mm/s and deg/s. accelerations: likewise a
+    second squared, None for a cautious `TO_FULL_SPEED`. lowest, highest: of joints, None for
+    none. arm: of poses, what their joints may do; without it only the tool's speed is held.
+    """
+
+    speeds: tuple[float, ...]
+    accelerations: tuple[float, ...] | None = None
+    lowest: tuple[float, ...] | None = None
+    highest: tuple[float, ...] | None = None
+    arm: ArmLimits | None = None
+
+    def columns(self, kind: Kind, width: int) -> tuple[Floats, Floats]:
+        """Speeds and accelerations (k,) for rows of that kind; Refused if they do not fit."""
+        count = width if kind == "joints" else 2
+        try:
+            speeds = reals(self.speeds)
+            given = self.accelerations
+            rises = speeds / TO_FULL_SPEED if given is None else reals(given)
+        except ValueError as error:
+            raise Refused(BAD_LIMITS(reason=error), exit_status=2) from None
+        for what, values in (("speeds", speeds), ("accelerations", rises)):
+            if values.shape != (count,):
+                reason = f"{values.size} {what} for {count} {_of(kind)}"
+                raise Refused(BAD_LIMITS(reason=reason), exit_status=2)
+            if not (np.isfinite(values) & (values > 0.0)).all():
+                raise Refused(BAD_LIMITS(reason=f"{what} {values.tolist()}"), exit_status=2)
+        return speeds, rises
+
+    def outside(self, kind: Kind, rows: Floats) -> str:
+        """What of joints (n, a) lies outside its range, in words; "" for nothing."""
+        if kind != "joints":
+            return ""
+        for bound, sign, word in ((self.lowest, -1.0, "below"), (self.highest, 1.0, "above")):
+            if bound is None:
+                continue
+            if len(bound) != rows.shape[1]:
+                reason = f"{len(bound)} ends of range for {rows.shape[1]} joints"
+                raise Refused(BAD_LIMITS(reason=reason), exit_status=2)
+            beyond = ~(sign * (rows - np.array(bound)) <= 1e-6)  # also where a bound is no number
+            if beyond.any():
+                row, joint = (int(v) for v in np.argwhere(beyond)[0])
+                at = f"{rows[row, joint]:g} is {word} {bound[joint]:g}"
+                return f"J{joint + 1} of point {row + 1}: {at}"
+        return ""
+
+
+def braked(room: float, rise: float, cycle: float) -> float:
+    """The greatest speed for a cycle from which an axis still comes to rest within its room.
+
+    With n more cycles of braking by `rise` behind it: v (n + 1) T - a T² n (n + 1) / 2 = room.
+    """
+    if not room > 0.0:
+        return 0.0
+    step = rise * cycle * cycle
+    n = math.floor((math.sqrt(1.0 + 8.0 * room / step) - 1.0) / 2.0)
+    return (room + step * n * (n + 1) / 2.0) / ((n + 1) * cycle)
+
+
+def _of(kind: Kind) -> str:
+    return "joints" if kind == "joints" else "limits of poses (mm/s, deg/s)"
+
+
+def column_names(kind: Kind, width: int) -> tuple[str, ...]:
+    """What the columns of rows are called in files and messages."""
+    if kind == "joints":
+        return tuple(f"J{i}" for i in range(1, width + 1))
+    return ("x", "y", "z", "qw", "qx", "qy", "qz")
+
+
+def checked_rows(rows: Sequence[Sequence[float]] | Floats) -> Floats:
+    """Rows as (n, c) finite floats; raises ValueError with what is wrong."""
+    values = reals(rows)
+    if values.ndim != 2 or not len(values) or not values.shape[1]:
+        raise ValueError(f"its shape is {values.shape}, not (points, columns)")
+    if not np.isfinite(values).all():
+        row = int(np.argwhere(~np.isfinite(values))[0, 0])
+        raise ValueError(f"point {row + 1} holds a number that is not finite")
+    return values
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """at: (n,) increasing. rows, slopes: (n, c), slopes by `at`."""
+
+    at: Floats
+    rows: Floats
+    slopes: Floats
+
+    @staticmethod
+    def through(at: Floats, rows: Floats) -> Curve:
+        step = np.diff(at)[:, None]
+        chord = np.diff(rows, axis=0) / step
+        slopes = np.zeros_like(rows)
+        if len(rows) == 2:
+            slopes[:] = chord
+            return Curve(at, rows, slopes)
+        before, after = chord[:-1], chord[1:]
+        one, two = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
+        same = before * after > 0.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mean = (one + two) / (one / before + two / after)
+        slopes[1:-1] = np.where(same, mean, 0.0)
+        slopes[0], slopes[-1] = chord[0], chord[-1]
+        return Curve(at, rows, slopes)
+
+    def piece(self, s: Floats) -> Rows:
+        """The piece (m,) in which each place lies."""
+        return np.clip(np.searchsorted(self.at, s, side="right") - 1, 0, len(self.at) - 2)
+
+    def values(self, s: Floats) -> Floats:
+        """The rows (m, c) at places (m,)."""
+        i = self.piece(s)
+        step = (self.at[i + 1] - self.at[i])[:, None]
+        t = ((s - self.at[i])[:, None]) / step
+        a, b = self.rows[i], self.rows[i + 1]
+        u, v = self.slopes[i] * step, self.slopes[i + 1] * step
+        rise = b - a
+        return np.asarray(a + t * (u + t * (3.0 * rise - 2.0 * u - v + t * (u + v - 2.0 * rise))))
+
+    def changes(self, i: Rows, s: Floats) -> tuple[Floats, Floats]:
+        """First and second derivatives (m, c) at places (m,) of the pieces i (m,)."""
+        step = (self.at[i + 1] - self.at[i])[:, None]
+        t = ((s - self.at[i])[:, None]) / step
+        u, v = self.slopes[i] * step, self.slopes[i + 1] * step
+        rise = self.rows[i + 1] - self.rows[i]
+        two, three = 3.0 * rise - 2.0 * u - v, u + v - 2.0 * rise
+        return (u + t * (2.0 * two + 3.0 * t * three)) / step, (
+            2.0 * two + 6.0 * t * three
+        ) / step**2
+
 
 MOST_ROWS: Final = 2_000_000
 """Cycles of one trajectory: 3.9 hours at 7.11 ms."""

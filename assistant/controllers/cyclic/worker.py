@@ -1,15 +1,17 @@
-"""The process of a loop: `python -m assistant.controllers.cyclic.worker FOLDER`, by `process.py`.
+"""Process of a loop: `python -m assistant.controllers.cyclic.worker FOLDER`, started by `process`.
 
-FOLDER holds `job.json` and `rows.npy`; `samples.npz` is written there. A line of JSON on stdout
-tells now and then where the arm is; the last one what came of it. When stdin ends, which it also
-does when the process that started this one is gone, or when nothing comes there for a while, as
-that one is stopped, the arm is brought to rest. Where the job is led by corrections, they come as
-lines on stdin.
+FOLDER holds `job.json` and `rows.npy`; the worker writes `samples.npz` there. Lines of JSON on
+stdout report where the arm is, the last one how the run ended. The arm is brought to rest when
+stdin ends, as it does when the parent process is gone, and when nothing arrives on stdin for a
+while, as when the parent is stopped. Corrections arrive as lines on stdin. While the loop runs, the
+process has real-time priority and locked memory where that is permitted, and no garbage collection.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import gc
 import importlib
 import json
 import os
@@ -17,6 +19,8 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import astuple
 from pathlib import Path as FilePath
 from typing import Final
@@ -25,13 +29,72 @@ import numpy as np
 
 from assistant.base.diagnostics import Rule
 from assistant.controllers.cyclic import rules
-from assistant.controllers.cyclic.link import Endpoint, Link
-from assistant.controllers.cyclic.loop import Loop, Stop, columns
-from assistant.controllers.cyclic.report import Timing
-from assistant.controllers.cyclic.scheduling import real_time
-from assistant.controllers.cyclic.settings import Settings
-from assistant.controllers.cyclic.ways import Corrections, Job, Row
-from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.cyclic.loop import (
+    Endpoint,
+    Link,
+    Loop,
+    PacketSocket,
+    Stop,
+    Timing,
+    columns,
+)
+from assistant.controllers.cyclic.setpoint_source import PRIORITY, Corrections, Job, Row, Settings
+
+_DMA_LATENCY: Final = "/dev/cpu_dma_latency"
+_CURRENT: Final = 1
+_FUTURE: Final = 2
+"""MCL_CURRENT and MCL_FUTURE of Linux."""
+
+
+@contextmanager
+def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
+    """In here the garbage collector is off and, where that is permitted, the priority real-time.
+
+    Yields what it runs with, and why that is no real-time priority ("" if none was wanted).
+    """
+    said = _priority() if wanted else ("ordinary priority", "")
+    _keep_memory()
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        with _awake() if wanted else nullcontext():
+            yield said
+    finally:
+        gc.enable()
+        gc.unfreeze()
+        if said[0].startswith("SCHED_FIFO"):
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
+@contextmanager
+def _awake() -> Iterator[None]:
+    """Where that is permitted, processors do not sleep as long as the file is open.
+
+    It takes the microseconds that waking up may last (Documentation/power/pm_qos_interface.rst of
+    Linux).
+    """
+    with ExitStack() as kept:
+        with suppress(OSError):
+            kept.enter_context(FilePath(_DMA_LATENCY).open("wb", buffering=0)).write(bytes(4))
+        yield
+
+
+def _keep_memory() -> None:
+    """Keeps all pages in memory where that is permitted: to fetch one again may cost a cycle."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).mlockall(_CURRENT | _FUTURE)
+
+
+def _priority() -> tuple[str, str]:
+    if not hasattr(os, "sched_setscheduler"):
+        return "ordinary priority", "this system has no SCHED_FIFO"
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except OSError as error:
+        return "ordinary priority", f"SCHED_FIFO is not permitted: {error.strerror}"
+    return f"SCHED_FIFO {PRIORITY}", ""
+
 
 SPUN: Final = 1.0 / 3.0
 """Part of a cycle before a packet is due, and after, in which it is looked for without pause."""

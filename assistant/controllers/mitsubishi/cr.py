@@ -1,7 +1,12 @@
-"""Client of a Mitsubishi CR controller by the controller link, over TCP or a serial line."""
+"""Client of a Mitsubishi CR controller by the controller link, over TCP or a serial line.
+
+`watch` samples the state; it needs no operation right and changes nothing.
+"""
 
 from __future__ import annotations
 
+import re
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -9,29 +14,58 @@ from typing import Final, Self
 
 from assistant.controllers.abilities import Held
 from assistant.controllers.address import Address
-from assistant.controllers.mitsubishi import (
-    backup,
-    error_log,
-    helpers,
-    jogging,
-    listing,
-    operating,
-    parameter_files,
-    parameters,
-    position,
-    programs,
-    restore,
-    signals,
-    state,
-    variables,
-    watching,
-)
-from assistant.controllers.mitsubishi.jogging import Check
+from assistant.controllers.mitsubishi import arm_moves, backup, operation, programs, state, values
+from assistant.controllers.mitsubishi import values as numbered
+from assistant.controllers.mitsubishi.arm_moves import Check
+from assistant.controllers.mitsubishi.backup import Restoring
 from assistant.controllers.mitsubishi.programs import LANGUAGES, Entry
-from assistant.controllers.mitsubishi.restore import Restoring
 from assistant.controllers.mitsubishi.session import COMMAND_INTERVAL, About, Session
 from assistant.controllers.mitsubishi.session import about as identity
+from assistant.controllers.mitsubishi.state import controller_state, position
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
+
+SIGNAL_NAME: Final = re.compile(r"(?:(in|out|m_in|m_out)[: (]?)?(\d{1,5})\)?", re.IGNORECASE)
+ALL_SLOTS: Final = 20
+"""Looks after which all slots are asked; else those that had a program."""
+
+
+def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator[Sample]:
+    """A sample each `interval` seconds, later ones where the controller answers slower.
+
+    signals: `in:5`, `out:900`, or a number alone for an input.
+    """
+    wanted = {name: _parse_signal(name) for name in signals}
+    began = time.monotonic()
+    count = 0
+    slots: Sequence[int] | None = None
+    while True:
+        seconds = time.monotonic() - began
+        told = controller_state(session, slots if count % ALL_SLOTS else None)
+        slots = [int(task.name) for task in told.tasks]
+        yield Sample(seconds, told, position(session), _signal_values(session, wanted))
+        count += 1
+        late = time.monotonic() - began - seconds
+        time.sleep(max(0.0, interval - late))
+
+
+def _parse_signal(name: str) -> tuple[bool, str]:
+    """Whether it is an output, and its number."""
+    found = SIGNAL_NAME.fullmatch(name)
+    if found is None:
+        raise values.bad_value(name, "a signal", "it names none", "`in:5`, `out:900` or `5`")
+    numbered.number_of(found[2])
+    return (found[1] or "in").lower().endswith("out"), found[2]
+
+
+def _signal_values(session: Session, wanted: dict[str, tuple[bool, str]]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for is_output, read in ((False, numbered.inputs), (True, numbered.outputs)):
+        names = {name: number for name, (out, number) in wanted.items() if out is is_output}
+        if names:
+            told = read(session, list(names.values()))
+            found |= {name: told[number] for name, number in names.items()}
+    return {name: found[name] for name in wanted}
+
 
 __all__ = ["Cr", "identity"]
 
@@ -61,7 +95,7 @@ class Cr:
         self.languages: tuple[str, ...] = EVERY_LANGUAGE
         self.session = Session(address, timeout=timeout, terminator=terminator, pace=pace)
         self.check = check
-        self._kinds: dict[str, parameter_files.ParameterKind] = {}
+        self._kinds: dict[str, values.ParameterKind] = {}
 
     def __repr__(self) -> str:
         return f"Cr({str(self.address)!r})"
@@ -107,7 +141,7 @@ class Cr:
 
     def stored(self, data: bytes) -> bytes:
         """As a controller lists it: steps in order, variables by name with two decimals."""
-        return listing.listed_form(data)
+        return programs.listed_form(data)
 
     def entries(self) -> tuple[Entry, ...]:
         """The programs with size, time and protection."""
@@ -132,11 +166,11 @@ class Cr:
         return state.controller_state(self.session)
 
     def position(self) -> Position:
-        return position.position(self.session)
+        return state.position(self.session)
 
     def log(self, most: int = 50) -> tuple[Fault, ...]:
         """The latest errors, the newest first."""
-        return error_log.error_history(self.session, most)
+        return state.error_history(self.session, most)
 
     def reset(self) -> None:
         """Acknowledges the error; raises Refused if it is still there then."""
@@ -144,84 +178,86 @@ class Cr:
 
     def inputs(self, names: Sequence[str]) -> dict[str, float]:
         """By their numbers as text."""
-        return signals.inputs(self.session, names)
+        return values.inputs(self.session, names)
 
     def outputs(self, names: Sequence[str]) -> dict[str, float]:
-        return signals.outputs(self.session, names)
+        return values.outputs(self.session, names)
 
     def set_output(self, name: str, value: float) -> None:
-        signals.set_output(self.session, name, value)
+        values.set_output(self.session, name, value)
 
     def parameters(self, names: Sequence[str] = ()) -> dict[str, str]:
-        return parameters.read_parameters(self.session, names)
+        return values.read_parameters(self.session, names)
 
     def set_parameter(self, name: str, value: str) -> None:
         """Most take effect when the power comes on again."""
-        parameters.write_parameter(self.session, name, value, self._kinds)
+        values.write_parameter(self.session, name, value, self._kinds)
 
     def learn_kinds(self, files: Iterable[str | FilePath]) -> None:
         """Has `set_parameter` look at values as parameter files of RT ToolBox tell their kinds."""
-        self._kinds |= parameter_files.parameter_kinds(files)
+        self._kinds |= values.parameter_kinds(files)
 
     def variable(self, name: str, program: str = "", task: str = "") -> str:
-        slot = operating.slot_of(self.session, task)
-        return variables.read_variable(self.session, name, program, slot)
+        slot = operation.slot_of(self.session, task)
+        return values.read_variable(self.session, name, program, slot)
 
     def set_variable(self, name: str, value: str, program: str = "", task: str = "") -> None:
         """While its program runs, numbers only."""
-        slot = operating.slot_of(self.session, task)
-        variables.write_variable(self.session, name, value, program, slot)
+        slot = operation.slot_of(self.session, task)
+        values.write_variable(self.session, name, value, program, slot)
 
     def load(self, name: str, task: str = "") -> None:
-        operating.load(self.session, name, operating.slot_of(self.session, task))
+        operation.load(self.session, name, operation.slot_of(self.session, task))
 
     def motors(self, on: bool) -> None:
         """Switches the servos, and comes back when they are on or off."""
-        operating.motors(self.session, on=on)
+        operation.motors(self.session, on=on)
 
     def start(self, task: str = "", *, forever: bool = False) -> None:
-        operating.start(self.session, operating.slot_of(self.session, task), forever=forever)
+        operation.start(self.session, operation.slot_of(self.session, task), forever=forever)
 
     def stop(self) -> None:
-        operating.stop(self.session)
+        operation.stop(self.session)
 
     def set_override(self, percent: int) -> None:
-        operating.override(self.session, percent)
+        operation.override(self.session, percent)
 
     def jog(self, jog: Jog) -> None:
-        jogging.jog(self.session, jog, self.check)
+        arm_moves.jog(self.session, jog, self.check)
 
     def jog_while(self, jog: Jog, held: Held) -> None:
-        jogging.jog(self.session, jog, self.check, held)
+        arm_moves.jog(self.session, jog, self.check, held)
 
     def jog_joints(self, joints: Mapping[str, float], speed: float) -> None:
-        jogging.jog_joints(self.session, joints, speed, self.check)
+        arm_moves.jog_joints(self.session, joints, speed, self.check)
 
     def hand(self, number: int, *, open: bool) -> None:
-        signals.hand(self.session, number, is_open=open)
+        values.hand(self.session, number, is_open=open)
 
     def execute(self, statement: str, *, wait: bool = False, task: str = "") -> None:
         """Has the controller execute one statement, which may move the arm."""
-        slot = operating.slot_of(self.session, task, edit=True)
-        operating.execute(self.session, statement, wait_for_end=wait, slot=slot)
+        slot = operation.slot_of(self.session, task, edit=True)
+        operation.execute(self.session, statement, wait_for_end=wait, slot=slot)
 
-    def execute_while(self, statement: str, goal: jogging.Goal, held: Held, task: str = "") -> None:
+    def execute_while(
+        self, statement: str, goal: arm_moves.Goal, held: Held, task: str = ""
+    ) -> None:
         """Has it execute one that moves the arm to a goal; stops it once that is not held."""
-        slot = operating.slot_of(self.session, task, edit=True)
-        jogging.execute_while(self.session, statement, goal, held, slot)
+        slot = operation.slot_of(self.session, task, edit=True)
+        arm_moves.execute_while(self.session, statement, goal, held, slot)
 
     @contextmanager
     def scratch(self) -> Iterator[str]:
         """Yield a task in which the variables of statements vanish afterwards; see `execute`."""
-        with helpers.scratch(self.session, "executing statements") as slot:
+        with operation.scratch(self.session, "executing statements") as slot:
             yield str(slot)
 
     def backup(self, folder: FilePath) -> tuple[str, ...]:
         return backup.backup(self.session, folder)
 
     def restore(self, folder: FilePath, *, only: Sequence[str] = ()) -> Restoring:
-        return restore.restoring(self.session, folder, only, self._kinds)
+        return backup.restoring(self.session, folder, only, self._kinds)
 
     def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
         """signals: `in:5`, `out:900`, or a number alone for an input."""
-        return watching.watch(self.session, interval, signals)
+        return watch(self.session, interval, signals)

@@ -1,7 +1,8 @@
 """Programs of a CR controller: listed, read, written, copied, renamed, protected, removed.
 
-A program is written in the edit slot and takes the old one's place with SAVE; up to there
-NEW throws the edit away.
+A program is written in the edit slot and takes the old one's place with SAVE; until then NEW
+discards the edit. A listing has steps, then variables; it is compared by its lines alone, so that
+two texts are equal even where the controller writes other blanks, case or decimals.
 """
 
 from __future__ import annotations
@@ -11,16 +12,100 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
+from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import check_sent
+from assistant.base.source_text import lines_of as split_lines
 from assistant.controllers import rules
-from assistant.controllers.mitsubishi import listing
-from assistant.controllers.mitsubishi.answers import BARE_ANSWER
-from assistant.controllers.mitsubishi.errors import cr_error
-from assistant.controllers.mitsubishi.listing import ProgramLine
-from assistant.controllers.mitsubishi.session import UNCHANGED, Session
+from assistant.controllers.mitsubishi.link import BARE_ANSWER
+from assistant.controllers.mitsubishi.session import UNCHANGED, Session, cr_error
+
+ENCODING: Final = "latin-1"
+"""Bytes are passed through one to one: a controller's code page stays what it is."""
+
+BLANKS: Final = " \t"
+"""The only ones: other bytes that Python calls blank are halves of Japanese characters."""
+STEP_LINE: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*))?$", re.DOTALL | re.ASCII)
+VARIABLE_LINE: Final = re.compile(
+    r"\s*([A-Za-z]\w*[$%&!#]?(?:\([\d, ]*\))?)\s*=\s*(\(.*)$", re.DOTALL | re.ASCII
+)
+DECIMAL_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?", re.ASCII)
+QUOTED: Final = re.compile(
+    r"""("[^"]*"?)|('.*$|\bREM\b.*$)""", re.IGNORECASE | re.DOTALL | re.ASCII
+)
+DECIMALS: Final = Decimal("0.01")
+"""A controller lists positions with two decimals."""
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramLine:
+    """A line of a program and its number in the file, counted from 1."""
+
+    number: int
+    text: str
+
+
+def program_lines(data: bytes) -> list[ProgramLine]:
+    """The lines that say something; a step number or a variable may lead them."""
+    split = enumerate(split_lines(data.decode(ENCODING)), start=1)
+    return [ProgramLine(number, text) for number, text in split if text.strip(BLANKS)]
+
+
+def listed_form(data: bytes) -> bytes:
+    """The program in one form: steps in order, variables by name, two decimals, CR LF.
+
+    A step or a variable that stands twice counts as it was said last, as on the controller.
+    """
+    steps: dict[int, str] = {}
+    variables: dict[str, str] = {}
+    others: list[str] = []
+    for line in program_lines(data):
+        if step := STEP_LINE.match(line.text):
+            steps[int(step[1])] = statement_form(step[2] or "")
+        elif variable := VARIABLE_LINE.match(line.text):
+            name = re.sub(r"[ \t]+", "", variable[1]).upper()
+            variables[name] = f"{name}={rounded_values(variable[2])}"
+        else:
+            others.append(statement_form(line.text))
+    body = [f"{n} {steps[n]}".rstrip(BLANKS) for n in sorted(steps)]
+    body += [variables[name] for name in sorted(variables, key=natural_order)] + others
+    return "".join(f"{text}\r\n" for text in body).encode(ENCODING)
+
+
+def statement_form(statement: str) -> str:
+    """A statement in capitals with single blanks, strings and comments as they are."""
+    parts, at = [], 0
+    for quoted in QUOTED.finditer(statement):
+        parts += [_capitals(statement[at : quoted.start()]), quoted[0]]
+        at = quoted.end()
+    parts.append(_capitals(statement[at:]))
+    return "".join(parts).strip(BLANKS)
+
+
+def rounded_values(text: str) -> str:
+    """A bracketed list of numbers with two decimals each; flags in the second stay whole."""
+    head, bracket, flags = re.sub(r"[ \t]+", "", text).partition(")")
+    return DECIMAL_NUMBER.sub(_rounded, head) + bracket + flags
+
+
+def _rounded(number: re.Match[str]) -> str:
+    try:
+        value = Decimal(number[0]).quantize(DECIMALS, ROUND_HALF_EVEN)
+    except InvalidOperation:  # more digits than any robot has millimetres
+        return number[0]
+    return f"{value + 0 if value else Decimal('0.00'):+.2f}"
+
+
+def _capitals(text: str) -> str:
+    return re.sub(r"[ \t]+", " ", text).encode(ENCODING).upper().decode(ENCODING)  # A to Z only
+
+
+def natural_order(name: str) -> list[str | int]:
+    """P2 before P10."""
+    return [int(p) if p.isdigit() else p for p in re.split(r"(\d+)", name)]
+
 
 VT: Final = "\v"
 PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
@@ -121,7 +206,7 @@ def listed(session: Session, name: str) -> bytes:
     doing = f"reading `{checked_name(name)}`"
     with editing(session, name, doing, UNCHANGED):
         lines = [*_steps(session, doing), *_positions(session, doing)]
-    return "".join(f"{line}\r\n" for line in lines).encode(listing.ENCODING)
+    return "".join(f"{line}\r\n" for line in lines).encode(ENCODING)
 
 
 def write(session: Session, name: str, data: bytes) -> None:
@@ -281,7 +366,7 @@ def checked_name(name: str) -> str:
 
 def checked_lines(name: str, data: bytes, most: int) -> list[ProgramLine]:
     """The lines of a program, if the link can carry each of its `most` bytes; raises Refused."""
-    lines = listing.program_lines(data)
+    lines = program_lines(data)
     findings = [finding for line in lines if (finding := _unsendable(name, line, most))]
     if findings:
         raise Refused(*findings)

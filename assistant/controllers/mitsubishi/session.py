@@ -1,26 +1,77 @@
-"""A session with a CR controller: opened, asked, and the operation right given back.
+"""Session with a CR controller: opened, asked, and the operation right given back; error numbers.
 
-The right is taken for what needs it and given back when that is over, however it ends. Where
-the line was cut meanwhile, one new connection gives it back, else a finding says that it may
-still be held.
+The right is taken for the commands that need it and given back afterwards, however they end. If the
+line was cut meanwhile, one new connection gives it back, or a finding says that it may still be
+held. `cr_error` explains an error number by `errors.tsv`; numbers and levels are those of the
+controllers' error lists (BFP-A8871, BFP-A5993). A number that ends in `n` stands for those of all
+axes or units.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from typing import Final, NoReturn
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.controllers.mitsubishi.answers import BARE_ANSWER, ENCODING, Answer
-from assistant.controllers.mitsubishi.errors import cr_error
-from assistant.controllers.mitsubishi.link import Link, link_to
+from assistant.controllers.mitsubishi.link import BARE_ANSWER, ENCODING, Answer, Link, link_to
+
+ERROR_LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
+"""High: servos go off. Low: the program stops. Caution: the program goes on."""
+
+ERROR_FAMILIES: Final = {
+    0: "an error of the hardware",
+    1: "an error of the servos",
+    2: "an error of the motion",
+    3: "an error of the running program",
+    4: "an error of a program or its editing",
+    5: "a command that the present state forbids",
+    6: "an error of the communication or the signals",
+    7: "an error of files, parameters or options",
+    8: "an error of an option",
+    9: "an error raised by the user's program",
+}
+"""First digit of the number → what it is about, for numbers that the table does not name."""
+
+LOOK_IT_UP: Final = "look the number up in the controller's troubleshooting manual"
+
+
+@dataclass(frozen=True, slots=True)
+class CrError:
+    """One error number; level is a key of `ERROR_LEVELS`, "" if it is not known."""
+
+    number: int
+    level: str
+    text: str
+    cure: str
+
+
+def cr_error(number: int) -> CrError:
+    """What an error number means; never fails."""
+    digits = f"{number:04}"
+    rows = (_error_table().get(digits), _error_table().get(f"{digits[:-1]}n"))
+    level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
+    words = text.replace("{n}", digits[-1]) or ERROR_FAMILIES.get(number // 1000, "an error")
+    return CrError(number, level, words, cure or LOOK_IT_UP)
+
+
+@cache
+def _error_table() -> Mapping[str, tuple[str, str, str]]:
+    """Number → level, text and cure; a text is empty where there is none of our own."""
+    text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
+    rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
+    return {row["number"]: (row["level"], row["text"], row["cure"]) for row in rows}
+
 
 OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""

@@ -16,8 +16,8 @@ from assistant.cell.exploration.explorer import Explorer, best_of, drawn_in, ran
 from assistant.cell.exploration.filled_cells import STEP_IN_CELLS
 from assistant.cell.exploration.recordings import clear_runs
 from assistant.cell.findings import NOT_CLEAR
-from assistant.controllers.leading.carrier import Carrier
 from assistant.controllers.recording import Recording
+from assistant.controllers.setpoint_streams import Carrier
 from assistant.robots import Robot
 from assistant.vision.exploring import rules
 from assistant.vision.exploring.contacts import Contacts

@@ -10,8 +10,8 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Refused
-from assistant.controllers.cyclic.space import braked
-from assistant.controllers.leading.carrier import Arm
+from assistant.controllers.cyclic.trajectory import braked
+from assistant.controllers.setpoint_streams import Arm
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots import Robot
 from assistant.vision.servoing import rules

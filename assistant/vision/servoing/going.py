@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.controllers.leading.carrier import Carrier
+from assistant.controllers.setpoint_streams import Carrier
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.servoing.bounds import Guard

@@ -17,8 +17,8 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
-from assistant.controllers.leading.carrier import Carrier
 from assistant.controllers.recording import Recording, save_columns
+from assistant.controllers.setpoint_streams import Carrier
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.servoing import rules

@@ -20,7 +20,7 @@ from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.running import Ran
 from assistant.blocks.leading import led, measured
 from assistant.blocks.running_bdsim import run_paced
-from assistant.controllers.following import LinkOptions
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.controller import USER
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

@@ -20,7 +20,7 @@ from assistant.blocks.library.sources import Constant, Table, joint_table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.following import LinkOptions
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.robots.robot import Robot
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

@@ -30,8 +30,8 @@ from assistant.blocks.library.poses import step
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
-from assistant.controllers.following import LinkOptions
-from assistant.controllers.mitsubishi.control_mode.programs import MEASURING_PROGRAM, program_texts
+from assistant.controllers.mitsubishi.control_mode import MEASURING_PROGRAM, program_texts
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.events import Moved

@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers.abb.exchange import PoseExchange
-from assistant.controllers.abb.exchange.messages import with_sum
+from assistant.controllers.abb.exchange.files import with_sum
 from assistant.controllers.rules import Lost
 from assistant.virtual.events import Moved
 from tests.controllers.abb.cutting_ftp import CuttingFtp

@@ -13,11 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers.abb.egm import Egm, guide
-from assistant.controllers.abb.egm.messages import Message, decode, encode
+from assistant.controllers.abb.egm import Egm, Message, decode, encode, guide
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
-from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.cyclic.loop import Job, Loop, PacketSocket, Stop
 from assistant.virtual.irc5 import egm_packets as packets
 from assistant.virtual.irc5.egm import CYCLE, NO_DATA, Guidance, VirtualEgm
 

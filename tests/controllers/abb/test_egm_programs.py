@@ -13,8 +13,7 @@ import pytest
 from assistant import languages, robots
 from assistant.controllers.abb.egm import Egm
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
-from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.cyclic.loop import Job, Loop, PacketSocket, Stop
 from assistant.virtual.events import Moved, Said
 from assistant.virtual.irc5.egm_instructions import abilities
 from assistant.virtual.kernel import Board, Kernel

@@ -15,7 +15,7 @@ import pytest
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
-from assistant.controllers.abb.exchange import Module, PoseExchange, messages
+from assistant.controllers.abb.exchange import Module, PoseExchange, files
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose
 from assistant.program.motion import Kind, Path, Speed
@@ -190,7 +190,7 @@ def test_a_check_is_asked_before_anything_is_sent(robot, programs):
 def ask(robot, text, checked=True):
     """Puts a request there by hand and gives the lines of the answer."""
     arriving = robot.home / "arriving"
-    arriving.write_bytes(messages.with_sum(text.encode()) if checked else text.encode())
+    arriving.write_bytes(files.with_sum(text.encode()) if checked else text.encode())
     arriving.rename(robot.home / "exchange_request.txt")
     answer = robot.home / "exchange_answer.txt"
     for _ in range(2000):
@@ -205,7 +205,7 @@ def ask(robot, text, checked=True):
 def test_what_the_robot_answers_to_requests_of_any_kind(robot):
     here = ask(robot, "100\nwhere\n\n\n\nEND 100\n")
     assert here[:2] == ["100", "ok"] and here[-2] == "END 100"
-    assert messages.parse_answer("".join(f"{line}\n" for line in here).encode()).checked
+    assert files.parse_answer("".join(f"{line}\n" for line in here).encode()).checked
     assert ask(robot, "101\nwhere\n\n\n\nEND 101\n", checked=False)[:2] == ["0", "unchecked"]
     place, turn, configuration = here[2:5]
     assert place == "[420,60,400]" and configuration == "[0,0,0,0]"
@@ -243,7 +243,7 @@ def test_what_the_robot_answers_to_requests_of_any_kind(robot):
 
 def test_an_old_answer_is_not_taken_for_a_new_one(tmp_path):
     with RunningRobot(tmp_path / "home", begins=False) as robot:
-        old = messages.request_file(5, "where")
+        old = files.request_file(5, "where")
         (robot.home / "exchange_answer.txt").write_bytes(old)
         with (
             robot.client() as programs,
@@ -258,7 +258,7 @@ def test_an_old_answer_is_not_taken_for_a_new_one(tmp_path):
 def test_requests_that_were_left_are_not_carried_out_by_a_program_that_starts(tmp_path):
     with RunningRobot(tmp_path / "home", begins=False) as robot:
         pose = Pose((420.0, 90.0, 400.0), (0.0, 0.0, 1.0, 0.0))
-        (robot.home / "exchange_request.txt").write_bytes(messages.request_file(1, "move", pose))
+        (robot.home / "exchange_request.txt").write_bytes(files.request_file(1, "move", pose))
         robot.begin()
         with robot.client() as programs, PoseExchange(programs) as exchange:
             assert exchange.current_pose().pose.position == pytest.approx((420.0, 60.0, 400.0))
@@ -540,7 +540,7 @@ def test_a_folder_in_the_place_of_the_answer_ends_nothing(robot, programs):
         in_the_way.mkdir()
         for number in (101, 102):
             half = robot.home / "half"
-            half.write_bytes(messages.request_file(number, "where"))
+            half.write_bytes(files.request_file(number, "where"))
             half.replace(request)
             while request.exists() and robot.thread.is_alive():
                 threading.Event().wait(0.005)

@@ -5,7 +5,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Refused
-from assistant.controllers.abb.exchange import Module, Tool, messages
+from assistant.controllers.abb.exchange import Module, Tool, files
 from tests.controllers.abb.exchanging import MODULE
 
 
@@ -69,7 +69,7 @@ def test_what_is_no_name_or_figure_never_gets_into_the_module(given):
     ],
 )  # fmt: skip
 def test_files_that_are_no_answer(text):
-    assert messages.parse_answer(text.encode("latin-1")) is None
+    assert files.parse_answer(text.encode("latin-1")) is None
 
 
 def test_an_answer_is_read_as_the_controller_writes_it():
@@ -77,11 +77,11 @@ def test_an_answer_is_read_as_the_controller_writes_it():
         "5\nok\n[524.205,-0.5,691.1]\n[0.5,0,0.866025,-5.97135E-07]\n[0,-1,0,4]\n"
         "[9E+09,12.5,9E+09,9E+09,9E+09,9E+09]\n0.068\nEND 5\n"
     )
-    answer = messages.parse_answer(text.encode())
-    assert answer == messages.parse_answer(text.replace("\n", "\r\n").encode())
+    answer = files.parse_answer(text.encode())
+    assert answer == files.parse_answer(text.replace("\n", "\r\n").encode())
     assert (answer.number, answer.word, answer.motion) == (5, "ok", 0.068)
     assert answer.pose.position == (524.205, -0.5, 691.1) and answer.configuration == (0, -1, 0, 4)
     assert np.linalg.norm(answer.pose.quaternion) == pytest.approx(1.0, abs=1e-12)
     assert answer.external[1] == 12.5 and np.isnan(answer.external[0])
     for end in range(len(text) - 1):
-        assert messages.parse_answer(text[:end].encode()) is None
+        assert files.parse_answer(text[:end].encode()) is None

@@ -7,7 +7,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import Credentials, connect
-from assistant.controllers.abb.ftp import first_difference
+from assistant.controllers.abb.files import first_difference
 from assistant.controllers.rules import Lost
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb.bad_ftp import FtpPeer

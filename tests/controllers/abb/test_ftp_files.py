@@ -10,9 +10,9 @@ import socket
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import folders
-from assistant.controllers.abb import ftp_folders
-from assistant.controllers.abb.ftp_folders import Entry
+from assistant.controllers import backup_folder
+from assistant.controllers.abb import ftp
+from assistant.controllers.abb.ftp import Entry
 from assistant.controllers.rules import Lost
 from tests.controllers.abb.ftp_servers import SERVERS, pyftpdlib
 
@@ -90,7 +90,7 @@ def test_folders_are_fetched_whole(server, tmp_path):
             client.fetch_folder("nowhere", tmp_path / "nowhere")
         assert codes(refused) == ["CN205"] and not (tmp_path / "nowhere").exists()
         assert client.read("seam.mod") == TREE["seam.mod"]
-    assert folders.backup_contents(tmp_path / "all", "abb files") == TREE
+    assert backup_folder.backup_contents(tmp_path / "all", "abb files") == TREE
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_folders_are_fetched_from_servers_that_know_less(tmp_path, without):
             (server.home / "link").unlink()
         assert client.fetch_folder("", tmp_path / "all") == tuple(sorted(TREE))
         assert set(server.commands) & {"MLSD", "LIST"} == {"MLSD", "LIST"}
-    assert folders.backup_contents(tmp_path / "all", "abb files") == TREE
+    assert backup_folder.backup_contents(tmp_path / "all", "abb files") == TREE
 
 
 @pytest.mark.parametrize("server", ["vsftpd", "proftpd", "pure-ftpd"], indirect=True)
@@ -122,7 +122,7 @@ def test_names_in_whatever_spelling_stop_nothing(server, tmp_path):
         client.write("other.mod", b"other")
         assert len(client.fetch_folder("", tmp_path / "all")) == 5
         assert client.read("other.mod") == b"other"
-    fetched = folders.backup_contents(tmp_path / "all", "abb files")
+    fetched = backup_folder.backup_contents(tmp_path / "all", "abb files")
     assert sorted(fetched.values()) == sorted([*named.values(), TREE["seam.mod"], b"other"])
 
 
@@ -259,12 +259,12 @@ LINES = {
 
 @pytest.mark.parametrize("line", LINES)
 def test_lines_of_listings(line):
-    assert ftp_folders.parse_list(["total 12", line, ""]) == [LINES[line]]
+    assert ftp.parse_list(["total 12", line, ""]) == [LINES[line]]
 
 
 @pytest.mark.parametrize("line", ["seam.mod", "-rw 1 x", "+i8388621.48594,m825718503,r,\teplf"])
 def test_lines_of_no_known_listing(line):
-    assert ftp_folders.parse_list([line]) is None
+    assert ftp.parse_list([line]) is None
 
 
 def test_facts_of_listings():
@@ -272,8 +272,8 @@ def test_facts_of_listings():
         "type=cdir;size=4096; .", "Type=pdir; ..", "type=file;size=12;modify=20200101; a b.mod",
         "type=dir; parts", "type=OS.unix=slink:/x; link",
     ]  # fmt: skip
-    assert ftp_folders.parse_mlsd(lines) == [
+    assert ftp.parse_mlsd(lines) == [
         Entry("a b.mod", "file", 12), Entry("parts", "folder"), Entry("link", "other"),
     ]  # fmt: skip
     for line in ("seam.mod", "size=3; seam.mod", "type=file;size=3;"):
-        assert ftp_folders.parse_mlsd([line]) is None
+        assert ftp.parse_mlsd([line]) is None

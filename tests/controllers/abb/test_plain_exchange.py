@@ -12,7 +12,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PlainExchange, PlainFiles, Tool
-from assistant.controllers.abb.exchange.plain import parse_plain_answer
+from assistant.controllers.abb.exchange.protocols import parse_plain_answer
 from assistant.program.geometry import Pose
 from assistant.virtual.irc5 import VirtualIrc5
 from tests.controllers.abb import ftp_servers

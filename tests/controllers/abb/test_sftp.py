@@ -9,7 +9,7 @@ import asyncssh
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import folders
+from assistant.controllers import backup_folder
 from assistant.controllers.address import parse
 from assistant.controllers.rules import Lost
 from tests.controllers.abb.sftp_server import SftpServer
@@ -67,7 +67,7 @@ def test_folders_are_gone_to_and_fetched_whole(server, tmp_path):
         with pytest.raises(Refused) as refused:
             client.fetch_folder("nowhere", tmp_path / "nowhere")
         assert codes(refused) == ["CN205"] and not (tmp_path / "nowhere").exists()
-    assert folders.backup_contents(tmp_path / "all", "abb files") == TREE
+    assert backup_folder.backup_contents(tmp_path / "all", "abb files") == TREE
     with server.client(options=f"/parts/deep?fingerprint={server.fingerprint}") as client:
         assert client.names() == ("er",)
     missing = server.client(options=f"/no?fingerprint={server.fingerprint}")

@@ -3,7 +3,7 @@
 import socket
 
 from assistant.controllers.cyclic import Endpoint
-from assistant.controllers.cyclic.wire import PacketSocket
+from assistant.controllers.cyclic.loop import PacketSocket
 
 
 def free_port():

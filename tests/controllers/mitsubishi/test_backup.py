@@ -6,8 +6,8 @@ import subprocess
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import connect, folders
-from assistant.controllers.mitsubishi.kept_back import SECRET_PARAMETER, why_left_out
+from assistant.controllers import backup_folder, connect
+from assistant.controllers.mitsubishi.values import SECRET_PARAMETER, why_left_out
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr
 from tests.controllers.cutting import Cutting
@@ -117,7 +117,7 @@ def test_what_was_changed_comes_back(cell, tmp_path):
     assert controller.text("NEW") == "10 END\r\n", "what no backup has stays"
     kept = restoring.kept
     assert kept == tmp_path / "cell.before-1"
-    assert folders.backup_contents(kept, "melfa") == {
+    assert backup_folder.backup_contents(kept, "melfa") == {
         "programs/SEAM.prg": b"10 END\r\n",
         "parameters.txt": b"MEXTL=0, 0, 50, 0, 0, 0\n",
     }
@@ -207,11 +207,11 @@ def test_a_backup_of_another_robot_is_told(cell, tmp_path):
 def test_a_backup_that_was_made_up_sets_no_outputs(cell, tmp_path):
     _, client = cell
     client.backup(tmp_path / "cell")
-    files = dict(folders.backup_contents(tmp_path / "cell", "melfa"))
+    files = dict(backup_folder.backup_contents(tmp_path / "cell", "melfa"))
     files["variables/externals.txt"] += b"M_OUT(8)=1\nm_Hnd(1)=1\n"
-    with folders.appearing_folder(tmp_path / "other", "melfa") as place:
+    with backup_folder.appearing_folder(tmp_path / "other", "melfa") as place:
         for name, data in files.items():
-            folders.put_file(place, name, data)
+            backup_folder.put_file(place, name, data)
     restoring = client.restore(tmp_path / "other")
     assert not restoring.changes and {*restoring.left_out} == {"M_OUT(8)", "m_Hnd(1)"}
     for name in restoring.left_out:

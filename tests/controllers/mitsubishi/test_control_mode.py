@@ -8,8 +8,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Refused, Severity
-from assistant.controllers.mitsubishi.control_mode import FORM, ControlMode
-from assistant.controllers.mitsubishi.control_mode.programs import program_texts
+from assistant.controllers.mitsubishi.control_mode import FORM, ControlMode, program_texts
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
 from assistant.virtual.events import Moved

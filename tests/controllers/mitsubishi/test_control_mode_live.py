@@ -6,8 +6,12 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
-from assistant.controllers.mitsubishi.control_mode import ControlMode, Measuring
-from assistant.controllers.mitsubishi.control_mode.programs import PROGRAM_NAMES, program_texts
+from assistant.controllers.mitsubishi.control_mode import (
+    PROGRAM_NAMES,
+    ControlMode,
+    Measuring,
+    program_texts,
+)
 from assistant.controllers.mitsubishi.data_link import DataLink, Rate
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr

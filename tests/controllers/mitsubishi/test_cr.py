@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr, identity
-from assistant.controllers.mitsubishi.listing import listed_form
+from assistant.controllers.mitsubishi.programs import listed_form
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr
 from tests.examples import drawn

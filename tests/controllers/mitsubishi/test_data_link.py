@@ -14,9 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, Rate
-from assistant.controllers.mitsubishi.data_link.records import input_line, read_value
-from assistant.controllers.mitsubishi.data_link.streams import stream_to
+from assistant.controllers.mitsubishi.data_link import (
+    DataLink,
+    Form,
+    Joints,
+    Position,
+    Rate,
+    input_line,
+    read_value,
+    stream_to,
+)
 from assistant.controllers.recording import Recording
 from assistant.controllers.rules import Lost
 from assistant.virtual.melfa.communication_lines import TcpClient

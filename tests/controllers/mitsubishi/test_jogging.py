@@ -9,7 +9,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.base.rotations import angle_between
 from assistant.controllers import connect
-from assistant.controllers.mitsubishi.jogging import Goal
+from assistant.controllers.mitsubishi.arm_moves import Goal
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Jog
 from assistant.virtual.cr import VirtualCr

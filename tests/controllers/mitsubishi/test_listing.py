@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.controllers.mitsubishi.errors import LOOK_IT_UP, cr_error
 from assistant.controllers.mitsubishi.link import parse_answer
-from assistant.controllers.mitsubishi.listing import listed_form
+from assistant.controllers.mitsubishi.programs import listed_form
+from assistant.controllers.mitsubishi.session import LOOK_IT_UP, cr_error
 
 PROGRAM = (
     b'10 MOV P1\r\n20 \'Comment  stays\r\n30 PRINT #1,"a  b;c"\r\n'

@@ -12,7 +12,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.data_link import DataLink
-from assistant.controllers.mitsubishi.framing import frame, unframed
+from assistant.controllers.mitsubishi.link import frame, unframed
 from assistant.controllers.rules import Lost
 from assistant.virtual.cr import VirtualCr
 

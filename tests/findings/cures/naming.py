@@ -23,7 +23,7 @@ from assistant.cell import body_tables as of_cells
 from assistant.cli.app import app
 from assistant.compiler import script_file
 from assistant.controllers.address import SCHEMES
-from assistant.controllers.cyclic.settings import Settings
+from assistant.controllers.cyclic.setpoint_source import Settings
 from assistant.program.pseudo.words import FIRST_WORDS
 from assistant.project.schema import schema
 from assistant.sources import cell as of_data

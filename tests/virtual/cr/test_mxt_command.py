@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.controllers.mitsubishi.mxt import program
+from assistant.controllers.mitsubishi.external_control import program
 from assistant.virtual.cr.real_time import Enet, mxt_commands
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.timed_arm import Timed

@@ -5,7 +5,7 @@ import pytest
 
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
-from assistant.controllers.mitsubishi.mxt import CYCLES, Monitor, Mxt, program
+from assistant.controllers.mitsubishi.external_control import CYCLES, Monitor, Mxt, program
 from assistant.virtual.cr import VirtualCr
 
 PATIENT = Settings(timeout=10.0, lapse=100, opening=10.0, softness=0.5)

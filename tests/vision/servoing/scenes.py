@@ -14,9 +14,8 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.controllers import connect
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.following import LinkOptions
-from assistant.controllers.leading import MODES
-from assistant.controllers.leading.cycles import by_egm
+from assistant.controllers.setpoint_streams import MODES, by_egm
+from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm

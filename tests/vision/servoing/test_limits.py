@@ -7,8 +7,13 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.controllers.cyclic.settings import Settings as CyclicSettings
-from assistant.controllers.cyclic.ways import Corrections, CorrectionSource, Job, correction_line
+from assistant.controllers.cyclic.setpoint_source import (
+    Corrections,
+    CorrectionSource,
+    Job,
+    correction_line,
+)
+from assistant.controllers.cyclic.setpoint_source import Settings as CyclicSettings
 from assistant.program.geometry import Pose
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.interaction import flange_of

@@ -1,11 +1,9 @@
 """Poses exchanged with a running RAPID program by files, over any client that keeps programs."""
 
-from assistant.controllers.abb.exchange.exchange import PoseExchange
-from assistant.controllers.abb.exchange.messages import Answer
-from assistant.controllers.abb.exchange.module import LANGUAGE, Module, PlainFiles, Tool
-from assistant.controllers.abb.exchange.plain import PlainExchange
-from assistant.controllers.abb.exchange.poses import PoseSender
-from assistant.controllers.abb.exchange.recording import Spent
+from assistant.controllers.abb.exchange.files import Answer
+from assistant.controllers.abb.exchange.pose_sender import PoseSender, Spent
+from assistant.controllers.abb.exchange.protocols import PlainExchange, PoseExchange
+from assistant.controllers.abb.exchange.rapid_module import LANGUAGE, Module, PlainFiles, Tool
 
 __all__ = [
     "LANGUAGE",

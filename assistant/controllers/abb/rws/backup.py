@@ -1,17 +1,32 @@
-"""A backup: the controller's own, made on its disk, brought here, and deleted there."""
+"""Backup of a controller, and its restore, piece by piece.
+
+The controller makes the backup on its disk; it is fetched and deleted there. The controller's own
+restore would replace everything, safety and network settings included, and restart. So a restore
+shows the differences, then writes files and loads modules and parameters instead.
+"""
 
 from __future__ import annotations
 
+import difflib
+import re
+import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from datetime import datetime
+from fnmatch import fnmatchcase
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.base.diagnostics import Refused
-from assistant.controllers import folders, rules
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.source_text import check_sent, lines_of, visible
+from assistant.controllers import backup_folder, rules
+from assistant.controllers.abb.files import TEXTS
 from assistant.controllers.abb.rws.files import Files
-from assistant.controllers.abb.rws.session import NotThere, Session
+from assistant.controllers.abb.rws.rapid import Rapid
+from assistant.controllers.abb.rws.session import Mastership, NotThere, Session
+from assistant.controllers.abb.rws.system import Panel
 
 KIND: Final = "abb"
 VOLUME: Final = "BACKUP:"
@@ -29,17 +44,17 @@ UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
 
 def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str, ...]:
     """Writes a backup into a new folder, which appears whole or not at all; its files."""
-    with folders.appearing_folder(folder, KIND) as place:
+    with backup_folder.appearing_folder(folder, KIND) as place:
         name = f"assistant_{datetime.now():%Y%m%d_%H%M%S_%f}"
         path = f"{VOLUME}/{name}"
         try:
             _make(session, files, path)
             for found, size in files.tree(path):
-                folders.put_file(place, found, _read(session, files, f"{path}/{found}", size))
+                backup_folder.put_file(place, found, _read(session, files, f"{path}/{found}", size))
         finally:
             if session.connected:
                 files.discard(path)
-        written = folders.backup_files(place)
+        written = backup_folder.backup_files(place)
         if not any(one.lower() == INFO_FILE for one in written):
             raise session.garbled("reading the backup", f"it has no `{INFO_FILE}`")
         return written
@@ -97,3 +112,222 @@ def _read(session: Session, files: Files, name: str, size: int | None) -> bytes:
         got = "nothing" if data is None else f"{len(data)} bytes"
         raise session.garbled(f"reading `{name}` of the backup", f"{got} instead of {size} bytes")
     return data
+
+
+LEFT_OUT: Final = {
+    "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",
+    "SYSPAR/*calib*": "calibration of this very arm",
+    "SYSPAR/SIO.cfg": "addresses of the network",
+    "SYSPAR/EIO.cfg": "addresses of field networks, and signals that safety may hang on",
+    "*safety*": "safety settings, which are to be validated after a change",
+    "*.sxml": "safety settings, which are to be validated after a change",
+    "*psc_*": "safety settings, which are to be validated after a change",
+    "RAPID/TASK0/*": "modules that all tasks share, which the system installs",
+}
+"""Files that are restored only if they are named, with why; patterns ignore case."""
+INFO_PATTERNS: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
+"""Files that tell of the backup itself."""
+TASK_LINE: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
+"""Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
+MODULE_FILE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
+PARAMETER_FILE: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
+DOMAIN_HEAD: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
+"""How a file of parameters begins: this, and not its name, tells what it replaces."""
+LOADING_VOLUME: Final = "TEMP:"
+"""Volume that modules and parameters are loaded from."""
+
+
+@dataclass(frozen=True, slots=True)
+class RestoreParts:
+    """What of a controller a restore works with."""
+
+    session: Session
+    mastership: Mastership
+    files: Files
+    panel: Panel
+    rapid: Rapid
+    home: str = "HOME:"
+
+
+class Restore:
+    """See `Restoring`. now: files as the controller has them; then: as the backup has them."""
+
+    def __init__(
+        self,
+        parts: RestoreParts,
+        now: Mapping[str, bytes],
+        then: Mapping[str, bytes],
+        wanted: Sequence[str],
+    ) -> None:
+        self._parts = parts
+        self._now = now
+        self._then = then
+        self._tasks = dict(TASK_LINE.findall(_backinfo(then)))
+        differing = [
+            n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, INFO_PATTERNS)
+        ]
+        self.left_out: Mapping[str, str] = {
+            name: why for name in differing if (why := self._why_not(name, wanted)) is not None
+        }
+        taken = [name for name in differing if name not in self.left_out]
+        for name in taken:
+            if name.lower().endswith(TEXTS):
+                check_sent(then[name], name)
+        self.changes: Mapping[str, str] = {name: self._difference(name) for name in taken}
+
+    @property
+    def needs_restart(self) -> bool:
+        """Whether the controller takes some of it over only after a restart."""
+        return any(PARAMETER_FILE.fullmatch(name) for name in self.changes)
+
+    def apply(self) -> None:
+        """Restores all changes, or brings back what was there before."""
+        if self.changes and self._parts.panel.running():
+            raise self._parts.session.refusal(
+                "restore", "programs run on it", "stop the programs first"
+            )
+        done: list[str] = []
+        try:
+            for name in self.changes:
+                self._put(name, self._then[name])
+                done.append(name)
+        except rules.Lost as error:
+            raise rules.Lost(*error.findings, self._partly(name, done)) from None
+        except Refused as error:
+            kept = list(self._not_taken_back(done))
+            raise Refused(*error.findings, *([self._partly(name, kept)] if kept else [])) from None
+
+    def _not_taken_back(self, done: Sequence[str]) -> Iterator[str]:
+        """Brings back what was there before; the names of what stays restored."""
+        for name in reversed(done):
+            before = self._now.get(name)
+            try:
+                if before is not None:
+                    self._put(name, before)
+                elif name.startswith("HOME/"):
+                    self._parts.files.remove(self._home(name))
+                else:
+                    yield name  # a module or parameters that were not there
+            except Refused:
+                yield name
+
+    def _partly(self, name: str, done: Sequence[str]) -> Diagnostic:
+        said = ", ".join(f"`{one}`" for one in done) or "nothing"
+        return rules.RESTORED_PARTLY(
+            place=str(self._parts.session.address),
+            name=name,
+            done=said,
+            kept="a backup made before",
+        )
+
+    def _why_not(self, name: str, wanted: Sequence[str]) -> str | None:
+        if wanted and not any(_is_meant(name, one) for one in wanted):
+            return "it was not named"
+        why = self._kept_back(name, wanted)
+        return why or (None if self._known(name) else "nothing that could be restored")
+
+    def _kept_back(self, name: str, wanted: Sequence[str]) -> str | None:
+        """Why it has to be named, unless it is: a folder that holds other files is no name of it.
+
+        A file of parameters counts as what it says that it is, too.
+        """
+        domain = DOMAIN_HEAD.match(self._then[name]) if PARAMETER_FILE.fullmatch(name) else None
+        names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
+        unnamed = [
+            n for n in names if not any(_is_meant(n, asked, tuple(LEFT_OUT)) for asked in wanted)
+        ]
+        return next(
+            (why for n in unnamed for one, why in LEFT_OUT.items() if _matches(n, (one,))), None
+        )
+
+    def _known(self, name: str) -> bool:
+        module = MODULE_FILE.fullmatch(name)
+        task = module is not None and module[1].upper() in self._tasks
+        return name.startswith("HOME/") or task or PARAMETER_FILE.fullmatch(name) is not None
+
+    def _difference(self, name: str) -> str:
+        before, after = self._now.get(name, b""), self._then[name]
+        if b"\0" in before + after:
+            return f"{name}: {len(before)} bytes there, {len(after)} in the backup\n"
+        left, right = (
+            [visible(line) for line in lines_of(data.decode("latin-1"))] for data in (before, after)
+        )
+        lines = difflib.unified_diff(
+            left, right, f"{name} (there)", f"{name} (backup)", lineterm=""
+        )
+        return "".join(f"{line}\n" for line in lines) or f"{name}: other line ends\n"
+
+    def _put(self, name: str, data: bytes) -> None:
+        """Brings one file to where it belongs."""
+        module, settings = MODULE_FILE.fullmatch(name), PARAMETER_FILE.fullmatch(name)
+        if name.startswith("HOME/"):
+            folder, _, last = self._home(name).rpartition("/")
+            self._parts.files.make_folder(folder)
+            self._parts.files.write(folder, last, data)
+        elif module is not None:
+            with _laid_down(self._parts.files, module[2], data) as path:
+                self._parts.rapid.load_module(path, self._tasks[module[1].upper()])
+        elif settings is not None:
+            with _laid_down(self._parts.files, settings[1], data) as path:
+                self._load_settings(name, path)
+
+    def _home(self, name: str) -> str:
+        return f"{self._parts.home}/{name.removeprefix('HOME/')}"
+
+    def _load_settings(self, name: str, path: str) -> None:
+        """Puts all parameters of a domain into the place of those that are there."""
+        session = self._parts.session
+        form = {"filepath": self._parts.files.path(path), "action-type": "replace"}
+        if "check settings" in session.dialect.operations:
+            with suppress(NotThere):  # an older system looks when it loads
+                session.ask("check settings", doing=f"checking `{name}`", form=form)
+        doing, state = f"loading the parameters of `{name}`", f"those of `{name}` are as they were"
+        self._parts.mastership.ask("load settings", doing=doing, state=state, form=form)
+
+
+def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) -> Restore:
+    """What of a backup differs from the controller, of which a backup is made to compare."""
+    then = backup_folder.backup_contents(folder, KIND)
+    for one in only:
+        if not any(_is_meant(name, one) for name in then):
+            known = ", ".join(f"`{name}`" for name in sorted(then)[:10])
+            raise Refused(rules.NOT_IN_BACKUP(name=one, known=known, place=str(folder)))
+    with tempfile.TemporaryDirectory(prefix="robot-assistant-") as place:
+        current = FilePath(place) / "now"
+        back_up(parts.session, parts.files, current)
+        return Restore(parts, backup_folder.backup_contents(current, KIND), then, only)
+
+
+@contextmanager
+def _laid_down(files: Files, name: str, data: bytes) -> Iterator[str]:
+    """The path of a file on the controller, for as long as something is loaded from it."""
+    path = f"{LOADING_VOLUME}/{name}"
+    try:
+        files.put(path, data, "nothing of it is loaded")
+        yield path
+    except rules.Lost:
+        raise
+    except BaseException:
+        files.discard(path)
+        raise
+    else:
+        files.discard(path)
+
+
+def _backinfo(files: Mapping[str, bytes]) -> str:
+    found = next((d for n, d in files.items() if n.lower() == "backinfo/backinfo.txt"), b"")
+    return found.decode("latin-1").replace("\r", "")
+
+
+def _matches(name: str, patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
+
+
+def _is_meant(name: str, wanted: str, patterns: Sequence[str] = ("*",)) -> bool:
+    """Whether a file is meant: by its whole name, by a folder above it, or by its last part.
+
+    patterns: such a folder has to match one.
+    """
+    lower, asked = name.lower(), wanted.replace("\\", "/").strip("/").lower()
+    above = lower.startswith(f"{asked}/") and _matches(f"{asked}/", patterns)
+    return lower == asked or above or lower.rpartition("/")[2] == asked

@@ -15,23 +15,16 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import lines_of
 from assistant.controllers import rules
 from assistant.controllers.abb.files import RapidFiles, checked_name, only_module
-from assistant.controllers.abb.rws import events, remote, watching
-from assistant.controllers.abb.rws.answers import Answer
-from assistant.controllers.abb.rws.backup import back_up
-from assistant.controllers.abb.rws.configuration import Configuration
-from assistant.controllers.abb.rws.data import Data
-from assistant.controllers.abb.rws.dialects import Domain
+from assistant.controllers.abb.rws import session, subscriptions, system
+from assistant.controllers.abb.rws.backup import Restore, RestoreParts, back_up, restore
 from assistant.controllers.abb.rws.files import Files
-from assistant.controllers.abb.rws.mastership import Mastership
-from assistant.controllers.abb.rws.panel import Panel
-from assistant.controllers.abb.rws.rapid import Rapid
-from assistant.controllers.abb.rws.restoring import Restore, RestoreParts, restore
-from assistant.controllers.abb.rws.session import NotThere, Session
-from assistant.controllers.abb.rws.signals import INPUTS, OUTPUTS, Signals
+from assistant.controllers.abb.rws.protocol import Answer, Domain
+from assistant.controllers.abb.rws.rapid import Data, Rapid
+from assistant.controllers.abb.rws.session import Mastership, NotThere, Session
 from assistant.controllers.abb.rws.subscriptions import Events, subscribed
+from assistant.controllers.abb.rws.system import INPUTS, OUTPUTS, Configuration, Panel, Signals
 from assistant.controllers.abilities import Rests
-from assistant.controllers.address import Address
-from assistant.controllers.credentials import Credentials
+from assistant.controllers.address import Address, Credentials
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
 UNIT: Final = "ROB_1"
@@ -160,7 +153,7 @@ class Rws(RapidFiles):
         return self._panel.position()
 
     def log(self, most: int = 50) -> tuple[Fault, ...]:
-        return events.latest_events(self._session, most)
+        return system.latest_events(self._session, most)
 
     def reset(self) -> None:
         """Looks whether programs can be started; what stops them is reset at the controller.
@@ -266,7 +259,7 @@ class Rws(RapidFiles):
         return restore(parts, folder, only)
 
     def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
-        return watching.watch(
+        return subscriptions.watch(
             self._session, self._panel, self._rapid, self._signals, interval, signals
         )
 
@@ -284,7 +277,7 @@ class Rws(RapidFiles):
 
     def remote_access(self, wait: float = 60.0) -> None:
         """Asks for leave to write in manual mode; somebody confirms it on the pendant."""
-        remote.ask_remote_access(self._session, wait)
+        session.ask_remote_access(self._session, wait)
 
     def _path(self, name: str) -> str:
         return f"{self.address.folder}/{checked_name(name)}"

@@ -1,26 +1,178 @@
-"""A session with Robot Web Services: operations of a dialect, and what refusals mean."""
+"""Session with Robot Web Services: operations over HTTP, the meaning of refusals, write access.
+
+`Transport` sends the requests of one session with its cookies, and turns every failure of the
+connection into a `Broken`; `Session` turns it, and each status of the controller, into a finding.
+`Mastership` is the write access while something is written, given back however the write ends. In
+manual mode, the user confirms remote access (RMMP) on the pendant.
+"""
 
 from __future__ import annotations
 
 import importlib.util
 import re
 import ssl
-from collections.abc import Mapping
+import time
+import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path as FilePath
-from typing import Final, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn
 from urllib.parse import quote, urlencode, urljoin
 
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.controllers import rules
-from assistant.controllers.abb import trust
-from assistant.controllers.abb.rws import codes
-from assistant.controllers.abb.rws.answers import Answer, parse_answer, plain_message
-from assistant.controllers.abb.rws.dialects import ANYTHING, DIALECTS, XHTML, Operation
-from assistant.controllers.abb.rws.transport import BUSY, Broken, Response, Transport
-from assistant.controllers.address import Address
-from assistant.controllers.credentials import Credentials
-from assistant.controllers.os_errors_in_words import reason_of
+from assistant.controllers import connection, rules
+from assistant.controllers.abb.rws import protocol
+from assistant.controllers.abb.rws.protocol import (
+    ANYTHING,
+    DIALECTS,
+    XHTML,
+    Answer,
+    Domain,
+    Operation,
+    parse_answer,
+    plain_message,
+)
+from assistant.controllers.address import Address, Credentials
+from assistant.controllers.connection import TransferDeadline, reason_of
+
+if TYPE_CHECKING:
+    import httpx
+
+
+RATE: Final = 50_000.0
+"""Bytes a second that are granted for sending a long file, beside the time-out."""
+BUSY: Final = 503
+"""Answered to more than 20 requests a second and to the 71st session."""
+WAITS: Final = 3
+"""Time-outs until an answer has begun: for connecting, for the way to log in, for the answer."""
+AGAIN_AFTER: Final = 0.1
+"""Seconds until a busy controller is asked again."""
+
+
+class Broken(Exception):
+    """There is no answer. untrusted: because of the certificate."""
+
+    def __init__(self, reason: str, *, untrusted: bool = False) -> None:
+        super().__init__(reason)
+        self.untrusted = untrusted
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """framed: whether its end was told, so that what came is known to be whole."""
+
+    status: int
+    framed: bool
+    location: str
+    data: bytes
+
+
+class Transport:
+    """A connection that is opened when it is needed, and kept.
+
+    root: scheme, host and port. trust: None for plain HTTP, which has Digest for the login.
+    cookies: of the session, which other connections can go on with.
+    """
+
+    def __init__(
+        self,
+        root: str,
+        credentials: Credentials,
+        trust: ssl.SSLContext | None,
+        timeout: float,
+        cookies: Mapping[str, str],
+    ) -> None:
+        import httpx
+
+        self.cookies = dict(cookies)
+        self._root = root
+        self._timeout = timeout
+        # Without TLS a spoilt line could leave an answer behind that the next request would take
+        # for its own; so each has a connection of its own, and the cookies make it one session.
+        single = {} if trust else {"Connection": "close"}
+        user, password = credentials.user, credentials.password
+        self._client = httpx.Client(
+            auth=httpx.BasicAuth(user, password) if trust else httpx.DigestAuth(user, password),
+            verify=trust if trust is not None else True,
+            trust_env=False,  # no proxy, and no password of a .netrc
+            headers={"User-Agent": "robot-assistant", "Accept-Encoding": "identity", **single},
+            event_hooks={"response": [self._keep_cookies]},
+        )
+
+    def close(self) -> None:
+        self._client.close()
+
+    def send(
+        self, method: str, address: str, body: bytes | None, headers: Mapping[str, str]
+    ) -> Response:
+        """What comes back; a busy controller is asked again until the time is up."""
+        import httpx
+
+        granted = self._timeout + len(body or b"") / RATE
+        until = time.monotonic() + granted
+        while True:
+            try:
+                response = self._received(method, address, body, headers, granted)
+            except (httpx.TimeoutException, TimeoutError) as error:
+                raise Broken("no answer in time") from error
+            except (httpx.HTTPError, httpx.InvalidURL, httpx.StreamError, OSError) as error:
+                raise _broken(error) from error
+            except (KeyError, NotImplementedError, ValueError) as error:
+                # A way of logging in that httpx has not, or a header that is none.
+                raise Broken(f"the answer cannot be used: {error}") from error
+            if response.status != BUSY or time.monotonic() + AGAIN_AFTER > until:
+                return response
+            time.sleep(AGAIN_AFTER)
+
+    def _received(
+        self,
+        method: str,
+        address: str,
+        body: bytes | None,
+        headers: Mapping[str, str],
+        granted: float,
+    ) -> Response:
+        self._client.cookies.clear()  # which rejects those that name the host by its number
+        kept = "; ".join(f"{name}={value}" for name, value in self.cookies.items())
+        said = {**headers, **({"Cookie": kept} if kept else {})}
+        request = self._client.build_request(
+            method, self._root + address, content=body, headers=said, timeout=granted
+        )
+        with TransferDeadline(WAITS * granted, self._client.close):
+            response = self._client.send(request, stream=True)
+        pieces: list[bytes] = []
+        try:
+            with TransferDeadline(granted, self._client.close) as pace:
+                for piece in response.iter_raw():
+                    pieces.append(piece)
+                    pace.moved(len(piece))
+        finally:
+            response.close()
+        location = response.headers.get("Location", "")
+        ends = {"content-length", "transfer-encoding"} & set(response.headers)
+        framed = bool(ends) or response.status_code == 204
+        return Response(response.status_code, framed, location, b"".join(pieces))
+
+    def _keep_cookies(self, response: httpx.Response) -> None:
+        for line in response.headers.get_list("set-cookie"):
+            name, _, value = line.partition(";")[0].partition("=")
+            if name.strip() and "\r" not in line and "\n" not in line:
+                self.cookies[name.strip()] = value.strip()
+
+
+def _broken(error: Exception) -> Broken:
+    """What lies at the bottom of an exception of httpx."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, ssl.SSLCertVerificationError):
+            return Broken(reason_of(cause), untrusted=True)
+        if isinstance(cause, OSError):
+            return Broken(reason_of(cause))
+        cause = cause.__cause__ or cause.__context__
+    return Broken(str(error) or type(error).__name__)
+
 
 UNCHANGED: Final = "nothing was changed by that"
 UNLESS: Final = ", unless the controller did it before the line was cut"
@@ -220,9 +372,9 @@ class Session:
     def _trusted(self) -> ssl.SSLContext:
         host, port = self.address.host, self.address.port
         try:
-            shown = partial(trust.certificate_at, host, port, self.timeout)
-            return trust.tls_context(self._certificate, shown)
-        except trust.BadCertificateFile as error:
+            shown = partial(connection.certificate_at, host, port, self.timeout)
+            return connection.tls_context(self._certificate, shown)
+        except connection.BadCertificateFile as error:
             self._untrusted(f"`{self._certificate}`: {error}")
         except (OSError, ValueError) as error:
             raise self._unreachable(reason_of(error)) from None
@@ -313,13 +465,13 @@ class Session:
         place = str(self.address)
         said = self._credentials.hidden(text)
         kind: type[Refused] = Refused
-        if status == 404 or number in codes.ABSENT:
+        if status == 404 or number in protocol.ABSENT:
             kind = NotThere
         if status == 410:
             kind = NoLongerThere
-        if number == codes.NO_MASTERSHIP:
+        if number == protocol.NO_MASTERSHIP:
             kind = NoMastership
-        if number == codes.NOT_NOW:
+        if number == protocol.NOT_NOW:
             kind = NotNow
         if number is None:
             reply = f"HTTP {status}, {said or STATUS.get(status, 'without a text')}"
@@ -328,10 +480,10 @@ class Session:
             rules.ALARM(
                 place=place,
                 number=number,
-                text=said or codes.ERROR_TEXTS.get(number, f"HTTP {status}"),
+                text=said or protocol.ERROR_TEXTS.get(number, f"HTTP {status}"),
                 doing=doing,
                 state=state,
-                cure=codes.ERROR_CURES.get(number, codes.OTHER_CURE),
+                cure=protocol.ERROR_CURES.get(number, protocol.OTHER_CURE),
             )
         )
 
@@ -351,3 +503,166 @@ def _path(operation: Operation, at: Mapping[str, str] | None) -> str:
 def _form(values: Mapping[str, str]) -> bytes:
     """Form data; what the references write as it is stays readable: `$HOME/x.mod`, `[[1,2]]`."""
     return urlencode(values, quote_via=quote, safe="$/:;[],").encode()
+
+
+STATION: Final = "robot-assistant"
+PIN: Final = "1234"
+"""What a remote control station of RobotWare 8 registers with; any four digits."""
+
+
+class Mastership:
+    """What a session may write. RobotWare 8 has one write access instead of domains.
+
+    Source of RobotWare 8: `src/rws2/core.ts` of ichbinmeraj/abb-rws-client, tried on 8.1.1.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._held: list[str] = []
+        self._by_station = False
+
+    @property
+    def held(self) -> bool:
+        return bool(self._held)
+
+    @contextmanager
+    def of(self, domain: Domain, doing: str) -> Iterator[None]:
+        """Takes the mastership for something, unless this session has it, and gives it back."""
+        name = self._session.dialect.domains[domain] if domain else ""
+        if not name or name in self._held:
+            yield
+            return
+        self._take(name, doing)
+        self._held.append(name)
+        try:
+            yield
+        except rules.Lost as error:
+            self._held.remove(name)
+            raise self._after_cut(name, error) from None
+        except BaseException:
+            self._held.remove(name)
+            self._quietly_back(name)
+            raise
+        else:
+            self._held.remove(name)
+            self._give_back(name)
+
+    def ask(
+        self,
+        name: str,
+        *,
+        doing: str,
+        state: str,
+        form: Mapping[str, str] | None = None,
+        at: Mapping[str, str] | None = None,
+    ) -> Answer:
+        """The answer to a writing operation, with the mastership that it is said to need.
+
+        Systems differ in what needs it: where one asks for it that others do without, it gets it.
+        """
+        domain = self._session.dialect.operations[name].domain
+        try:
+            with self.of(domain, doing):
+                return self._session.ask(name, doing=doing, state=state, form=form, at=at)
+        except NoMastership:
+            if domain or self.held:
+                raise
+        with self.of("rapid", doing):
+            return self._session.ask(name, doing=doing, state=state, form=form, at=at)
+
+    def _take(self, name: str, doing: str) -> None:
+        said = f"{doing}: taking the mastership `{name}`"
+        try:
+            if not self._by_station:
+                try:
+                    self._session.ask("take", doing=said, at={"domain": name})
+                except NoLongerThere:
+                    self._by_station = "register" in self._session.dialect.operations
+                    if not self._by_station:
+                        raise
+                    self._register(said)
+                else:
+                    return
+            self._session.ask("take access", doing=said)
+        except rules.Lost as error:  # it may have been given, with the answer on its way
+            raise self._after_cut(name, error) from None
+
+    def _register(self, doing: str) -> None:
+        form = {
+            "control-station-name": STATION,
+            "control-station-id": f"{{{str(uuid.uuid4()).upper()}}}",
+            "pincode": PIN,
+        }
+        self._session.ask("register", doing=doing, form=form)
+
+    def _give_back(self, name: str) -> None:
+        doing = f"giving the mastership `{name}` back"
+        operation = "give access back" if self._by_station else "give back"
+        try:
+            self._session.ask(operation, doing=doing, at={"domain": name})
+        except rules.Lost as error:
+            raise self._after_cut(name, error) from None
+        except Refused:
+            if not self._by_station:  # RobotWare 8 has taken it back by itself after a write
+                raise
+
+    def _quietly_back(self, name: str) -> None:
+        """Gives it back beside another error, which tells more."""
+        if not self._session.connected:
+            return
+        try:
+            self._give_back(name)
+        except Refused as error:
+            if isinstance(error, rules.Lost):
+                raise
+            self._session.close()  # a session that has ended holds nothing
+
+    def _after_cut(self, name: str, error: rules.Lost) -> rules.Lost:
+        """One new connection of the same session gives back; else the finding tells of it."""
+        operation = "give access back" if self._by_station else "give back"
+        try:
+            self._session.open_again()
+            self._session.ask(operation, doing="giving the mastership back", at={"domain": name})
+        except NoMastership:
+            return error
+        except Refused as refused:
+            if self._by_station and not isinstance(refused, rules.Lost):
+                return error  # RobotWare 8 has taken it back by itself after a write
+            place = self._session.address
+            held = rules.MAY_BE_HELD(place=str(place), address=place, right=f"mastership `{name}`")
+            return rules.Lost(*error.findings, held)
+        finally:
+            self._session.hang_up()
+        return error
+
+
+REMOTE_POLL: Final = 0.5
+GRANTED: Final = frozenset({"modify", "exec", "exclusive"})
+
+
+def ask_remote_access(session: Session, wait: float) -> None:
+    """Returns when the leave to write has been given; raises Refused if it was not in time."""
+    doing = "asking for remote access in manual mode"
+    if _granted(session):
+        return
+    session.ask("ask privilege", doing=doing, form={"privilege": "modify"})
+    until = time.monotonic() + wait
+    while not _granted(session):
+        if time.monotonic() + REMOTE_POLL > until:
+            raise Refused(
+                rules.NOT_DONE(
+                    place=str(session.address),
+                    doing=doing,
+                    seconds=wait,
+                    state="nobody confirmed it on the pendant",
+                )
+            )
+        time.sleep(REMOTE_POLL)
+        session.ask("poll privilege", doing=doing)
+
+
+def _granted(session: Session) -> bool:
+    """Whether this session may write in manual mode."""
+    rows = session.ask("privilege", doing="asking for the remote access").rows
+    mine = [row for row in rows if row.get("rmmpheldbyme").lower() == "true"]
+    return any(row.get("privilege").lower() in GRANTED for row in mine)

@@ -3,7 +3,7 @@
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import connect, folders
+from assistant.controllers import backup_folder, connect
 from assistant.controllers.rules import Lost
 from tests.controllers.abb.rws.seam import SEAM, codes
 from tests.controllers.cutting import Cutting
@@ -13,10 +13,10 @@ ONE = pytest.mark.parametrize("client", ["rws"], indirect=True)
 
 def changed(source, target, **texts):
     """A backup with other texts in some of its files."""
-    files = dict(folders.backup_contents(source, "abb"))
-    with folders.appearing_folder(target, "abb") as place:
+    files = dict(backup_folder.backup_contents(source, "abb"))
+    with backup_folder.appearing_folder(target, "abb") as place:
         for name, data in (files | {k: texts[k] for k in texts}).items():
-            folders.put_file(place, name, data)
+            backup_folder.put_file(place, name, data)
 
 
 MODULE = "RAPID/TASK1/PROGMOD/Seam.mod"

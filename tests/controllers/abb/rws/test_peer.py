@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers import folders
+from assistant.controllers import backup_folder
 from assistant.controllers.rules import Lost
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2, framed, li, refusal, rows
@@ -50,10 +50,10 @@ def backing_up(kind, **files):
 @pytest.mark.parametrize("kind", [Rws1, Rws2])
 def test_parameters_are_restored_by_loading_them(kind, tmp_path):
     files = {"BACKINFO/backinfo.txt": BACKINFO, "SYSPAR/SYS.cfg": SYS, "SYSPAR/MOC.cfg": MOC}
-    with folders.appearing_folder(tmp_path / "saved", "abb") as place:
+    with backup_folder.appearing_folder(tmp_path / "saved", "abb") as place:
         new = {"SYSPAR/SYS.cfg": SYS + b"x\n", "SYSPAR/MOC.cfg": MOC + b"x\n"}
         for name, data in {**files, **new}.items():
-            folders.put_file(place, name, data)
+            backup_folder.put_file(place, name, data)
     with backing_up(kind, **files) as peer, peer.connect() as client:
         restoring = client.restore(tmp_path / "saved")
         assert list(restoring.changes) == ["SYSPAR/SYS.cfg"] and restoring.needs_restart

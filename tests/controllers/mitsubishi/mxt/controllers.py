@@ -7,9 +7,8 @@ import numpy as np
 
 from assistant import robots
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
-from assistant.controllers.cyclic.loop import Job, Loop, Stop
-from assistant.controllers.cyclic.wire import PacketSocket
-from assistant.controllers.mitsubishi.mxt.link import MxtLink
+from assistant.controllers.cyclic.loop import Job, Loop, PacketSocket, Stop
+from assistant.controllers.mitsubishi.external_control import MxtLink
 from assistant.virtual.cr.mxt import MxtArm, MxtControl
 from tests.virtual.cr.waiting import wait_for
 

@@ -13,7 +13,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
-from assistant.controllers.mitsubishi.mxt import Mxt
+from assistant.controllers.mitsubishi.external_control import Mxt
 from assistant.program.motion import Path as Points
 from assistant.program.motion import Speed
 from assistant.virtual.cr.mxt_process import MxtProcess
@@ -171,7 +171,7 @@ def test_a_loop_that_is_killed_is_told_and_the_control_ended():
 ORPHAN = """
 import sys
 from dataclasses import replace
-from assistant.controllers.mitsubishi.mxt import Mxt
+from assistant.controllers.mitsubishi.external_control import Mxt
 from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, PATIENT, Limits, Trajectory
 
 settings = {"settings": replace(PATIENT, alive=2.0)}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from assistant.controllers.mitsubishi.mxt import packet
+from assistant.controllers.mitsubishi import external_control
 from tests.controllers.mitsubishi.mxt.controllers import (
     ARM,
     CYCLE,
@@ -29,8 +29,10 @@ def test_packets_that_are_not_counted_are_all_answers():
 
 
 def test_an_answer_of_an_earlier_run_does_not_tell_where_the_arm_is():
-    away = packet.pack_data(2, np.radians(ARM.home + 3.0).tolist())
-    late = packet.pack_packet({"send_type": 2, "recv_type": 2, "data": away, "c_count": 999})
+    away = external_control.pack_data(2, np.radians(ARM.home + 3.0).tolist())
+    late = external_control.pack_packet(
+        {"send_type": 2, "recv_type": 2, "data": away, "c_count": 999}
+    )
     with controller() as control, through(Early(control.port, late)) as line:
         done = led(line, joints())
     assert (done.code, control.result.reason) == ("", "end")

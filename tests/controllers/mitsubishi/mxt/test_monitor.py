@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers.mitsubishi.mxt import Monitor
-from assistant.controllers.mitsubishi.mxt.monitor import FIELDS, FORMS, TYPES
+from assistant.controllers.mitsubishi.external_control import Monitor
+from assistant.controllers.mitsubishi.monitor import FIELDS, FORMS, TYPES
 from assistant.virtual.cr.mxt import Bits, MxtArm
 from assistant.virtual.cr.real_time import MONITOR_PACKET, MxtMonitor
 from tests.controllers.mitsubishi.mxt.controllers import ARM

@@ -8,8 +8,8 @@ import pytest
 from assistant import languages
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
-from assistant.controllers.mitsubishi.mxt import orientation, packet, program
-from assistant.controllers.mitsubishi.mxt.link import MxtLink
+from assistant.controllers.mitsubishi import external_control
+from assistant.controllers.mitsubishi.external_control import MxtLink, program
 from assistant.virtual.cr import mxt
 
 # BFP-A3379-A, strdef.h of the sample program: offset and size of each member.
@@ -39,12 +39,14 @@ MANUAL = {
 
 
 def test_the_client_knows_the_packet_of_the_manual():
-    ours = {(offset, struct.calcsize("<" + form)) for offset, form, _ in packet.PACKET_FIELDS}
+    ours = {
+        (offset, struct.calcsize("<" + form)) for offset, form, _ in external_control.PACKET_FIELDS
+    }
     assert ours == set(MANUAL.values())
-    assert [struct.calcsize("<" + form) for _, form, _ in packet.PACKET_FIELDS] == [
+    assert [struct.calcsize("<" + form) for _, form, _ in external_control.PACKET_FIELDS] == [
         size for _, size in MANUAL.values()
     ]
-    assert packet.PACKET_LAYOUT.size == packet.PACKET_SIZE == 196
+    assert external_control.PACKET_LAYOUT.size == external_control.PACKET_SIZE == 196
 
 
 def test_the_virtual_controller_knows_the_packet_of_the_manual():
@@ -79,7 +81,7 @@ def test_short_packets_end_with_the_counter():
     link = MxtLink("joint", 64 / 9000, short=True, watched="command")
     assert len(link.command((1.0,) * 6, 7)) == 64
     assert link.command((1.0,) * 6, 7)[60:] == b"\7\0\0\0"
-    reply = packet.pack_packet({"recv_type": 2, "send_type": 2, "c_count": 9}, 64)
+    reply = external_control.pack_packet({"recv_type": 2, "send_type": 2, "c_count": 9}, 64)
     assert link.read(reply).counter == 9
     assert link.read(reply + b"\0") is None
 
@@ -98,20 +100,24 @@ def test_short_packets_end_with_the_counter():
 def test_a_reply_that_makes_no_sense_is_none(fields):
     link = MxtLink("joint", 0.0035)
     right = {"command": 1, "send_type": 2, "recv_type": 2}
-    assert link.read(packet.pack_packet(right)) is not None
-    assert link.read(packet.pack_packet({**right, **fields})) is None
+    assert link.read(external_control.pack_packet(right)) is not None
+    assert link.read(external_control.pack_packet({**right, **fields})) is None
 
 
 def test_angles_of_poses_are_those_of_rotations():
     random = np.random.default_rng(5)
     for angles in random.uniform(-np.pi, np.pi, (200, 3)) * [1.0, 0.499, 1.0]:
-        ours = orientation.quaternion_of_angles(*angles)
+        ours = external_control.quaternion_of_angles(*angles)
         theirs = rotations.from_euler(np.degrees(angles)[None, ::-1], "ZYX")[0]
         assert rotations.angle_between(np.array([ours]), theirs[None])[0] < 1e-6
-        assert orientation.angles_of_quaternion(*ours) == pytest.approx(tuple(angles), abs=1e-9)
+        assert external_control.angles_of_quaternion(*ours) == pytest.approx(
+            tuple(angles), abs=1e-9
+        )
     for b in (np.pi / 2, -np.pi / 2):
-        steep = orientation.quaternion_of_angles(0.7, b, 0.3)
-        again = orientation.quaternion_of_angles(*orientation.angles_of_quaternion(*steep))
+        steep = external_control.quaternion_of_angles(0.7, b, 0.3)
+        again = external_control.quaternion_of_angles(
+            *external_control.angles_of_quaternion(*steep)
+        )
         assert abs(np.dot(steep, again)) == pytest.approx(1.0)
 
 

@@ -1,0 +1,541 @@
+"""Streams of setpoints to an arm, one step at a time, by each mode that a controller offers.
+
+A caller that computes each step while the arm moves, from camera pictures for instance, hands the
+step to a `Carrier`, which takes it to the arm and reports where the arm is. `MODES` lists the
+modes; each makes a `Carrier` of a session with the controller. A new mode is a class and a row.
+`JogCarrier`: each step is a jog and ends before the next one begins. `DataLinkCarrier`: a joint
+position on a line, sent before the last one is reached. `PoseCarrier`: a request by file, whose
+answer tells where the arm is. `CyclicCarrier`: a correction of the loop that sends the packets
+(EGM, Mxt).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Final, Literal, Protocol, Self
+
+import numpy as np
+
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.controllers import rules
+from assistant.controllers.abb.exchange import PoseExchange
+from assistant.controllers.controller import Controller, JogsJoints, Programs
+from assistant.controllers.cyclic import Leading, Limits, Settings
+from assistant.controllers.mitsubishi.control_mode import ControlMode
+from assistant.controllers.rules import NOT_HERE
+from assistant.controllers.trajectory_execution import MODES as FOLLOWING
+from assistant.controllers.trajectory_execution import (
+    MXT_PROGRAM,
+    Check,
+    LinkOptions,
+    check_of,
+    lines_of,
+    mxt_installed,
+)
+from assistant.program.geometry import Pose
+
+__all__ = ["MODES", "Arm", "Carrier", "Mode"]
+
+USUAL_AXES: Final = 6
+"""Axes of a usual arm, which protocols count with or without them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """An arm of a axes, and what it may do while it is led.
+
+    axes: J1, J2 … of the arm. sliding: (a,) which of them slide. limits: (a, 2). full: (a,) its own
+    greatest speeds a second. speeds, rises: (a,) a second (squared) that no step may exceed.
+    share: part of `full` at which a motion of all axes keeps to what its tool may do; of ways in
+    which the controller chooses how fast it goes. pose_of: joints (a,) → the tool in the base.
+    joints_of: a pose of the tool, and joints (a,) near to which it is looked for; None if none are.
+    """
+
+    axes: tuple[str, ...]
+    sliding: tuple[bool, ...]
+    limits: Floats
+    full: Floats
+    speeds: Floats
+    rises: Floats
+    share: float
+    pose_of: Callable[[Floats], Pose]
+    joints_of: Callable[[Pose, Floats], Floats | None]
+
+    @property
+    def places(self) -> list[int]:
+        """Columns of the axes where J1 is the first, whichever the arm lacks."""
+        return [int(axis[1:]) - 1 for axis in self.axes]
+
+    def numbered(self, values: Floats, missing: float) -> Floats:
+        """Values of axes (…, a) with a column for each number; missing: of the others."""
+        width = max(USUAL_AXES, max(self.places) + 1)
+        found = np.full((*values.shape[:-1], width), missing)
+        found[..., self.places] = values
+        return found
+
+    @property
+    def part(self) -> float:
+        """Part of its full speed that keeps to `speeds` and `share`."""
+        return min(self.share, float((self.speeds / self.full).min()))
+
+    @property
+    def percent(self) -> int:
+        """`part` in percent, 1 where it is less: controllers go no slower."""
+        return int(np.clip(np.floor(100.0 * self.part), 1, 100))
+
+    @property
+    def slow(self) -> Floats:
+        """(a,) the speeds of `percent`."""
+        return np.minimum(self.speeds, self.full * self.percent / 100.0)
+
+
+class Carrier(Protocol):
+    """A context manager: entering makes the arm ready, leaving brings it to rest and ends the way.
+
+    period: seconds that a step takes at least. speeds: (a,) that steps may have. waits: whether
+    `move` comes back when the arm stands, so that what was seen before is of another place.
+    """
+
+    period: float
+    speeds: Floats
+    waits: bool
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
+
+    def joints(self) -> Floats:
+        """(a,) where the arm is, as it tells; raises Refused if it is not known any more."""
+
+    def told(self) -> Floats:
+        """(a,) where it was told to be last."""
+
+    def move(self, to: Floats, seconds: float) -> None:
+        """Has the arm be at joints (a,) in so many seconds, near to where it was told to be.
+
+        It comes to rest there by itself if no other step follows. Raises Refused.
+        """
+
+    def rest(self) -> None:
+        """Has the arm come to rest now, at its accelerations."""
+
+
+MakeCarrier = Callable[[Programs, Arm, LinkOptions, Floats], Carrier]
+"""Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
+SpeedKeeper = Literal["cycles", "percent", "program"]
+SLOWEST_OVERRIDE: Final = 0.01
+"""Part of its full speed: the least that a controller can be set to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """title: in words. make: a carrier that is not entered. operates: whether the session must be
+    one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
+    refusals after which nothing has been sent or started. waits: as of its carrier. keeps: who
+    keeps the speed: each cycle, a percentage of the controller, or a program of its own.
+    """
+
+    title: str
+    make: MakeCarrier
+    operates: bool
+    check: Check
+    unbegun: frozenset[str] = frozenset()
+    waits: bool = False
+    keeps: SpeedKeeper = "cycles"
+
+    def faster(self, arm: Arm, place: str) -> Iterator[Diagnostic]:
+        """Report where the arm may be faster than what `arm` may do: the way cannot keep to it."""
+        if self.keeps == "percent" and arm.part < SLOWEST_OVERRIDE:
+            times = f"{SLOWEST_OVERRIDE / arm.part:.1f}"
+            yield rules.NO_SLOWER(place=place, percent=100.0 * SLOWEST_OVERRIDE, times=times)
+        elif self.keeps == "program":
+            yield rules.OWN_SPEED(place=place)
+
+
+def _jog(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
+
+    assert isinstance(session, JogsJoints)
+    return JogCarrier(session, arm)
+
+
+def _jogs_joints(session: Programs, wishes: LinkOptions) -> None:  # noqa: ARG001 - as of each way
+    """Raises Refused for a controller that cannot."""
+    if not isinstance(session, JogsJoints):
+        place, what = str(session.address), "jog several joints at once"
+        reason, cure = "its protocol has no such command", "choose another way by --by"
+        finding = NOT_HERE(place=place, address=place, what=what, reason=reason, cure=cure)
+        raise Refused(finding, exit_status=2)
+
+
+def _data_link(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
+
+    assert isinstance(session, Controller)
+    return DataLinkCarrier(session, *lines_of(session, wishes), arm, replace=wishes.replace)
+
+
+def _mxt(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
+
+    assert isinstance(session, Controller)
+    return by_mxt(session, arm, wishes)
+
+
+def _egm(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
+
+    return by_egm(session.address.host, arm, wishes.port, wishes.cycle)
+
+
+def _exchange(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
+
+    return PoseCarrier(session, arm, near)
+
+
+def _mode(
+    name: str, title: str, make: MakeCarrier, *, waits: bool = False, keeps: SpeedKeeper = "cycles"
+) -> Mode:
+    """Needs what following a trajectory by the same way does."""
+    other = FOLLOWING[name]
+    return Mode(title, make, other.operates, other.check, other.unbegun, waits, keeps)
+
+
+MODES: Final[Mapping[str, Mode]] = {
+    "jog": Mode(
+        "jogs of its joints, step by step",
+        _jog,
+        True,
+        check_of(then=_jogs_joints),
+        waits=True,
+        keeps="percent",
+    ),
+    "data-link": _mode(
+        "data-link", "joint positions on a line of data", _data_link, keeps="percent"
+    ),
+    "mxt": _mode("mxt", "joints cycle by cycle", _mxt),
+    "egm": _mode("egm", "joints cycle by cycle, as a program asks for them", _egm),
+    "exchange": _mode(
+        "exchange", "poses by files, one after the other", _exchange, waits=True, keeps="program"
+    ),
+}
+
+
+JOG_PERIOD: Final = 1.0
+"""Seconds of a step at most: nothing is looked at meanwhile, but much of each is asking."""
+LEAST_JOG: Final = 0.01
+"""Degrees or mm of a step: places are written with two decimals."""
+
+
+class JogCarrier:
+    """controller: is connected, has its motors on, and jogs several joints at once."""
+
+    waits = True
+
+    def __init__(self, controller: JogsJoints, arm: Arm, period: float = JOG_PERIOD) -> None:
+        self.period, self.speeds = period, arm.slow
+        self._controller, self._arm = controller, arm
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Each step has ended before."""
+
+    def joints(self) -> Floats:
+        there = self._controller.position().joints
+        return np.array([there[place] for place in self._arm.places], dtype=np.float64)
+
+    def told(self) -> Floats:
+        return self.joints()
+
+    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the percentage tells
+        if float(np.abs(to - self.joints()).max()) < LEAST_JOG:
+            return
+        goal = dict(zip(self._arm.axes, to.tolist(), strict=True))
+        self._controller.jog_joints(goal, float(self._arm.percent))
+
+    def rest(self) -> None:
+        """It stands."""
+
+
+STEPS_AHEAD: Final = 1
+"""Steps that wait on the line: what the arm still goes when no more follow."""
+STEP_TOLERANCE: Final = 0.1
+"""Degrees that a step may be larger than it was worked out to be: positions are rounded."""
+LONGEST_STEP: Final = 1.0
+"""Seconds that a step takes at most; it bounds how far one may lead."""
+
+
+class DataLinkCarrier:
+    """The override of the controller keeps the speed while its program moves, and comes back to
+    what it was afterwards.
+
+    controller: is connected. control, status: targets of the lines. replace: other programs of the
+    names of ours there.
+    """
+
+    waits = False
+
+    def __init__(
+        self,
+        controller: Controller,
+        control: str,
+        status: str,
+        arm: Arm,
+        *,
+        period: float = 0.1,
+        replace: bool = False,
+    ) -> None:
+        self.period, self.speeds = period, arm.slow
+        self._controller, self._arm = controller, arm
+        limits = arm.numbered(arm.limits.T, np.nan).T
+        limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
+        farthest = float((self.speeds * LONGEST_STEP).max()) + STEP_TOLERANCE
+        self._mode = ControlMode(
+            controller,
+            control,
+            status,
+            limits=limits,
+            most_step=farthest,
+            ahead=STEPS_AHEAD,
+            replace=replace,
+        )
+        self._told: Floats | None = None
+        self._override: int | None = None
+
+    @property
+    def mode(self) -> ControlMode:
+        """What the steps go by; its `recording` holds every status that came."""
+        return self._mode
+
+    def __enter__(self) -> Self:
+        self._override = self._controller.state().override
+        self._controller.set_override(self._arm.percent)
+        try:
+            self._mode.__enter__()
+        except BaseException:
+            self._set_back()
+            raise
+        self._told = None
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self._mode.__exit__(kind, error, trace)
+        finally:
+            self._set_back()
+
+    def joints(self) -> Floats:
+        return self._own(self._mode.status.feedback.values)
+
+    def told(self) -> Floats:
+        return self._own(self._mode.status.commanded.values) if self._told is None else self._told
+
+    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the override tells how fast
+        self._mode.lead(self._arm.numbered(to, np.nan))
+        self._told = np.array(to)
+
+    def rest(self) -> None:
+        """Nothing: the arm stands at what it was told last, which is near."""
+
+    def _set_back(self) -> None:
+        if self._override is not None:
+            self._controller.set_override(self._override)
+
+    def _own(self, values: tuple[float, ...]) -> Floats:
+        return np.array(values, dtype=np.float64)[self._arm.places]
+
+
+POSE_PERIOD: Final = 0.5
+"""Seconds of a step at most: nothing is looked at meanwhile, but much of each are the files."""
+
+
+class PoseCarrier:
+    """The program of the exchange runs already, with the tool that `Arm.pose_of` has, in the base.
+
+    Its speed is that of its module. begin: (a,) joints near to which the first pose is looked for:
+    the answers tell no joints.
+    """
+
+    waits = True
+
+    def __init__(
+        self, programs: Programs, arm: Arm, begin: Floats, period: float = POSE_PERIOD
+    ) -> None:
+        self.period, self.speeds = period, arm.speeds
+        self._arm, self._exchange, self._near = arm, PoseExchange(programs), begin
+        self.begun = False
+
+    @property
+    def exchange(self) -> PoseExchange:
+        """What the steps go by; its `recording` holds every answer."""
+        return self._exchange
+
+    def __enter__(self) -> Self:
+        self._exchange.__enter__()
+        self.begun = True
+        self._take(self._exchange.current_pose().pose)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._exchange.__exit__(kind, error, trace)
+
+    def joints(self) -> Floats:
+        return self._near
+
+    def told(self) -> Floats:
+        return self._near
+
+    def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the module tells how fast
+        self._near = np.array(to)
+        self._take(self._exchange.move_to(self._arm.pose_of(to)).pose)
+
+    def rest(self) -> None:
+        """It stands."""
+
+    def _take(self, pose: Pose) -> None:
+        found = self._arm.joints_of(pose, self._near)
+        if found is None:
+            x, y, z = pose.position
+            raise Refused(rules.NO_JOINTS(point=f"({x:.1f}, {y:.1f}, {z:.1f}) mm"))
+        self._near = found
+
+
+FIRST_PACKET_TIMEOUT: Final = 10.0
+"""Seconds in which a program that was started must answer the first packet."""
+CYCLIC_PERIOD: Final = 0.02
+CATCH_UP_SPEED: Final = 1.1
+"""Part of the speeds of steps that a cycle may have: a step that comes late is caught up with."""
+
+
+class CyclicCarrier:
+    """made: the loop for limits; what else is needed is entered on the stack before.
+
+    The arm comes to rest behind its last step by what it takes to brake.
+    """
+
+    waits = False
+
+    def __init__(
+        self, arm: Arm, made: Callable[[Limits, ExitStack], Leading], period: float = CYCLIC_PERIOD
+    ) -> None:
+        self.period, self.speeds = period, arm.speeds
+        self._arm, self._made = arm, made
+        self._open = ExitStack()
+        self._leading: Leading | None = None
+        self._told: Floats | None = None
+
+    @property
+    def leading(self) -> Leading:
+        assert self._leading is not None, "it is entered"
+        return self._leading
+
+    def __enter__(self) -> Self:
+        arm = self._arm
+        full = np.minimum(CATCH_UP_SPEED * arm.speeds, arm.full)
+        limits = Limits(
+            tuple(arm.numbered(full, 1.0).tolist()),
+            tuple(arm.numbered(arm.rises, 1.0).tolist()),
+            tuple(arm.numbered(arm.limits[:, 0], -1.0).tolist()),
+            tuple(arm.numbered(arm.limits[:, 1], 1.0).tolist()),
+        )
+        with ExitStack() as opening:
+            self._leading = opening.enter_context(self._made(limits, opening))
+            self._open = opening.pop_all()
+        self._told = None
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._open.__exit__(kind, error, trace)
+
+    def joints(self) -> Floats:
+        return np.array(self.leading.joints())[self._arm.places]
+
+    def told(self) -> Floats:
+        return self.joints() if self._told is None else self._told
+
+    def move(self, to: Floats, seconds: float) -> None:
+        self.leading.to(self._arm.numbered(to, 0.0).tolist(), seconds)
+        self._told = np.array(to)
+
+    def rest(self) -> None:
+        """No speed is wanted from now on."""
+        if self._leading is not None:
+            self._leading.to(self._arm.numbered(self.joints(), 0.0).tolist(), 0.0)
+        self._told = None
+
+
+def by_egm(
+    host: str,
+    arm: Arm,
+    port: int | None = None,
+    cycle: float | None = None,
+    settings: Settings | None = None,
+) -> CyclicCarrier:
+    """A program on the controller is to come and ask for joints. settings: None for the usual."""
+    from assistant.controllers.abb import egm
+
+    def made(limits: Limits, opening: ExitStack) -> Leading:  # noqa: ARG001
+        return egm.guide_by_corrections(
+            host,
+            len(limits.speeds),
+            limits,
+            port=port or egm.PORT,
+            cycle=cycle or egm.CYCLE,
+            settings=settings,
+        )
+
+    return CyclicCarrier(arm, made)
+
+
+def by_mxt(controller: Controller, arm: Arm, wishes: LinkOptions) -> CyclicCarrier:
+    """Lead an arm by mxt; while it is entered, the program that takes the packets runs there."""
+    from assistant.controllers.mitsubishi import external_control
+
+    def made(limits: Limits, opening: ExitStack) -> Leading:
+        sliding = tuple(
+            place + 1 for place, slides in zip(arm.places, arm.sliding, strict=True) if slides
+        )
+        mxt = external_control.Mxt(
+            controller.address.host,
+            port=wishes.port or external_control.PORT,
+            limits=limits,
+            cycle=wishes.cycle or external_control.CYCLES["CR750"],
+            axes=len(limits.speeds),
+            sliding=sliding,
+            settings=Settings(opening=FIRST_PACKET_TIMEOUT),
+        )
+        opening.enter_context(mxt_installed(controller, wishes))
+        controller.load(MXT_PROGRAM)
+        controller.start()
+        opening.push(lambda kind, *_: controller.stop() if kind is not None else None)
+        opening.enter_context(mxt)
+        return mxt.leading()
+
+    return CyclicCarrier(arm, made)
