@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant import languages, sources
 from assistant.base import rotations
-from assistant.compiler.proof import prove
+from assistant.compiler.proof import prove_read_back
 from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
@@ -69,7 +69,7 @@ def emitted(language: str) -> Callable[[int], tuple[Any, Program, dict[str, byte
 
 def prove_all(given: tuple[Any, Program, dict[str, bytes]]) -> None:
     spoken, said, files = given
-    proof = prove(spoken, said, files)
+    proof = prove_read_back(spoken, said, files)
     if not proof.holds:
         raise SystemExit(f"the proof does not hold: {proof.findings[:3]}")
 

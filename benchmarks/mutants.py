@@ -27,7 +27,7 @@ from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving, prove_motion
-from assistant.compiler.motion_sides import written
+from assistant.compiler.motion_sides import written_pair
 from benchmarks import drawn_cells
 
 Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]
@@ -279,5 +279,5 @@ def _mutants(
 
 def _proves(done: Compiled, files: Mapping[str, bytes]) -> bool:
     """True if the proof holds for these files. Raises Refused for files that cannot be read."""
-    pair = written(done.source, done.program, done.language, files)
+    pair = written_pair(done.source, done.program, done.language, files)
     return prove_motion(pair, Arms(), Proving()).holds

@@ -17,7 +17,7 @@ import pytest
 from assistant import languages, robots
 from assistant.base.diagnostics import Severity
 from assistant.compiler.pairing import read_names
-from assistant.compiler.project import configured
+from assistant.compiler.project import with_project_settings
 from assistant.compiler.script_file import read_script
 from assistant.controllers import controllers_of
 from assistant.findings import rulebook
@@ -218,7 +218,7 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
             jsonschema.Draft7Validator(schema()).validate(tomllib.loads(text))
             return
         language = languages.get("melfa-basic-5")
-        said = configured(language, tmp_path) is not language
+        said = with_project_settings(language, tmp_path) is not language
         assert said if LIMITS in text else settings.levels
     else:
         process = read_process(file)

@@ -12,7 +12,7 @@ from assistant.base.source_text import path_of
 from assistant.compiler.checking import Checked, check_files, check_program
 from assistant.compiler.compiling import Compiled
 from assistant.compiler.loading import Loaded
-from assistant.compiler.scenes import in_cell
+from assistant.compiler.scenes import open_cell
 from assistant.findings.severities import apply_severities
 from assistant.lazy import pictured
 from assistant.program.program import Program
@@ -66,7 +66,7 @@ def check(
     """
     several = isinstance(source, Sequence) and not isinstance(source, str | bytes)
     given: list[Source] = list(source) if several else [source]  # type: ignore[arg-type, list-item]
-    stands = in_cell(cell, robot)
+    stands = open_cell(cell, robot)
     checked = Checked(list(stands.findings))
     paths = [fspath(one) for one in given if isinstance(one, str | FilePath)]
     for one in given:

@@ -10,10 +10,10 @@ from assistant.base.diagnostics import Diagnostic, Refused, fold, has_errors
 from assistant.checks.clearances import clearances
 from assistant.compiler.arms import robot_of
 from assistant.compiler.compiling import Compiled
-from assistant.compiler.entering import entered
+from assistant.compiler.entering import with_entry
 from assistant.compiler.loading import Loaded
 from assistant.compiler.opening import load
-from assistant.compiler.scenes import in_cell
+from assistant.compiler.scenes import open_cell
 from assistant.compiler.solving import solve
 from assistant.lazy import pictured
 from assistant.program.program import Program
@@ -80,7 +80,7 @@ def simulate(
     entry: the procedure that it begins with. cell: file of the cell that it runs in.
     Raises Refused with all findings if the robot cannot run it.
     """
-    stands = in_cell(cell, robot)
+    stands = open_cell(cell, robot)
     reader = robot_of(from_robot) or stands.robot
     name = None
     if isinstance(source, Program):
@@ -99,7 +99,7 @@ def simulate(
             unit=unit,
             around=stands.around,
         )
-    loaded = replace(loaded, program=entered(loaded.program, entry))
+    loaded = replace(loaded, program=with_entry(loaded.program, entry))
     ready = solve(loaded, stands, name, from_robot)
     if has_errors(ready.findings):
         raise Refused(*ready.findings)

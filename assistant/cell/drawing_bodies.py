@@ -45,8 +45,8 @@ from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.entities import check_stated, primitives
 from assistant.sources.drawing.findings import BAD_ENTITY, DEGENERATE, Tally, shown
-from assistant.sources.drawing.locations import Location, Locations
-from assistant.sources.drawing.primitives import Conic, Degenerate, Straight, check_places
+from assistant.sources.drawing.locations import Location, LocationReader
+from assistant.sources.drawing.primitives import Conic, Degenerate, Straight, check_coordinates
 from assistant.sources.drawing.transforms import (
     direction,
     ocs_axes,
@@ -55,7 +55,7 @@ from assistant.sources.drawing.transforms import (
     scaling,
     skews,
 )
-from assistant.sources.drawing.traversal import Inserted, Placed, Traversal
+from assistant.sources.drawing.traversal import InsertedBlock, PlacedEntity, Traversal
 from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import NO_PROCESS
 
@@ -96,7 +96,7 @@ class DrawnSurface:
 
     def moved(self, matrix: Floats) -> DrawnSurface:
         points = point(matrix, self.points)
-        check_places(points)
+        check_coordinates(points)
         largest = float(np.linalg.norm(matrix[:3, :3], 2))
         return replace(self, points=points, off=self.off * largest)
 
@@ -114,7 +114,7 @@ class DrawnCylinder:
 
     def moved(self, matrix: Floats) -> DrawnCylinder:
         base, rest = point(matrix, self.base), direction(matrix, [self.u, self.v, self.along])
-        check_places(base, *rest)
+        check_coordinates(base, *rest)
         u, v, along = rest
         return DrawnCylinder(base, u, v, along, self.even and not skews(matrix), self.left)
 
@@ -429,8 +429,8 @@ def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
     _, factor, units = unit_of(document, name, unit)
     tally = Tally()
     traversal = Traversal(document, name, tags, tally, _all)
-    locations = Locations(document, name, tags, NO_PROCESS, tally, attached=True)
-    groups: dict[Inserted | str, _Group] = {}
+    locations = LocationReader(document, name, tags, NO_PROCESS, tally, attached=True)
+    groups: dict[InsertedBlock | str, _Group] = {}
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(scaling(factor)):
             key = placed.inserted or placed.layer
@@ -478,7 +478,7 @@ class _Group:
     locations: list[Location] = field(default_factory=list)
 
 
-def _read_solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | None:
+def _read_solid(placed: PlacedEntity, tally: Tally, traversal: Traversal) -> Solid | None:
     """In the drawing's world; what is none is counted, what is broken is a finding."""
     entity = placed.entity
     kind, handle = shown(entity.dxftype()), entity.dxf.handle or ""
@@ -503,8 +503,8 @@ def _read_solid(placed: Placed, tally: Tally, traversal: Traversal) -> Solid | N
 
 
 def _body_names(
-    keys: list[Inserted | str], path: str, findings: list[Diagnostic]
-) -> dict[Inserted | str, str]:
+    keys: list[InsertedBlock | str], path: str, findings: list[Diagnostic]
+) -> dict[InsertedBlock | str, str]:
     """Blocks by their names, numbered where they are inserted several times, layers by theirs.
 
     What is on layer 0 is called as the file is.
@@ -513,7 +513,7 @@ def _body_names(
     given = [(stem if key == "0" else key) if isinstance(key, str) else key.block for key in keys]
     totals = Counter(name.lower() for name in given)
     counts = Counter[str]()
-    taken, names = TakenNames(), dict[Inserted | str, str]()
+    taken, names = TakenNames(), dict[InsertedBlock | str, str]()
     for key, name in zip(keys, given, strict=True):
         counts[name.lower()] += 1
         several = totals[name.lower()] > 1
@@ -526,7 +526,7 @@ def _body_names(
 
 
 def _body(
-    name: str, key: Inserted | str, group: _Group, path: str, findings: list[Diagnostic]
+    name: str, key: InsertedBlock | str, group: _Group, path: str, findings: list[Diagnostic]
 ) -> Body:
     """In the frame of its block where there is one, else of the drawing's world."""
     pose = IDENTITY if isinstance(key, str) else _frame(key)
@@ -546,7 +546,7 @@ def _body(
     return Body(name, tuple(parts), pose, colour=group.colour, locations=locations, source=path)
 
 
-def _frame(inserted: Inserted) -> Pose:
+def _frame(inserted: InsertedBlock) -> Pose:
     """Of an insert: its base point, and axes as near to its own as a frame can have them."""
     matrix = inserted.matrix
     x, z = direction(matrix, [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
@@ -598,7 +598,7 @@ def _named_poses(
     }
 
 
-def _colour(placed: Placed, document: Drawing) -> Colour | None:
+def _colour(placed: PlacedEntity, document: Drawing) -> Colour | None:
     """Of an entity, or of its layer."""
     from ezdxf.colors import aci2rgb, int2rgb
 

@@ -67,10 +67,10 @@ class Given:
 def run_answer(given: Given, process: Path | None, robot: str | None, cell: Path | None) -> int:
     """0 if all that was asked for was found, else 1."""
     from assistant.sources.process.file import read_process
-    from assistant.sources.process.seen import TRUSTED
+    from assistant.sources.process.seen import DEFAULT_TRUST
     from assistant.sources.sights import read_sights
 
-    trust = TRUSTED if process is None else read_process(process).seen.trust
+    trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust
     base = _base(robot, cell)
     read_sights(given.seen)  # what is wrong in it is told before any program waits
     try:
@@ -113,9 +113,9 @@ def _base(robot: str | None, cell: Path | None) -> Pose | None:
     if cell is None:
         return None
     from assistant.cell.clearances import robot_of as robot_in
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
 
-    stands = in_cell(cell, robot)
+    stands = open_cell(cell, robot)
     if stands.scene is None:
         return None
     arm = stands.robot

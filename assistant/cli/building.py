@@ -18,7 +18,7 @@ from assistant.cli.presentation import (
 )
 
 if TYPE_CHECKING:
-    from assistant.compiler.keeping import Wishes
+    from assistant.compiler.keeping import MergeChoices
 
 
 ONE_FOLDER = error(
@@ -32,9 +32,11 @@ NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name on
 def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     from assistant.project.drafting import BLANKS
     from assistant.project.starting import start
-    from assistant.sources.placements import DRAWN
+    from assistant.sources.placements import DRAWING_SUFFIXES
 
-    drawings = [path for path in paths if path.suffix.lower() in DRAWN and not path.is_dir()]
+    drawings = [
+        path for path in paths if path.suffix.lower() in DRAWING_SUFFIXES and not path.is_dir()
+    ]
     folders = [path for path in paths if path not in drawings]
     if len(folders) > 1:
         raise Refused(ONE_FOLDER(name=folders[1]), exit_status=2)
@@ -79,7 +81,7 @@ def run_build(
     jobs: int | None,
     anew: bool,
     format: FindingFormat,
-    wishes: Wishes | None = None,
+    wishes: MergeChoices | None = None,
 ) -> int:
     from assistant.project import State, build, project_of
     from assistant.project.building import build_record

@@ -16,7 +16,7 @@ from assistant.cli.presentation import FindingFormat, print_findings, print_for_
 if TYPE_CHECKING:
     from assistant.compiler.checking import Checked
     from assistant.report.drawn import Line
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 
@@ -33,7 +33,7 @@ class Options:
     unit: str | None
     cell: Path | None
     from_language: str | None
-    placement: Placing | None = None
+    placement: DrawingPlacement | None = None
     seeing: Seeing | None = None
 
 
@@ -95,9 +95,9 @@ def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
 def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Checked:
     """Sources that are checked with the same options."""
     from assistant.compiler.checking import Checked, check_files, check_text
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
 
-    checked, cell = Checked(), in_cell(options.cell, options.robot)
+    checked, cell = Checked(), open_cell(options.cell, options.robot)
     cell = cell if options.seeing is None else replace(cell, seeing=options.seeing)
     given: dict[str, Any] = {
         "robot": options.robot,

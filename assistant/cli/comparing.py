@@ -100,9 +100,9 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
 
 def _show(done: Comparison) -> None:
     """Print the differences with both lines, then what was compared and the answer."""
-    from assistant.compiler.comparing import DIFFERS
+    from assistant.compiler.comparing import PROGRAMS_DIFFER
 
-    print_findings(one for one in done.findings if one.code != DIFFERS.code)
+    print_findings(one for one in done.findings if one.code != PROGRAMS_DIFFER.code)
     for row in done.rows:
         if not row.alike:
             for sign, name, at in zip("-+", done.names, (row.first, row.second), strict=True):

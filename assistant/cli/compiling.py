@@ -26,7 +26,7 @@ from assistant.cli.presentation import (
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
-    from assistant.compiler.keeping import Wishes
+    from assistant.compiler.keeping import MergeChoices
     from assistant.compiler.motion import Proving
     from assistant.compiler.scenes import InCell
 
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
     from assistant.project.stated import Stated
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
     from assistant.sources.sights import Seeing
-    from assistant.sources.surroundings import ByRobot
+    from assistant.sources.surroundings import SurroundingsByRobot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
 NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
@@ -75,7 +75,7 @@ def run_compile(
     robot: str | None,
     process: Path | None,
     unit: str | None,
-    placement: Placing | None,
+    placement: DrawingPlacement | None,
     cell: Path | None,
     output: str,
     most_targets: int | None,
@@ -90,7 +90,7 @@ def run_compile(
     together: str | None = None,
     seeing: Seeing | None = None,
     proving: Proving | None = None,
-    wishes: Wishes | None = None,
+    wishes: MergeChoices | None = None,
     page: DrawPage | None = None,
 ) -> int:
     """0 if all sources are written, else 1; 2 if one could not be read.
@@ -99,10 +99,10 @@ def run_compile(
     """
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.keeping import Keeper, Wishes
+    from assistant.compiler.keeping import Keeper, MergeChoices
     from assistant.compiler.loading import language_of
-    from assistant.compiler.scenes import in_cell
-    from assistant.compiler.together import together as joined
+    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.together import combine_sources as joined
     from assistant.findings.severities import apply_severities
     from assistant.project.stated import Stated
 
@@ -121,7 +121,7 @@ def run_compile(
     language_of(language)
     for one in wanted.values():
         robot_of(one.from_robot)
-    stands = in_cell(cell, robot)
+    stands = open_cell(cell, robot)
     stands = stands if seeing is None else replace(stands, seeing=seeing)
     answers = Answers()
     done: list[tuple[str, Compiled]] = []
@@ -180,7 +180,7 @@ def run_compile(
         sys.stdout.buffer.write(data[0])
     elif files:
         keep_sources(sources, paths_of(files, folders, output))
-        keeper = Keeper(language, robot, stands if cell else None, wishes or Wishes())
+        keeper = Keeper(language, robot, stands if cell else None, wishes or MergeChoices())
         kept = write_kept(files, folders, output, keeper)
         findings += apply_severities(kept.findings).left
         ok, written, diffs = ok and not has_errors(kept.findings), kept.written, kept.diffs
@@ -237,15 +237,15 @@ def load_given(
     unit: str | None,
     from_language: str | None,
     entry: str | None = None,
-    around: ByRobot | None = None,
-    placement: Placing | None = None,
+    around: SurroundingsByRobot | None = None,
+    placement: DrawingPlacement | None = None,
 ) -> Loaded:
     """The program of a file, or of standard input if the source says so.
 
     entry: the procedure that it begins with, None for its own. around: what stands around it.
     """
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.entering import entered
+    from assistant.compiler.entering import with_entry
     from assistant.compiler.opening import load
 
     arm = robot_of(robot)
@@ -258,7 +258,7 @@ def load_given(
         around=around,
         placement=placement,
     )
-    return replace(given, program=entered(given.program, entry))
+    return replace(given, program=with_entry(given.program, entry))
 
 
 def _input(
@@ -267,7 +267,7 @@ def _input(
     robot: str | Robot | None,
     process: Path | None,
     unit: str | None,
-    placement: Placing | None,
+    placement: DrawingPlacement | None,
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.base.length_units import unit_stated

@@ -166,10 +166,10 @@ def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
 def _scene(robot: str) -> Scene | None:
     """The cell; nothing where the library for cells is not installed."""
     from assistant.cell.findings import NO_LIBRARY
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
 
     try:
-        return in_cell(str(resource("samples", f"cell/{CELL}")), robot).scene
+        return open_cell(str(resource("samples", f"cell/{CELL}")), robot).scene
     except Refused as refused:
         if {finding.code for finding in refused.findings} != {NO_LIBRARY.code}:
             raise

@@ -23,10 +23,10 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     from assistant.report import drawings as report
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
-    from assistant.sources.placements import DRAWN
+    from assistant.sources.placements import DRAWING_SUFFIXES
     from assistant.sources.process import NO_PROCESS
 
-    if drawing.suffix.lower() not in DRAWN:
+    if drawing.suffix.lower() not in DRAWING_SUFFIXES:
         raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
     left = list[Diagnostic]()
     try:

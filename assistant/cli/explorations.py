@@ -23,7 +23,7 @@ from assistant.cli.presentation import Format
 
 if TYPE_CHECKING:
     from assistant.cli.exploring_arms import Live
-    from assistant.compiler.exploring import Asked
+    from assistant.compiler.exploring import ExplorationRequest
 
 explore: Final = typer.Typer(
     help="Chart the space about a robot by where it has been without contact.",
@@ -318,7 +318,9 @@ def _live(
     return Live(Contact(signal, key, camera, region), seconds, log, yes, format)
 
 
-def _asked(cell: Path, chart: Path, robot: str | None, size: float | None, thinner: float) -> Asked:
-    from assistant.compiler.exploring import Asked
+def _asked(
+    cell: Path, chart: Path, robot: str | None, size: float | None, thinner: float
+) -> ExplorationRequest:
+    from assistant.compiler.exploring import ExplorationRequest
 
-    return Asked(cell, chart, robot, size, thinner)
+    return ExplorationRequest(cell, chart, robot, size, thinner)

@@ -15,7 +15,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.cell.exploration.occupancy import Occupancy
     from assistant.cli.simulating import Options
-    from assistant.compiler.exploring import Asked, Explored, Ready
+    from assistant.compiler.exploring import ExplorationRequest, ExplorationResult, ExplorationStart
 
 NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end its name in .npz")
 NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
@@ -50,29 +50,29 @@ def check_moving(hidden: Path | None) -> None:
 
 
 def run_wander(
-    asked: Asked, hidden: Path | None, runs: int, seed: int | None, format: Format
+    asked: ExplorationRequest, hidden: Path | None, runs: int, seed: int | None, format: Format
 ) -> int:
-    from assistant.compiler.exploring import wandered
+    from assistant.compiler.exploring import explore_by_random_moves
 
     with working("exploring"):
         begun = prepared(asked, [] if hidden is None else [str(hidden)])
-        found = wandered(begun, hidden, runs, seed)
+        found = explore_by_random_moves(begun, hidden, runs, seed)
     return _told(begun, found, "runs", format)
 
 
 def run_recorded(
-    asked: Asked, recordings: Sequence[Path], contact: str | None, format: Format
+    asked: ExplorationRequest, recordings: Sequence[Path], contact: str | None, format: Format
 ) -> int:
-    from assistant.compiler.exploring import recorded
+    from assistant.compiler.exploring import explore_by_recordings
 
     with working("reading what was recorded"):
         begun = prepared(asked, [str(path) for path in recordings])
-        found = recorded(begun, recordings, contact)
+        found = explore_by_recordings(begun, recordings, contact)
     return _told(begun, found, "runs of each recording", format)
 
 
 def run_program(
-    asked: Asked,
+    asked: ExplorationRequest,
     source: str,
     options: Options,
     until: float | None,
@@ -81,7 +81,7 @@ def run_program(
 ) -> int:
     """1 if the robot cannot run the program; then the chart stays as it is."""
     from assistant.cli.simulating import refused, solved
-    from assistant.compiler.exploring import ran
+    from assistant.compiler.exploring import explore_by_program
     from assistant.compiler.scenes import InCell
     from assistant.robots.timing import simulate
 
@@ -98,20 +98,20 @@ def run_program(
             return refused(source, robot, done.findings, format, "gone through")
         simulation = simulate(done.solution, acceleration=options.acceleration)
         try:
-            found = ran(begun, done.program, simulation, until, hidden)
+            found = explore_by_program(begun, done.program, simulation, until, hidden)
         except Refused as caught:
             findings = [done.places.finding(one).within(source) for one in caught.findings]
             raise Refused(*findings, exit_status=caught.exit_status) from None
     return _told(begun, found, "runs", format)
 
 
-def prepared(asked: Asked, read: Sequence[str]) -> Ready:
+def prepared(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
     """Raises Refused for a chart that would not be one, or would be written over what is read."""
-    from assistant.compiler.exploring import ready
+    from assistant.compiler.exploring import start_exploration
 
     _check_name(asked.chart)
     keep_sources([str(asked.cell), *read], [asked.chart])
-    return ready(asked)
+    return start_exploration(asked)
 
 
 def _check_name(path: Path) -> None:
@@ -119,7 +119,7 @@ def _check_name(path: Path) -> None:
         raise Refused(NO_CHART_NAME(name=path), exit_status=2)
 
 
-def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
+def _told(begun: ExplorationStart, found: ExplorationResult, what: str, format: Format) -> int:
     from assistant.cell.exploration.occupancy import save_map
 
     save_map(found.occupancy, begun.asked.chart)
@@ -130,7 +130,7 @@ def _told(begun: Ready, found: Explored, what: str, format: Format) -> int:
 class Done:
     """Result of exploring. what: the runs that its rows count. written: files."""
 
-    found: Explored
+    found: ExplorationResult
     what: str
     written: Sequence[Path]
 

@@ -25,7 +25,7 @@ from assistant.cli.teaching import ENDS, keys
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
-    from assistant.compiler.exploring import Asked, Ready
+    from assistant.compiler.exploring import ExplorationRequest, ExplorationStart
     from assistant.controllers import Controller
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
@@ -119,7 +119,7 @@ class Bounds:
 
 
 def run_wander_arm(
-    cell: str, asked: Asked, bounds: Bounds, live: Live, runs: int, seed: int | None
+    cell: str, asked: ExplorationRequest, bounds: Bounds, live: Live, runs: int, seed: int | None
 ) -> int:
     """Move an arm at random; the chart and the log are written however it ends."""
     from assistant.cli.servoing import near, way
@@ -193,7 +193,7 @@ def run_wander_arm(
     return report(done, live.format)
 
 
-def run_manual(cell: str, asked: Asked, live: Live) -> int:
+def run_manual(cell: str, asked: ExplorationRequest, live: Live) -> int:
     """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
     begun = _prepared(asked, live)
     with reached(cell, "explore") as there, ExitStack() as open_:
@@ -219,7 +219,9 @@ def run_manual(cell: str, asked: Asked, live: Live) -> int:
     return report(done, live.format)
 
 
-def run_running(cell: str, program: str | None, asked: Asked, live: Live, override: int) -> int:
+def run_running(
+    cell: str, program: str | None, asked: ExplorationRequest, live: Live, override: int
+) -> int:
     """Record an arm while a program moves it; a contact stops the program, and gives status 1."""
     from assistant.cli.moving import NO_OVERRIDE
 
@@ -291,7 +293,7 @@ class _Watched:
 
     controller: Controller
 
-    def __init__(self, begun: Ready) -> None:
+    def __init__(self, begun: ExplorationStart) -> None:
         from assistant.vision.exploring.moving import log_of
         from assistant.vision.servoing.bounds import Bounds as Limits
         from assistant.vision.servoing.bounds import Guard
@@ -323,7 +325,7 @@ class _Watched:
         return touching
 
 
-def _prepared(asked: Asked, live: Live) -> Ready:
+def _prepared(asked: ExplorationRequest, live: Live) -> ExplorationStart:
     """Return the explorer; raises Refused for a log that cannot be written, or over its sources."""
     from assistant.controllers.recording import check_place
 
@@ -336,7 +338,7 @@ def _prepared(asked: Asked, live: Live) -> Ready:
     return prepared(asked, [])
 
 
-def _check_arm(begun: Ready, name: str, robot: Robot | None) -> None:
+def _check_arm(begun: ExplorationStart, name: str, robot: Robot | None) -> None:
     """Raise Refused if the controller, by its project, moves another arm than the cell has."""
     placed = begun.explorer.placed
     if robot is not None and robot.name != placed.robot.name:
@@ -380,7 +382,7 @@ def _bounds(bounds: Bounds) -> str:
 @contextmanager
 def _contacts(
     contact: Contact,
-    begun: Ready,
+    begun: ExplorationStart,
     controller: Callable[[], Controller],
     joints: Callable[[], Floats],
 ) -> Iterator[tuple[AnyContacts, Callable[[], bool]]]:
@@ -402,7 +404,7 @@ def _contacts(
 
 
 def _cameras(
-    contact: Contact, begun: Ready, joints: Callable[[], Floats], open_: ExitStack
+    contact: Contact, begun: ExplorationStart, joints: Callable[[], Floats], open_: ExitStack
 ) -> Iterator[Contacts]:
     """Open each camera of the file as a source; raises Refused for one without a source."""
     from assistant.vision.cameras.camera_file import read_cameras
@@ -439,12 +441,12 @@ def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
     return show
 
 
-def _saved(begun: Ready, log: Log, live: Live) -> Done:
+def _saved(begun: ExplorationStart, log: Log, live: Live) -> Done:
     """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.occupancy import save_map
-    from assistant.compiler.exploring import learnt, ready
+    from assistant.compiler.exploring import learn_from_runs, start_exploration
 
-    found = learnt(ready(begun.asked), log.clear(), log.contacts)
+    found = learn_from_runs(start_exploration(begun.asked), log.clear(), log.contacts)
     save_map(found.occupancy, begun.asked.chart)
     written = [begun.asked.chart]
     if live.log is not None:

@@ -54,7 +54,7 @@ class Options:
 
 def run_follow(cell: str, trajectory: str, options: Options) -> int:
     """Checks the whole way, asks, and leads the arm along it."""
-    from assistant.compiler.following import led_along
+    from assistant.compiler.following import trajectory_of_source
     from assistant.controllers import Controller
 
     mode = _mode(options)
@@ -67,7 +67,7 @@ def run_follow(cell: str, trajectory: str, options: Options) -> int:
         mode.check(session, options.wishes)
         position = session.position() if isinstance(session, Controller) else None
         period = options.interval or mode.period
-        led = led_along(trajectory, robot, position, period, options.speed)
+        led = trajectory_of_source(trajectory, robot, position, period, options.speed)
         print_findings(led.findings)
         way = f"{len(led.seconds)} points in {led.seconds[-1]:.1f} s, {mode.title}"
         confirmed(there.one, f"leads the arm along {trajectory}: {way}", options.yes)

@@ -30,7 +30,7 @@ def run_fmt(
     paths: Sequence[str], check: bool, diff: bool, language: str | None, renumber: str | None
 ) -> int:
     """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
-    from assistant.compiler.formatting import format_bytes, format_file, rewrite
+    from assistant.compiler.formatting import format_bytes, format_file, rewrite_file
 
     if list(paths).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -51,7 +51,7 @@ def run_fmt(
                 if name == STANDARD and not (check or diff):
                     sys.stdout.buffer.write(done.encoded())
                 elif done.changed and not (check or diff):
-                    rewrite(done)
+                    rewrite_file(done)
             except Refused as refused:
                 print_findings(f.within(str(path)) for f in refused.findings)
                 status = max(status, refused.exit_status)

@@ -201,14 +201,14 @@ def run_start(
     format: Format,
 ) -> int:
     """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
-    from assistant.compiler.jogging import check_place
+    from assistant.compiler.jogging import check_position
 
     if override is not None and not 1 <= override <= 100:
         raise Refused(NO_OVERRIDE(value=override), exit_status=2)
     with moving(cell, "start") as motion:
         there = motion.cell
         controller = there.controller
-        print_findings(check_place(controller.position(), robot_of_cell(there.one)))
+        print_findings(check_position(controller.position(), robot_of_cell(there.one)))
         what = f"starts `{program}`" if program else "starts what is loaded"
         lasts = " again and again" if forever else ""
         confirmed(there.one, f"{what}{lasts}: the arm moves as the program says", yes)

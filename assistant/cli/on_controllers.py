@@ -276,9 +276,9 @@ def teach(
     At a key press, when an input comes, or when a device is held still. Nothing moves but with
     --go, which asks before.
     """
-    from assistant.compiler.teaching import Wanted
+    from assistant.compiler.teaching import TargetOptions
 
-    wanted = Wanted(joints, tool, frame, replace)
+    wanted = TargetOptions(joints, tool, frame, replace)
     if point is not None:
         from assistant.cli.pointing import run_point
         from assistant.cli.shown import Options as Pointing

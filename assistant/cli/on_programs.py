@@ -100,7 +100,7 @@ def compile(
     from assistant.cli.pages import Asked
     from assistant.cli.proving import proving
     from assistant.cli.sheets import compiled_page
-    from assistant.compiler.keeping import Wishes
+    from assistant.compiler.keeping import MergeChoices
     from assistant.sources.sights import seeing
 
     raise typer.Exit(
@@ -124,7 +124,7 @@ def compile(
             together=together,
             seeing=seeing(seen, ask_at),
             proving=proving(prove, signals, seed),
-            wishes=Wishes.of(overwrite, keep_edit or (), drop_edit or ()),
+            wishes=MergeChoices.of(overwrite, keep_edit or (), drop_edit or ()),
             page=compiled_page(Asked(report, opened, plot), process, unit, placing(place, marks)),
             format=format,
         )

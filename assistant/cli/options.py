@@ -19,7 +19,7 @@ from assistant.cli.presentation import (
 )
 
 if TYPE_CHECKING:
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -195,10 +195,10 @@ DropEditOption = Annotated[
 ]  # fmt: skip
 
 
-def placing(place: str | None, marks: Sequence[str] | None) -> Placing | None:
+def placing(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement | None:
     """What --place or --mark say, None for neither; raises Refused."""
     if place is None and not marks:
         return None
-    from assistant.sources.placements import of_options
+    from assistant.sources.placements import placement_of_options
 
-    return of_options(place, marks or ())
+    return placement_of_options(place, marks or ())

@@ -109,7 +109,7 @@ def _robot(one: Named | None, options: Options) -> Robot | None:
 def _places(names: Sequence[str], shown: Shown, robot: Robot | None) -> int:
     """Each place that is shown, as a target, until there are no names or no pictures any more."""
     from assistant.cli.teaching import free_names
-    from assistant.compiler.shown_places import check_names, store
+    from assistant.compiler.shown_places import check_names, store_target
 
     options = shown.options
     check_names(options.into, names, robot, options.wanted)
@@ -122,7 +122,7 @@ def _places(names: Sequence[str], shown: Shown, robot: Robot | None) -> int:
                     raise shown.ended(name)
                 break
             held, place = found
-            store(options.into, place, options.wanted)
+            store_target(options.into, place, options.wanted)
             stored.append(recorded(held, place))
             if options.format is Format.TEXT:
                 say(f"{name}: {place_line(place)}, {sureness(held)}, stored in {options.into}")

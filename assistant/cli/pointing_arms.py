@@ -21,7 +21,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.shown import Shown, next_place, place_line, recorded, sureness
 
 if TYPE_CHECKING:
-    from assistant.compiler.shown_places import Place
+    from assistant.compiler.shown_places import ShownTarget
     from assistant.controllers.setpoint_streams import Mode as ByPictures
     from assistant.controllers.trajectory_execution import LinkOptions, Mode
     from assistant.robots import Robot
@@ -48,17 +48,19 @@ class _Leader:
     wishes: LinkOptions
     pictures: tuple[ByPictures, ServoFile] | None
 
-    def led(self, place: Place, held: Held) -> dict[str, float]:
+    def led(self, place: ShownTarget, held: Held) -> dict[str, float]:
         """Asks, and leads the arm to a place; how far it is from there. Raises Refused."""
-        from assistant.compiler.following import led_by
-        from assistant.compiler.shown_places import check_reached, tip_at, way_to
+        from assistant.compiler.following import trajectory_of_program
+        from assistant.compiler.shown_places import check_reached, program_to_target, tip_at
         from assistant.compiler.teaching import own_joints
 
         options, controller = self.shown.options, self.motion.cell.controller
         position = controller.position()
-        way = way_to(place, options.above, to_its_end=self.pictures is None)
+        way = program_to_target(place, options.above, to_its_end=self.pictures is None)
         into = str(options.into)
-        led = led_by(way, self.robot, position, self.mode.period, options.speed, into)
+        led = trajectory_of_program(
+            way, self.robot, position, self.mode.period, options.speed, into
+        )
         print_findings(led.findings)
         seen = self._set_up(place)
         how = self.mode.title if seen is None else f"{self.mode.title}, then {seen.title}"
@@ -74,7 +76,7 @@ class _Leader:
         self.motion.began = False
         return {"off_mm": off, "off_degrees": turned}
 
-    def _set_up(self, place: Place) -> SetUp | None:
+    def _set_up(self, place: ShownTarget) -> SetUp | None:
         from assistant.compiler.shown_places import tip_of
         from assistant.program.geometry import IDENTITY
         from assistant.vision.servoing.setting_up import set_up
@@ -150,7 +152,7 @@ def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None
 
 def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[str, object] | None:
     """Leads the arm to the next place and stores where it is then; None without a place."""
-    from assistant.compiler.teaching import own_joints, teach
+    from assistant.compiler.teaching import own_joints, teach_target
 
     shown, robot = leader.shown, leader.robot
     options, controller = shown.options, leader.motion.cell.controller
@@ -163,7 +165,7 @@ def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[s
     held, place = found
     off = leader.led(place, held)
     position = controller.position()
-    print_findings(teach(options.into, name, position, robot, options.wanted).findings)
+    print_findings(teach_target(options.into, name, position, robot, options.wanted).findings)
     if options.format is Format.TEXT:
         shown_line = joints_line if options.wanted.joints else pose_line
         say(

@@ -114,12 +114,12 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     from assistant.cell.clearances import robot_of
     from assistant.cell.scene import Scene
     from assistant.checks.clearances import no_robot
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
 
     tip = _tip(tool.tip)
     if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):
         raise Refused(BAD_MARGIN(given=tool.margin), exit_status=2)
-    found = in_cell(tool.cell, tool.robot)
+    found = open_cell(tool.cell, tool.robot)
     robot, scene = found.robot or known, found.scene
     if scene is None:
         if robot is None:

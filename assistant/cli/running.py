@@ -24,7 +24,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
     from assistant.sources.sights import Seeing
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
@@ -57,7 +57,7 @@ class Options:
     robot: str | None
     process: Path | None
     unit: str | None
-    placement: Placing | None
+    placement: DrawingPlacement | None
     from_language: str | None
     entry: str | None
     signals: Path | None
@@ -153,7 +153,7 @@ class _Running:
         script: Script,
         format: Format,
     ) -> None:
-        from assistant.compiler.script_file import not_visited
+        from assistant.compiler.script_file import unknown_visits
         from assistant.virtual.kernel.script import follow
         from assistant.virtual.program_run import Settings, prepared
         from assistant.virtual.run_log import ColumnWidths
@@ -164,7 +164,7 @@ class _Running:
         self.findings = [
             *self.read,
             *_unused(programs, script),
-            *not_visited(script, self.sources),
+            *unknown_visits(script, self.sources),
         ]
         settings = Settings(
             robot=arm,

@@ -69,12 +69,12 @@ def _read(
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.drawing_bodies import read_drawing
     from assistant.cell.scene import Scene
-    from assistant.sources.placements import DRAWN
+    from assistant.sources.placements import DRAWING_SUFFIXES
     from assistant.sources.process.file import ENCODINGS, read_toml
 
     if unit is not None:
         known_unit(unit)
-    if cell.suffix.lower() in DRAWN:
+    if cell.suffix.lower() in DRAWING_SUFFIXES:
         drawn = read_drawing(cell, unit)
         return Scene(drawn.bodies), drawn.findings, ()
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)

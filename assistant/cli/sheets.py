@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from assistant.cli.compiling import DrawPage
     from assistant.cli.simulating import Options
     from assistant.compiler import Compiled
-    from assistant.compiler.checking import Looked
+    from assistant.compiler.checking import CheckedProgram
     from assistant.compiler.comparing import Comparison
     from assistant.compiler.scenes import InCell
     from assistant.compiler.solving import Solved
     from assistant.report.drawn import Line
     from assistant.report.translation import Translated
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 UNLIKE: Final = warning(
     "CL062",
@@ -82,7 +82,9 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
     )
 
 
-def looked_sheet(one: Looked, found: Sequence[Diagnostic], drawn: Sequence[Line] = ()) -> Sheet:
+def looked_sheet(
+    one: CheckedProgram, found: Sequence[Diagnostic], drawn: Sequence[Line] = ()
+) -> Sheet:
     """A program that was checked."""
     first, *others = map(named, one.files)
     return Sheet(
@@ -115,7 +117,7 @@ def solved_sheet(
 
 
 def compiled_page(
-    asked: Asked, process: Path | None, unit: str | None, placement: Placing | None = None
+    asked: Asked, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
 ) -> DrawPage | None:
     """Writes the page of a compilation, if one is asked for; see `run_compile`.
 
@@ -217,7 +219,7 @@ def refused_sheets(
 
 
 def lines_of_drawing(
-    source: str, process: Path | None, unit: str | None, placement: Placing | None = None
+    source: str, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
 ) -> Sequence[Line]:
     """The lines of a drawing; none of another source, nor of one that cannot be read."""
     from assistant.report.drawn import drawn_lines

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.program.program import Program
     from assistant.program.pseudo.printer import Printed
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
 NO_LANGUAGE: Final = error(
@@ -35,7 +35,7 @@ class Wanted:
     entry: str | None
     to: str | None
     after: str | None
-    placement: Placing | None = None
+    placement: DrawingPlacement | None = None
 
 
 def run_show(source: str, wanted: Wanted, output: Path | None) -> int:

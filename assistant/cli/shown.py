@@ -14,8 +14,8 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cli.presentation import Format, print_findings, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.shown_places import Place
-    from assistant.compiler.teaching import Wanted
+    from assistant.compiler.shown_places import ShownTarget
+    from assistant.compiler.teaching import TargetOptions
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.cameras.camera import Camera
@@ -37,7 +37,7 @@ class Options:
 
     cameras: Path
     into: Path
-    wanted: Wanted
+    wanted: TargetOptions
     use: tuple[str, ...] = ()
     device: str = "wand"
     frames: int = 30
@@ -137,11 +137,11 @@ def next_place(
     shown: Shown,
     robot: Robot | None,
     near: Sequence[float] | None = None,
-) -> tuple[Held, Place] | None:
+) -> tuple[Held, ShownTarget] | None:
     """The next place that is shown and reached; None when there are no pictures any more."""
     import numpy as np
 
-    from assistant.compiler.shown_places import OUT_OF_REACH, TILTED, placed
+    from assistant.compiler.shown_places import DEVICE_TILTED, OUT_OF_REACH, target_of_shown
 
     options = shown.options
     if options.format is Format.TEXT:
@@ -150,11 +150,11 @@ def next_place(
     start = None if near is None else np.array(near)
     for held in holds:
         try:
-            place = placed(
+            place = target_of_shown(
                 options.into, name, held.pose, robot, options.wanted, start, options.world
             )
         except Refused as refused:
-            if not {f.code for f in refused.findings} <= {OUT_OF_REACH.code, TILTED.code}:
+            if not {f.code for f in refused.findings} <= {OUT_OF_REACH.code, DEVICE_TILTED.code}:
                 raise
             print_findings(refused.findings)
             continue
@@ -163,7 +163,7 @@ def next_place(
     return None
 
 
-def place_line(place: Place) -> str:
+def place_line(place: ShownTarget) -> str:
     x, y, z = place.pose.position
     q = ", ".join(f"{part:.5f}" for part in place.pose.quaternion)
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
@@ -173,7 +173,7 @@ def sureness(held: Held) -> str:
     return f"{held.frames} moments within {held.spread:.2f} mm, mean known to {held.sigma:.2f} mm"
 
 
-def recorded(held: Held, place: Place) -> dict[str, object]:
+def recorded(held: Held, place: ShownTarget) -> dict[str, object]:
     return {
         "name": place.name,
         "position": list(place.pose.position),

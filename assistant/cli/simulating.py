@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from assistant.compiler.solving import Solved
     from assistant.robots import Robot
     from assistant.robots.timing import Simulation
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 NO_RESULT = error(
@@ -48,7 +48,7 @@ class Options:
     period: float | None
     entry: str | None = None
     cell: Path | None = None
-    placement: Placing | None = None
+    placement: DrawingPlacement | None = None
     seeing: Seeing | None = None
 
 
@@ -103,10 +103,10 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
 
     stands: the cell, where it has been read already.
     """
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
     from assistant.compiler.solving import solve
 
-    stands = stands or in_cell(options.cell, options.robot)
+    stands = stands or open_cell(options.cell, options.robot)
     stands = stands if options.seeing is None else replace(stands, seeing=options.seeing)
     reader = options.from_robot or stands.robot
     given = (options.process, options.unit, options.from_language, options.entry)

@@ -18,7 +18,7 @@ from assistant.cli.cells import joints_line, pose_line, reached, record, robot_o
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.teaching import Wanted
+    from assistant.compiler.teaching import TargetOptions
     from assistant.controllers import Controller
 
 ONE_WAY: Final = error(
@@ -48,7 +48,7 @@ class Options:
     into: Path
     on: str | None
     now: bool
-    wanted: Wanted
+    wanted: TargetOptions
     format: Format
 
 
@@ -59,7 +59,7 @@ def run_teach(
 
     pointing: options of places that are shown to cameras, and whether they were given.
     """
-    from assistant.compiler.teaching import teach
+    from assistant.compiler.teaching import teach_target
 
     wrong = next((option for option, given in pointing.items() if given), None)
     if wrong is not None:
@@ -82,7 +82,7 @@ def run_teach(
                 if not comes():
                     break
                 position = controller.position()
-                reading = teach(options.into, name, position, robot, options.wanted)
+                reading = teach_target(options.into, name, position, robot, options.wanted)
                 stored.append({"name": name, "position": record(position)})
                 if options.format is Format.TEXT:
                     print_findings(reading.findings)

@@ -181,9 +181,9 @@ def _page(
 ) -> tuple[list[Path], list[Diagnostic]]:
     """The page of all programs; its file, and what is to be said of it."""
     from assistant.cli.sheets import refused_sheets, translated_sheet
-    from assistant.compiler.scenes import in_cell
+    from assistant.compiler.scenes import open_cell
 
-    stands = in_cell(options.cell, options.robot, values=True)
+    stands = open_cell(options.cell, options.robot, values=True)
     sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
     sheets += refused_sheets(refusals)
     return write_page(asked.page(), sheets, sources, stem_of(*sources[:1] or ["program"]))
@@ -193,11 +193,11 @@ def _tasks(
     programs: Sequence[str], options: Options, output: str, answers: Answers
 ) -> tuple[Task, ...]:
     """What of the files, and of those in folders, is one program each."""
-    from assistant.compiler.folders import Output, programs_in
+    from assistant.compiler.folders import OutputFolder, programs_in
     from assistant.compiler.tasks import tasks_of
 
     found: dict[str, None] = {}
-    language, made = options.from_language, Output(output, options.to)
+    language, made = options.from_language, OutputFolder(output, options.to)
     for program in programs:
         if program == STANDARD or not is_folder(program):
             found[program] = None
@@ -272,15 +272,23 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
     from assistant.base.file_sets import write_all
     from assistant.base.source_text import SourceText
     from assistant.compiler.filling import cell_text
-    from assistant.sources.cell import parse_cell, questions, read_cell, said, with_answer
+    from assistant.sources.cell import (
+        open_keys,
+        parse_cell,
+        read_cell,
+        wanted_in_words,
+        with_answer,
+    )
 
     wanting = {(one.kind, one.name.lower()): one for d in done for one in d.translation.wanting}
     text = before = cell_text(read_cell(path), wanting.values())
     for one in wanting.values():
-        for key, remark in questions(one):
+        for key, remark in open_keys(one):
             while True:
                 used = f", used in {', '.join(one.uses[:3])}" if one.uses else ""
-                sys.stderr.write(f"{said(one)}{used}\n  {key}{f' ({remark})' if remark else ''}: ")
+                sys.stderr.write(
+                    f"{wanted_in_words(one)}{used}\n  {key}{f' ({remark})' if remark else ''}: "
+                )
                 sys.stderr.flush()
                 line = sys.stdin.readline()
                 if not line.strip():

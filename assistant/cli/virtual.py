@@ -143,7 +143,7 @@ def run_cr(
     """
     from assistant.cli.outside import lines_of
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.exploring import touching
+    from assistant.compiler.exploring import contact_test
     from assistant.virtual.cr import Contact
 
     arm = robot_of(robot)
@@ -152,7 +152,7 @@ def run_cr(
     if contact is not None or cell is not None:
         if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
             raise Refused(NO_CONTACT(), exit_status=2)
-        felt = Contact(str(int(contact)), touching(cell, arm.name))
+        felt = Contact(str(int(contact)), contact_test(cell, arm.name))
     faults.errors = dict(map(_refusal, refused))
     with ExitStack() as open_:
         given, made = lines_of(lines), {}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.base.diagnostics import Diagnostic, error, warning
-from assistant.compiler.project import configured
+from assistant.compiler.project import with_project_settings
 from assistant.languages.language_types import ARITHMETIC
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -20,29 +20,29 @@ from assistant.program.statement_index import statements_with
 if TYPE_CHECKING:
     from assistant.languages import Language
 
-UNCONFIRMED: Final = warning(
+ARITHMETIC_ASSUMED: Final = warning(
     "CO105",
     "{what}: {way} is assumed of both controllers, but no manual confirms it",
     "try it on both, and state `{key}` in the tables [{one}] and [{other}] of assistant.toml",
 )
-DIFFERENT: Final = error(
+ARITHMETIC_DIFFERENT: Final = error(
     "CO106",
     "{what}: `{key}` is {first} in [{one}] and {second} in [{other}]",
     "keep the value from being {avoided}, or correct what assistant.toml states",
 )
-INEXACT: Final = warning(
+INEXACT_STEPS: Final = warning(
     "CO117",
     "`{name}` counts in steps of {step}, which add up with rounding errors: {bound} is met by one "
     "controller and may be missed by the other",
     "count in whole numbers and multiply by {step}, or compare with a value between two steps",
 )
-NEAR: Final = 1e-3
+NEAR_STEP_PART: Final = 1e-3
 """Parts of a step by which a bound may be off a multiple of it and still be met."""
-WHAT: Final = {
+OPERATION_WORDS: Final = {
     "halves": ("a number that may end in .5 is rounded", "a half"),
     "remainder": ("a division of whole numbers that may be negative", "negative"),
 }
-WAYS: Final = {
+RESULT_WORDS: Final = {
     "away": "away from zero",
     "even": "to the even number",
     "up": "up",
@@ -51,7 +51,7 @@ WAYS: Final = {
 }
 
 
-def differences(
+def arithmetic_findings(
     program: Program, source: Language[Any], target: Language[Any]
 ) -> Iterator[Diagnostic]:
     """Findings on what a lifted program works out, where the language of it and another differ.
@@ -63,18 +63,21 @@ def differences(
     texts = [tree.source for tree in program.origin.trees if tree.source is not None]
     path = next((text.path for text in texts if text.path), None)
     folder = FilePath(path or "").absolute().parent
-    one, other = configured(source, folder).stated, configured(target, folder).stated
-    for key, span in _met(program):
-        what, avoided = WHAT[key]
+    one, other = (
+        with_project_settings(source, folder).stated,
+        with_project_settings(target, folder).stated,
+    )
+    for key, span in _operations_used(program):
+        what, avoided = OPERATION_WORDS[key]
         usual = ARITHMETIC[key].words[0]
         first, second = one.get(key, usual), other.get(key, usual)
         tables: dict[str, Any] = {"key": key, "one": source.table, "other": target.table}
         if first != second:
-            yield DIFFERENT(
+            yield ARITHMETIC_DIFFERENT(
                 **tables, what=what, first=first, second=second, avoided=avoided, span=span
             )
         elif key not in one or key not in other:
-            yield UNCONFIRMED(**tables, what=what, way=WAYS[first], span=span)
+            yield ARITHMETIC_ASSUMED(**tables, what=what, way=RESULT_WORDS[first], span=span)
     yield from _inexact_steps(program)
 
 
@@ -95,13 +98,17 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
 
     def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
         bound = "the last value" if end is None else f"{end:g}"
-        return INEXACT(name=name, step=f"{abs(step):g}", bound=bound, span=span)
+        return INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=bound, span=span)
 
     for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
         match statement:
             case p.For(variable, first, last, step=each):
                 step, end = number(each), number(last)
-                if step is not None and _is_inexact(step) and _meets(number(first), end, step):
+                if (
+                    step is not None
+                    and _is_inexact(step)
+                    and _meets_bound(number(first), end, step)
+                ):
                     yield finding(variable, step, end, statement.span)
             case p.Assign(e.Name(name), e.Binary("+" | "-", e.Name(other), each)):
                 step = number(each)
@@ -114,7 +121,7 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
                     bounds += [(x, y, statement.span) for x, y in sides if isinstance(x, e.Name)]
     for one, value, span in bounds:
         end, added = number(value), steps.get(one.name.lower())
-        if added is not None and end is not None and _meets(0.0, end, added):
+        if added is not None and end is not None and _meets_bound(0.0, end, added):
             yield finding(one.name, added, end, span)
 
 
@@ -123,35 +130,35 @@ def _is_inexact(step: float) -> bool:
     return float(np.float32(step)) != step
 
 
-def _meets(first: float | None, last: float | None, step: float) -> bool:
+def _meets_bound(first: float | None, last: float | None, step: float) -> bool:
     """True unless a count from first in steps clearly passes last between two steps."""
     if first is None or last is None:
         return True
     rounds = (last - first) / step
-    return abs(rounds - round(rounds)) < NEAR
+    return abs(rounds - round(rounds)) < NEAR_STEP_PART
 
 
-def _met(program: Program) -> Iterator[tuple[str, Any]]:
+def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:
     """What matters in each statement, with its span."""
     numbers: NumberFacts | None = None
     for procedure in program.procedures:
         for statement, parts in statements_with(procedure, e.Binary, e.Apply):
-            asked = [part for part in parts if _asks(part)]
+            asked = [part for part in parts if _depends_on_controller(part)]
             if not asked:
                 continue
             numbers = numbers or NumberFacts(program)
-            for key in dict.fromkeys(_key(part, procedure, numbers) for part in asked):
+            for key in dict.fromkeys(_arithmetic_key(part, procedure, numbers) for part in asked):
                 if key is not None:
                     yield key, statement.span
 
 
-def _asks(part: Any) -> bool:
+def _depends_on_controller(part: Any) -> bool:
     return getattr(part, "operator", None) in ("div", "mod") or (
         isinstance(part, e.Apply) and part.function == "round"
     )
 
 
-def _key(part: Any, procedure: Procedure, numbers: NumberFacts) -> str | None:
+def _arithmetic_key(part: Any, procedure: Procedure, numbers: NumberFacts) -> str | None:
     """What of ARITHMETIC a division or rounding depends on, None if its operands rule it out."""
     match part:
         case e.Apply("round", (value,)):

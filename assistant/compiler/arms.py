@@ -75,7 +75,7 @@ def known_robot(name: str | None) -> Robot | None:
         raise Refused(finding, exit_status=2) from None
 
 
-def standing(program: Program, arms: Arms) -> Arms:
+def with_robot_of_cell(program: Program, arms: Arms) -> Arms:
     """The arms with the only robot of the cell as the one that runs a program which names none.
 
     Raises Refused if the cell has not one robot only.
@@ -88,7 +88,7 @@ def standing(program: Program, arms: Arms) -> Arms:
     return replace(arms, robot=arms.scene.robots[0].robot)
 
 
-def taught_on(program: Program, arms: Arms) -> Robot | None:
+def teaching_arm(program: Program, arms: Arms) -> Robot | None:
     """The arm of a program's joint angles and branches: its own, else the one it was written for.
 
     Raises Refused if nobody knows the one that it names.
@@ -99,7 +99,7 @@ def taught_on(program: Program, arms: Arms) -> Robot | None:
     return next(given, None) or known_robot(program.robot)
 
 
-def in_arms(loaded: Loaded, arms: Arms) -> Arms:
+def arms_of_loaded(loaded: Loaded, arms: Arms) -> Arms:
     """The arms of a program that was read, with what a cell file says of them."""
     taught = None if loaded.arm in (None, SAME_ARM) else robot_of(loaded.arm)
     same, written_for = loaded.arm == SAME_ARM, arms.written_for or taught

@@ -18,16 +18,16 @@ from assistant.program.analysis.uses import declared
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.undeclared_names import channels
-from assistant.sources.process.seen import Asking
+from assistant.sources.process.seen import PoseServer
 from assistant.sources.sights import FOUND, QUESTION
 
-PLACES: Final = ("x", "y", "z")
-NUMBERS: Final = ("state", *PLACES, *e.ANGLES)
+POSITION_NAMES: Final = ("x", "y", "z")
+ANSWER_NAMES: Final = ("state", *POSITION_NAMES, *e.ANGLES)
 """What is answered, in this order."""
 
 
-def asking(
-    program: Program, usual: Mapping[str, tuple[str, Pose]], whom: Asking, within: float
+def with_vision_query(
+    program: Program, usual: Mapping[str, tuple[str, Pose]], whom: PoseServer, within: float
 ) -> Program:
     """The program with a procedure that asks for frames, called where it begins.
 
@@ -40,10 +40,10 @@ def asking(
         taken.add(free)
         return free
 
-    own = _Asking(name, whom, within)
+    own = _VisionQuery(name, whom, within)
     looks = Procedure(name("look_for_frames"), tuple(own.body(usual)))
     procedures = tuple(
-        replace(one, body=(p.Call(looks.name), *one.body)) if _begins(program, one) else one
+        replace(one, body=(p.Call(looks.name), *one.body)) if _is_entry(program, one) else one
         for one in program.procedures
     )
     return replace(
@@ -53,16 +53,16 @@ def asking(
     )
 
 
-def _begins(program: Program, procedure: Procedure) -> bool:
+def _is_entry(program: Program, procedure: Procedure) -> bool:
     entry = program.entry
     return entry is not None and program.procedure(entry) is procedure
 
 
-class _Asking:
-    def __init__(self, name: Callable[[str], str], whom: Asking, within: float) -> None:
+class _VisionQuery:
+    def __init__(self, name: Callable[[str], str], whom: PoseServer, within: float) -> None:
         self.whom, self.within = whom, within
         self.channel = name("eyes")
-        self.names = {key: name(f"seen_{key}") for key in (*NUMBERS, "off", "place")}
+        self.names = {key: name(f"seen_{key}") for key in (*ANSWER_NAMES, "off", "place")}
         kinds = {one: Variable("number") for key, one in self.names.items() if key != "place"}
         self.variables = {**kinds, self.names["place"]: Variable("pose")}
 
@@ -85,16 +85,19 @@ class _Asking:
     def question(self, frame: str, object: str, usual: Pose) -> Iterator[p.Statement]:
         yield p.Send(self.channel, "line", (e.Text(f"{QUESTION} {object}"),))
         answer = e.Apply("received_number", (e.Text(self.channel),))
-        for key in NUMBERS:
+        for key in ANSWER_NAMES:
             yield p.Assign(self.named(key), answer)
         missed = e.Binary("<>", self.named("state"), e.Number(FOUND))
         yield self.ends(missed, f"{object} is not found, or not surely")
-        squares = (_square(self.named(k), c) for k, c in zip(PLACES, usual.position, strict=True))
+        squares = (
+            _square_of(self.named(k), c)
+            for k, c in zip(POSITION_NAMES, usual.position, strict=True)
+        )
         yield p.Assign(self.named("off"), reduce(lambda a, b: e.Binary("+", a, b), squares))
         far = e.Binary(">", self.named("off"), e.number_of(round(self.within**2, 6)))
         yield self.ends(far, f"{object} is too far from where it usually is")
         yield p.Assign(self.named("place"), e.PoseValue(IDENTITY))
-        for key in (*PLACES, *e.ANGLES):
+        for key in (*POSITION_NAMES, *e.ANGLES):
             yield p.Assign(e.Member(self.named("place"), key), self.named(key))
         yield p.Assign(e.Name(frame), self.named("place"))
 
@@ -104,7 +107,7 @@ class _Asking:
         return p.If((p.Branch(condition, ending),))
 
 
-def _square(value: e.Expression, centre: float) -> e.Expression:
+def _square_of(value: e.Expression, centre: float) -> e.Expression:
     centre = round(centre, 3)
     off = e.Binary("+" if centre < 0.0 else "-", value, e.number_of(abs(centre)))
     side: e.Expression = off if centre else value

@@ -16,34 +16,34 @@ from assistant.program.rewriting import records, rewrite
 from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import NO_PROCESS, Process
 
-NOT_USED = warning(
+ENTRY_NOT_USED = warning(
     "CO006",
     "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
     "write the name as the program does",
 )
 
-NOT_OF_PROGRAMS = info(
+KEYS_WITHOUT_EFFECT = info(
     "CO009",
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )
-OTHER_SIGNAL = error(
+SIGNAL_MISMATCH = error(
     "CO010",
     "the program uses `{name}` as {used}, but the process file states {stated}",
     'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
-OF_PROGRAMS: Final = (
+PROGRAM_KEYS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
     *("seen", "findings"),
 )
 """What a process file says that a program takes from it."""
-KEYS: Final = {"defaults": "motion"}
+KEY_WORDS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
 
 V = TypeVar("V")
 
 
-def equipped(
+def with_cell_equipment(
     program: Program, stated: Process, path: str, *, sharing: bool = False
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The program with the tools, frames and signals of the same name in a process file.
@@ -53,25 +53,25 @@ def equipped(
     """
     findings = [*stated.findings]
     others = [
-        f"`{KEYS.get(f.name, f.name)}`"
+        f"`{KEY_WORDS.get(f.name, f.name)}`"
         for f in fields(Process)
-        if f.name not in OF_PROGRAMS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
+        if f.name not in PROGRAM_KEYS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
     ]
     if others:
-        findings.append(NOT_OF_PROGRAMS(keys=", ".join(others), path=path))
+        findings.append(KEYS_WITHOUT_EFFECT(keys=", ".join(others), path=path))
     program = with_signals(program, stated.signals)
     program = with_lines(program, stated.lines)
-    for kind, given, there in _tables(program, stated):
+    for kind, given, there in _stated_tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
-            NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
+            ENTRY_NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
             for name in given
             if name.lower() not in known and not sharing
         ]
     return replace(
         program,
-        tools=_with(program.tools, stated.tools),
-        frames=_with(program.frames, stated.frames),
+        tools=_replaced_entries(program.tools, stated.tools),
+        frames=_replaced_entries(program.frames, stated.frames),
         interface=stated.interface or program.interface,
     ), tuple(findings)
 
@@ -88,7 +88,7 @@ def check_signals(program: Program, stated: Process, path: str) -> None:
         one = given.get(name.lower(), used)
         if (one.kind, one.direction) != (used.kind, used.direction):
             others.append(
-                OTHER_SIGNAL(
+                SIGNAL_MISMATCH(
                     name=name,
                     used=f"`{used.kind} {used.direction}`",
                     stated=f"`{one.kind} {one.direction}`",
@@ -104,8 +104,8 @@ def check_signals(program: Program, stated: Process, path: str) -> None:
 
 def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
     """The program with the signals of the same names, those included that expressions read."""
-    program = _with_read(program, stated)
-    return replace(program, signals=_with(program.signals, stated))
+    program = _with_signals_read(program, stated)
+    return replace(program, signals=_replaced_entries(program.signals, stated))
 
 
 def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:
@@ -127,7 +127,7 @@ def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:
     return rewrite(program, stated) if lines else program
 
 
-def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
+def _with_signals_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     """With the signals that expressions read: only the cell knows that those are no data.
 
     So are names in what is kept as their text, which another language may read, and
@@ -149,7 +149,7 @@ def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     return replace(program, signals={**program.signals, **found})
 
 
-def _tables(
+def _stated_tables(
     program: Program, stated: Process
 ) -> tuple[tuple[str, Mapping[str, object], Mapping[str, object]], ...]:
     return (
@@ -158,7 +158,7 @@ def _tables(
     )
 
 
-def _with(there: dict[str, V], given: Mapping[str, V]) -> dict[str, V]:
+def _replaced_entries(there: dict[str, V], given: Mapping[str, V]) -> dict[str, V]:
     """Values by the program's own names."""
     stated = {name.lower(): value for name, value in given.items()}
     return {name: stated.get(name.lower(), value) for name, value in there.items()}

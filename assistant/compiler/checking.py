@@ -13,14 +13,14 @@ from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes
-from assistant.compiler.arms import known_robot, standing, taught_on
+from assistant.compiler.arms import known_robot, teaching_arm, with_robot_of_cell
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import (
     Loaded,
     files_in,
     language_of,
     load,
-    not_there,
+    missing_files,
     parse_pseudo,
     read_companions,
     read_pseudo,
@@ -28,13 +28,13 @@ from assistant.compiler.loading import (
     with_process,
 )
 from assistant.compiler.locations import with_locations
-from assistant.compiler.project import configured
-from assistant.compiler.scenes import InCell, in_cell
-from assistant.compiler.seen_frames import with_seen
+from assistant.compiler.project import with_project_settings
+from assistant.compiler.scenes import InCell, open_cell
+from assistant.compiler.seen_frames import with_seen_frames
 from assistant.compiler.source_map import Places, at_its_line, at_moves
-from assistant.compiler.travelling import travelled
-from assistant.compiler.turning import with_turns
-from assistant.compiler.unplaced import unplaced
+from assistant.compiler.travelling import with_planned_travels
+from assistant.compiler.turning import with_chosen_turns
+from assistant.compiler.unplaced import fold_unplaced_work
 from assistant.program import pseudo
 from assistant.program.program import Program
 from assistant.sources.placements import check_drawn
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.languages import Language
     from assistant.robots import Robot, SolvedProgram
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 NOTHING_THERE: Final = error(
     "CO301",
@@ -56,12 +56,12 @@ LEFT_OUT: Final = info(
     "name it with --from LANGUAGE if it is one",
 )
 PSEUDO_MARK: Final = "#"
-IN_FOLDERS: Final = (pseudo.SUFFIX, ".dxf")
+FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
 """What is looked for in a folder beside programs; any folder may hold tables of other things."""
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class CheckedText:
     """A text that was checked.
 
     mark: begins a comment in it. complete: all that can be found was looked for, which is not
@@ -74,7 +74,7 @@ class Text:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Looked:
+class CheckedProgram:
     """A program that was checked.
 
     files: that it stands in. arm: that runs it, with scene and solution, as far as they are known.
@@ -100,10 +100,10 @@ class Checked:
 
     findings: list[Diagnostic] = field(default_factory=list)
     files: int = 0
-    texts: dict[str, Text] = field(default_factory=dict)
+    texts: dict[str, CheckedText] = field(default_factory=dict)
     unreadable: bool = False
     paths: list[str] = field(default_factory=list)
-    looked: list[Looked] | None = None
+    looked: list[CheckedProgram] | None = None
 
 
 def check_files(
@@ -113,7 +113,7 @@ def check_files(
     process: str | FilePath | None = None,
     language: str | None = None,
     unit: str | None = None,
-    placement: Placing | None = None,
+    placement: DrawingPlacement | None = None,
     cell: str | FilePath | InCell | None = None,
     keep: bool = False,
 ) -> Checked:
@@ -128,13 +128,13 @@ def check_files(
     Raises Refused if there is no such robot or language, or for a cell file that is wrong.
     """
     named = None if language is None else language_of(language)
-    stands = _stood(cell, robot)
+    stands = _opened_cell(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings))
     checked.looked = [] if keep else None
     programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
     seen: set[FilePath] = set()
     for path in dict.fromkeys(map(str, paths)):
-        for file in _files(path, named, checked):
+        for file in _files_to_check(path, named, checked):
             part = FilePath(file).absolute()
             if part in seen:
                 continue
@@ -142,7 +142,7 @@ def check_files(
             checked.files += 1
             checked.paths.append(file)
             with _collecting(checked, file):
-                spoken = _spoken(file, named)
+                spoken = _language_of_file(file, named)
                 part = spoken.program_of(part) if spoken else part
                 programs.setdefault((spoken, part), []).append(file)
     for (spoken, _), files in programs.items():
@@ -178,7 +178,7 @@ def check_text(
 
     others: of the same program. beside: folder of files that they call.
     """
-    stands = _stood(cell, robot)
+    stands = _opened_cell(cell, robot)
     checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
     checked.looked = [] if keep else None
     checked.paths.append(text.path or "standard input")
@@ -202,8 +202,8 @@ def check_program(
     return fold(map(places.finding, _check_meaning(program, stands, places)))
 
 
-def _stood(cell: str | FilePath | InCell | None, robot: str | None) -> InCell:
-    return cell if isinstance(cell, InCell) else in_cell(cell, robot)
+def _opened_cell(cell: str | FilePath | InCell | None, robot: str | None) -> InCell:
+    return cell if isinstance(cell, InCell) else open_cell(cell, robot)
 
 
 def _folder_of(files: Sequence[str]) -> str:
@@ -235,7 +235,7 @@ class _collecting:  # noqa: N801 (used as a `with` word)
         return True
 
 
-def _files(path: str, named: Language[Any] | None, checked: Checked) -> Iterator[str]:
+def _files_to_check(path: str, named: Language[Any] | None, checked: Checked) -> Iterator[str]:
     """The file itself, or what a folder holds; hidden folders are left aside."""
     if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
         yield path
@@ -243,20 +243,23 @@ def _files(path: str, named: Language[Any] | None, checked: Checked) -> Iterator
     spoken = [named] if named else [languages.get(name) for name in languages.names()]
     suffixes = {suffix for language in spoken for suffix in language.suffixes}
     there = False
-    for file in files_in(path, {*suffixes, *IN_FOLDERS}):
+    for file in files_in(path, {*suffixes, *FOLDER_SUFFIXES}):
         there = True
         with _collecting(checked, file):
-            if FilePath(file).suffix.lower() in IN_FOLDERS or _spoken(file, named) is not None:
+            if (
+                FilePath(file).suffix.lower() in FOLDER_SUFFIXES
+                or _language_of_file(file, named) is not None
+            ):
                 yield file
             else:
                 checked.findings.append(LEFT_OUT(path=file))
     if not there:
-        kinds = " ".join(sorted({*suffixes, *IN_FOLDERS}))
+        kinds = " ".join(sorted({*suffixes, *FOLDER_SUFFIXES}))
         checked.findings.append(NOTHING_THERE(path=path, kinds=kinds))
         checked.unreadable = True
 
 
-def _spoken(file: str, named: Language[Any] | None) -> Language[Any] | None:
+def _language_of_file(file: str, named: Language[Any] | None) -> Language[Any] | None:
     """The language of a file, None if it is no robot program."""
     suffix = FilePath(file).suffix.lower()
     if suffix == pseudo.SUFFIX or suffix in sources.READERS:
@@ -268,7 +271,7 @@ def _check_source(
     file: str,
     process: str | FilePath | None,
     unit: str | None,
-    placement: Placing | None,
+    placement: DrawingPlacement | None,
     stands: InCell,
     checked: Checked,
 ) -> list[Diagnostic]:
@@ -297,16 +300,16 @@ def _check_pseudo(
     checked: Checked,
 ) -> list[Diagnostic]:
     name = text.path or ""
-    checked.texts[name] = Text(text, PSEUDO_MARK, complete=False)
+    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=False)
     program = parse_pseudo(text, tables)
-    checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
-    loaded = _in_cell(program, process)
+    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=True)
+    loaded = _with_process(program, process)
     stands, places = stands.beside(loaded.seen), Places(program, text)
     meant = _check_meaning(loaded.program, stands, places, [name], checked)
     return [*loaded.findings, *(at_its_line(finding, text) for finding in meant)]
 
 
-def _in_cell(program: Program, process: str | FilePath | None) -> Loaded:
+def _with_process(program: Program, process: str | FilePath | None) -> Loaded:
     loaded = Loaded(program)
     return loaded if process is None else with_process(loaded, process)
 
@@ -333,14 +336,14 @@ def _check_texts(
     """Findings of a program; of a broken one those of its text, as it is not known what it does."""
     trees = read_trees(language, texts, beside=beside)
     found = [finding for tree in trees for finding in tree.findings]
-    found += () if beside is None else not_there(language, trees)
+    found += () if beside is None else missing_files(language, trees)
     complete = not has_errors(found)
     for text in texts:
-        checked.texts[text.path or ""] = Text(text, language.comment_mark, complete)
+        checked.texts[text.path or ""] = CheckedText(text, language.comment_mark, complete)
     folder = FilePath(texts[0].path or "").absolute().parent
     beside_it = [] if beside is None else read_companions(language, trees, beside)
     strangers = {tree.source.path for tree in beside_it}
-    said = configured(language, folder).check([*trees, *beside_it])
+    said = with_project_settings(language, folder).check([*trees, *beside_it])
     found += (finding for finding in said if finding.path not in strangers)
     if not complete:
         return found
@@ -349,7 +352,7 @@ def _check_texts(
     except Refused as refused:
         return [*found, *refused.findings]
     told = {finding.code for finding in found}
-    loaded = _in_cell(program, process)
+    loaded = _with_process(program, process)
     stands = stands.beside(loaded.seen)
     found += loaded.findings
     places = Places(loaded.program)
@@ -369,33 +372,37 @@ def _check_meaning(
 ) -> tuple[Diagnostic, ...]:
     from assistant import robots
 
-    arms = standing(program, stands.arms())
+    arms = with_robot_of_cell(program, stands.arms())
     program, located = with_locations(program, arms)
-    program, sights = with_seen(program, arms)
+    program, sights = with_seen_frames(program, arms)
     if has_errors(sights):
         return (*located, *sights, *checks.check(program))
     found = (*located, *sights, *checks.check(program))
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
-        _keep(checked, Looked(files, program, places or Places(program), None, arms.scene))
-        return (*found, *travelled(program, None, arms.scene, Places(program)).findings)
+        _keep_checked(
+            checked, CheckedProgram(files, program, places or Places(program), None, arms.scene)
+        )
+        return (*found, *with_planned_travels(program, None, arms.scene, Places(program)).findings)
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
-        program, changed = for_arm(program, taught_on(program, replace(arms, robot=arm)), arm)
+        program, changed = for_arm(program, teaching_arm(program, replace(arms, robot=arm)), arm)
         found += changed
-    program, turned = with_turns(program, arm, arms.scene)
+    program, turned = with_chosen_turns(program, arm, arms.scene)
     found += turned
     places = Places(program) if places is None else places
-    ways = travelled(program, arm, arms.scene, places)
+    ways = with_planned_travels(program, arm, arms.scene, places)
     if has_errors(ways.findings):
-        _keep(checked, Looked(files, ways.program, places, arm, arms.scene))
+        _keep_checked(checked, CheckedProgram(files, ways.program, places, arm, arms.scene))
         return (*found, *ways.findings)
     solution = robots.solve_program(ways.program, arm)
-    _keep(checked, Looked(files, solution.program, places, arm, arms.scene, solution))
+    _keep_checked(
+        checked, CheckedProgram(files, solution.program, places, arm, arms.scene, solution)
+    )
     solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
-    told = unplaced(program, arm, at_moves(solved, solution.program, places))
+    told = fold_unplaced_work(program, arm, at_moves(solved, solution.program, places))
     return (*found, *ways.findings, *told)
 
 
-def _keep(checked: Checked | None, looked: Looked) -> None:
+def _keep_checked(checked: Checked | None, looked: CheckedProgram) -> None:
     if checked is not None and checked.looked is not None:
         checked.looked.append(looked)

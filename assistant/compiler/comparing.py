@@ -12,23 +12,22 @@ from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.base.source_text import is_folder, lines_of, read_bytes
 from assistant.compiler.arms import Arms, robot_of
-from assistant.compiler.filling import UNFILLED, with_cell
+from assistant.compiler.filling import UNFILLED, with_values_of_file
 from assistant.compiler.folders import programs_in
 from assistant.compiler.loading import Loaded, with_process
-from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
-from assistant.compiler.motion_sides import Pair, in_the_cell, names_of_wires
+from assistant.compiler.motion import ComparisonTerms, MotionProof, Proving, prove_motion
+from assistant.compiler.motion_sides import ProgramPair, trees_in_cell, wire_names
 from assistant.compiler.opening import load
-from assistant.compiler.pairing import paired, read_names
+from assistant.compiler.pairing import pair_names, read_names
 from assistant.compiler.source_map import Place, Places
-from assistant.compiler.statement_pairs import Row
-from assistant.compiler.statement_pairs import rows as statement_rows
+from assistant.compiler.statement_pairs import StatementRow, statement_rows
 from assistant.compiler.tasks import Task, load_task, tasks_of
-from assistant.sources.cell import said
+from assistant.sources.cell import wanted_in_words
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-DIFFERS: Final = error(
+PROGRAMS_DIFFER: Final = error(
     "CO118",
     "`{written}` does something else than `{source}`, with {inputs}: {what}",
     "see both lines; one of them is to be changed, unless the difference is meant",
@@ -39,21 +38,23 @@ NOT_COMPARED: Final = error(
     "state in a cell file what no text declares, or add `--text`: it pairs the statements and runs "
     "nothing",
 )
-NOTHING: Final = error(
+NOTHING_TO_COMPARE: Final = error(
     "CO123",
     "there is nothing to compare: in {runs} runs neither program moved or changed anything",
     "see what both wait for, and where they begin",
 )
-TOO_MANY: Final = error(
+TOO_MANY_PROCESS_FILES: Final = error(
     "CO125",
     "there are {count} process files for two programs",
     "give one for the first program, or one for each",
 )
 MOST_DIFFERENCES: Final = 5
 """Differences to report; later ones mostly follow from the first."""
-TERMS: Final = Terms(DIFFERS, NOT_COMPARED, MOST_DIFFERENCES, typed=True)
+COMPARISON_TERMS: Final = ComparisonTerms(
+    PROGRAMS_DIFFER, NOT_COMPARED, MOST_DIFFERENCES, typed=True
+)
 
-Answer = Literal["equal", "different", "not compared"]
+ComparisonAnswer = Literal["equal", "different", "not compared"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +84,12 @@ class Comparison:
     differences: tuple[Difference, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
     pairs: Mapping[str, str] = field(default_factory=dict)
-    rows: tuple[Row, ...] = ()
+    rows: tuple[StatementRow, ...] = ()
     programs: tuple[Loaded, ...] = ()
     arm: Robot | None = None
 
     @property
-    def answer(self) -> Answer:
+    def answer(self) -> ComparisonAnswer:
         if self.differences or not all(row.alike for row in self.rows):
             return "different"
         if self.rows:
@@ -106,9 +107,9 @@ class Comparison:
 
     def located_findings(self) -> list[Diagnostic]:
         """The findings, each difference at its line in the second program, else in the first."""
-        found = [one for one in self.findings if one.code != DIFFERS.code]
+        found = [one for one in self.findings if one.code != PROGRAMS_DIFFER.code]
         for one in self.differences:
-            finding = DIFFERS(
+            finding = PROGRAMS_DIFFER(
                 written=self.names[1], source=self.names[0], inputs=one.inputs, what=one.what
             )
             place = one.places[1] or one.places[0]
@@ -128,7 +129,7 @@ class Comparison:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ComparedPart:
     """A program in a file or folder. name: shown to people. task: its files, None for one path."""
 
     name: str
@@ -145,7 +146,7 @@ class Part:
 class Counterparts:
     """Pairs of programs. lone: programs without a counterpart, each with the other path."""
 
-    both: tuple[tuple[Part, Part], ...]
+    both: tuple[tuple[ComparedPart, ComparedPart], ...]
     lone: tuple[tuple[str, str], ...] = ()
 
 
@@ -154,24 +155,27 @@ def counterparts(first: str, second: str, language: str | None = None) -> Counte
 
     language: of files whose names do not tell. Raises Unreadable or Refused.
     """
-    own, others = _parts(first, language), _parts(second, language)
+    own, others = _compared_parts(first, language), _compared_parts(second, language)
     if len(own) == len(others) == 1:
         return Counterparts(((own[0], others[0]),))
-    by_name = {_key(part): part for part in others}
-    both = [(part, by_name[_key(part)]) for part in own if _key(part) in by_name]
-    known = {_key(part) for part in own}
-    lone = [(part.name, second) for part in own if _key(part) not in by_name]
-    lone += [(part.name, first) for part in others if _key(part) not in known]
+    by_name = {_part_key(part): part for part in others}
+    both = [(part, by_name[_part_key(part)]) for part in own if _part_key(part) in by_name]
+    known = {_part_key(part) for part in own}
+    lone = [(part.name, second) for part in own if _part_key(part) not in by_name]
+    lone += [(part.name, first) for part in others if _part_key(part) not in known]
     return Counterparts(tuple(both), tuple(lone))
 
 
-def _parts(path: str, language: str | None) -> list[Part]:
+def _compared_parts(path: str, language: str | None) -> list[ComparedPart]:
     if not is_folder(path):
-        return [Part(path)]
-    return [Part(task.name, task) for task in tasks_of(list(programs_in(path, language)), language)]
+        return [ComparedPart(path)]
+    return [
+        ComparedPart(task.name, task)
+        for task in tasks_of(list(programs_in(path, language)), language)
+    ]
 
 
-def _key(part: Part) -> str:
+def _part_key(part: ComparedPart) -> str:
     return FilePath(part.name).stem.lower()
 
 
@@ -203,17 +207,19 @@ def compare(
     arms = Arms(robot_of(robot), robot_of(from_robot))
     files = [process] if process is None or isinstance(process, str | FilePath) else process
     if len(files) > 2:
-        raise Refused(TOO_MANY(count=len(files)), exit_status=2)
+        raise Refused(TOO_MANY_PROCESS_FILES(count=len(files)), exit_status=2)
     own, others = (*files, None, None)[:2]
-    one = _loaded(first, own, cell, arms.written_for, language)
-    other = _loaded(second, others, cell, arms.robot, language)
-    titles = _title(first, one), _title(second, other)
-    lacking = tuple(UNFILLED(what=said(w), place=w.name) for w in (*one.wanting, *other.wanting))
+    one = _load_part(first, own, cell, arms.written_for, language)
+    other = _load_part(second, others, cell, arms.robot, language)
+    titles = _program_title(first, one), _program_title(second, other)
+    lacking = tuple(
+        UNFILLED(what=wanted_in_words(w), place=w.name) for w in (*one.wanting, *other.wanting)
+    )
     if names is None or isinstance(names, Mapping):
         stated = {own: str(other) for own, other in (names or {}).items()}
     else:
         stated = read_names(names)
-    pairs = paired(one.program, other.program, stated)
+    pairs = pair_names(one.program, other.program, stated)
     told = (*one.findings, *other.findings, *pairs.findings, *lacking)
     done = Comparison(
         titles,
@@ -224,18 +230,20 @@ def compare(
         arm=arms.robot,
     )
     if text:
-        return replace(done, rows=statements(done))
-    trees, left = in_the_cell(other.program)
+        return replace(done, rows=paired_statements(done))
+    trees, left = trees_in_cell(other.program)
     if left:
         reason = f"`{titles[1]}` does not declare {', '.join(f'`{name}`' for name in left)}"
         return replace(done, findings=(*told, NOT_COMPARED(reason=reason)))
-    pair = Pair(one.program, other.program, other.language, trees, pairs.names)
-    motion = prove_motion(pair, arms, proving or Proving(), entry, TERMS)
+    pair = ProgramPair(one.program, other.program, other.language, trees, pairs.names)
+    motion = prove_motion(pair, arms, proving or Proving(), entry, COMPARISON_TERMS)
     if motion.holds and motion.empty and motion.found is not None:
-        motion = replace(motion, findings=(*motion.findings, NOTHING(runs=motion.found.runs)))
-    texts = {**_texts(one), **_texts(other)}
-    found, wires = motion.found, names_of_wires(pair)
-    place = partial(_place, texts)
+        motion = replace(
+            motion, findings=(*motion.findings, NOTHING_TO_COMPARE(runs=motion.found.runs))
+        )
+    texts = {**_lines_by_path(one), **_lines_by_path(other)}
+    found, wires = motion.found, wire_names(pair)
+    place = partial(_place_in_texts, texts)
     differences = []
     for difference in found.differences if found is not None else ():
         first_place, second_place = map(place, difference.unlike.places)
@@ -259,15 +267,15 @@ def compare(
     )
 
 
-def statements(done: Comparison) -> tuple[Row, ...]:
+def paired_statements(done: Comparison) -> tuple[StatementRow, ...]:
     """Pair the statements of both programs without running them."""
     one, other = done.programs
-    both = Pair(one.program, other.program, other.language, (), done.pairs)
+    both = ProgramPair(one.program, other.program, other.language, (), done.pairs)
     places = (Places(loaded.program, loaded.text) for loaded in done.programs)
     return tuple(statement_rows(both, *places))
 
 
-def _loaded(
+def _load_part(
     program: str | FilePath | Loaded,
     process: str | FilePath | None,
     cell: str | FilePath | None,
@@ -280,21 +288,23 @@ def _loaded(
         tells = is_folder(program) or languages.of_file(FilePath(program), read_bytes(program))
         spoken = None if tells else language
         loaded = load(program, process=process, robot=robot, language=spoken)
-    return loaded if cell is None else with_cell(loaded, cell, taught=robot is not None)
+    return loaded if cell is None else with_values_of_file(loaded, cell, taught=robot is not None)
 
 
-def _title(given: str | FilePath | Loaded, loaded: Loaded) -> str:
+def _program_title(given: str | FilePath | Loaded, loaded: Loaded) -> str:
     return loaded.program.name if isinstance(given, Loaded) else str(given)
 
 
-def _texts(loaded: Loaded) -> dict[str, list[str]]:
+def _lines_by_path(loaded: Loaded) -> dict[str, list[str]]:
     """Lines of the files of a program, by the paths that places have."""
     origin = loaded.program.origin
     sources = [tree.source for tree in origin.trees] if origin is not None else [loaded.text]
     return {one.path or "": lines_of(one.text) for one in sources if one is not None}
 
 
-def _place(texts: Mapping[str, Sequence[str]], place: tuple[str, int] | None) -> Place | None:
+def _place_in_texts(
+    texts: Mapping[str, Sequence[str]], place: tuple[str, int] | None
+) -> Place | None:
     if place is None:
         return None
     path, line = place

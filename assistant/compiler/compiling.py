@@ -21,27 +21,45 @@ from assistant.base.diagnostics import (
 )
 from assistant.checks import check, with_robot
 from assistant.checks.program_rules import group_values
-from assistant.compiler.arithmetic import differences
-from assistant.compiler.arms import Arms, in_arms, known_robot, robot_of, standing, taught_on
-from assistant.compiler.crossing import for_arm, unsaid, without_unused
-from assistant.compiler.entering import entered
-from assistant.compiler.joint_speeds import at_a_percent, at_a_speed, at_the_pace
+from assistant.compiler.arithmetic import arithmetic_findings
+from assistant.compiler.arms import (
+    Arms,
+    arms_of_loaded,
+    known_robot,
+    robot_of,
+    teaching_arm,
+    with_robot_of_cell,
+)
+from assistant.compiler.crossing import for_arm, joint_angle_errors, without_unused_joint_targets
+from assistant.compiler.entering import with_entry
+from assistant.compiler.joint_speeds import (
+    with_converted_joint_speeds,
+    with_joint_percent,
+    with_joint_speed,
+)
 from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.locations import with_locations
-from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
-from assistant.compiler.motion_sides import written
-from assistant.compiler.naming import named, not_called_so, wished
+from assistant.compiler.motion import ComparisonTerms, MotionProof, Proving, prove_motion
+from assistant.compiler.motion_sides import written_pair
+from assistant.compiler.naming import interface_findings, stated_interface, with_interface
 from assistant.compiler.opening import load
-from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
-from assistant.compiler.scenes import InCell, in_cell
-from assistant.compiler.seen_frames import with_known
+from assistant.compiler.proof import READ_BACK_DIFFERS, Proof, prove_read_back
+from assistant.compiler.scenes import InCell, open_cell
+from assistant.compiler.seen_frames import with_located_frames
 from assistant.compiler.source_map import Places, at_moves
-from assistant.compiler.style import PLAIN, Style, blamed, in_style, style_beside, without_comments
-from assistant.compiler.travelling import travelled, travels
-from assistant.compiler.turning import has_free_turns, with_turns
-from assistant.compiler.uncalled import is_of, without_uncalled
-from assistant.compiler.unplaced import unplaced
+from assistant.compiler.style import (
+    PLAIN_STYLE,
+    Style,
+    apply_style,
+    findings_of_templates,
+    style_beside,
+    without_comments,
+)
+from assistant.compiler.travelling import has_travels, with_planned_travels
+from assistant.compiler.turning import has_free_turns, with_chosen_turns
+from assistant.compiler.uncalled import is_about_left_out, without_uncalled
+from assistant.compiler.unplaced import fold_unplaced_work
 from assistant.lazy import pictured
 from assistant.program.expressions import Verbatim
 from assistant.program.passes.legalisation import traced
@@ -55,7 +73,7 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.languages.language_types import Conversion, Frames, Sampling
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 OTHER_MAKER = warning(
     "CO003",
@@ -65,12 +83,12 @@ OTHER_MAKER = warning(
 TOO_FEW = error(
     "CO004", "a unit of {most} targets is too small", "allow at least {least} targets a unit"
 )
-KEPT_TEXT = error(
+VENDOR_TEXT_DIFFERS = error(
     "CO104",
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
 )
-KEPT_BESIDE = error(
+VENDOR_TEXT_SETTINGS = error(
     "CO107",
     "`{text}` keeps its text, and the settings of the moves around it, which would be written"
     " as well, change what it does",
@@ -150,7 +168,7 @@ def compile(
     robot: str | Robot | None = None,
     process: str | FilePath | None = None,
     unit: str | None = None,
-    placement: Placing | None = None,
+    placement: DrawingPlacement | None = None,
     cell: str | FilePath | InCell | None = None,
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
@@ -185,7 +203,7 @@ def compile(
     target = language_of(language).with_frames(frames).with_sampling(grammar)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
-    stands = cell if isinstance(cell, InCell) else replace(in_cell(cell, robot), seeing=seeing)
+    stands = cell if isinstance(cell, InCell) else replace(open_cell(cell, robot), seeing=seeing)
     if isinstance(source, Program):
         loaded = Loaded(source)
     elif isinstance(source, Loaded):
@@ -201,13 +219,13 @@ def compile(
             placement=placement,
         )
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
-    program = entered(loaded.program, entry)
-    program = named(program, wished(program.interface, called, main), target)
-    arms = standing(program, in_arms(loaded, stands.arms(robot_of(from_robot))))
+    program = with_entry(loaded.program, entry)
+    program = with_interface(program, stated_interface(program.interface, called, main), target)
+    arms = with_robot_of_cell(program, arms_of_loaded(loaded, stands.arms(robot_of(from_robot))))
     program, located = with_locations(program, arms)
     if located:
         raise Refused(*located)
-    program, sights = with_known(program, arms)
+    program, sights = with_located_frames(program, arms)
     path = None if isinstance(source, Program | Loaded) else str(source)
     if style is None:
         style = style_beside(program, loaded.text, None if path is None else FilePath(path))
@@ -220,7 +238,7 @@ def compile(
     return replace(compiled, found=found, path=path)
 
 
-def told(program: Program, target: Language[Any]) -> Program:
+def lowered_for_language(program: Program, target: Language[Any]) -> Program:
     """A program with the data that another language than its own is told of it."""
     origin = program.origin
     return program if origin is None else language_of(origin.language).told(program, target)
@@ -232,9 +250,11 @@ def proven_by_motion(
     """A program with its proof by motion, if one is asked for; without files if that fails."""
     if proving is None or not compiled.ok:
         return compiled
-    pair = written(compiled.source, compiled.program, compiled.language, compiled.files)
+    pair = written_pair(compiled.source, compiled.program, compiled.language, compiled.files)
     warnings = {f.code for f in compiled.found if f.severity is Severity.WARNING}
-    motion = prove_motion(pair, arms, proving, entry, Terms(warnings=tuple(sorted(warnings))))
+    motion = prove_motion(
+        pair, arms, proving, entry, ComparisonTerms(warnings=tuple(sorted(warnings)))
+    )
     files = compiled.files if motion.holds else {}
     found = (*compiled.found, *motion.findings)
     return replace(compiled, motion=motion, files=files, found=found)
@@ -247,7 +267,7 @@ def compile_program(
     target: Language[Any],
     arms: Arms,
     most_targets: int | None = None,
-    style: Style = PLAIN,
+    style: Style = PLAIN_STYLE,
 ) -> Compiled:
     """A program, with the spans of its places, in the target language and a style."""
     program = source
@@ -259,12 +279,12 @@ def compile_program(
         program, findings = traced("exported", said.program), [*findings, *said.findings]
         findings += (f for f in group_values(program) if f not in findings)  # of questions as well
         unlike = said.findings
-    taught = taught_on(program, arms)
+    taught = teaching_arm(program, arms)
     if taught is not None or not arms.same:
-        program, left = without_unused(program, target, taught, arms.robot)
-        findings += (*left, *unsaid(program, target, taught, arms.robot))
+        program, left = without_unused_joint_targets(program, target, taught, arms.robot)
+        findings += (*left, *joint_angle_errors(program, target, taught, arms.robot))
     if arms.joint_percent is not None and target.joint_percent:
-        program, changed = at_a_percent(program, arms.joint_percent)
+        program, changed = with_joint_percent(program, arms.joint_percent)
         findings += changed
     before = program
     if arm is not None:
@@ -272,11 +292,11 @@ def compile_program(
         findings += changed
         traced("for-the-arm", program)
     if has_free_turns(program):
-        program, changed = with_turns(program, arm, arms.scene)
+        program, changed = with_chosen_turns(program, arm, arms.scene)
         findings += changed
         source = before = traced("with-turns", program)
-    if travels(program):
-        ways = travelled(program, arm, arms.scene, places)
+    if has_travels(program):
+        ways = with_planned_travels(program, arm, arms.scene, places)
         findings += ways.findings
         source = before = program = traced("travelled", ways.program)
         if has_errors(ways.findings):
@@ -284,28 +304,33 @@ def compile_program(
             return replace(compiled, found=tuple(findings))
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
-        return _converted(conversion, findings, source, places, target, (arm, arms.scene))
+        return _converted_dialect(conversion, findings, source, places, target, (arm, arms.scene))
     if source.origin is not None:
         spoken = language_of(source.origin.language)
         alone = all(procedure.unit is not None for procedure in program.procedures)
         if spoken.name != target.name and program.procedures and alone:
             findings.append(UNIT_ALONE(name=program.name))
-        findings += (*spoken.assumed(source, target.name), *differences(source, spoken, target))
+        findings += (
+            *spoken.assumed(source, target.name),
+            *arithmetic_findings(source, spoken, target),
+        )
     if arm is not None:
         program = replace(program, robot=arm.name)
         if target.name not in arm.languages:
-            findings.append(_other_maker(arm, target))
+            findings.append(_other_maker_finding(arm, target))
         from assistant import robots
 
         solution = robots.solve_program(program, arm)
         traced("with-configurations", solution.program)
-        program, changed = at_the_pace(solution, before, taught, target.joint_percent)
+        program, changed = with_converted_joint_speeds(
+            solution, before, taught, target.joint_percent
+        )
         traced("at-the-pace", program)
         solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
-        told = unplaced(program, arm, at_moves(solved, solution.program, places))
+        told = fold_unplaced_work(program, arm, at_moves(solved, solution.program, places))
         findings += (*told, *changed)
     if arms.joint_speed is not None and not target.joint_percent:
-        program, changed = at_a_speed(program, arms.joint_speed)
+        program, changed = with_joint_speed(program, arms.joint_speed)
         findings += changed
     adapted = target.adapt(program, arm, most_targets=most_targets)
     while source.origin is not None:
@@ -313,14 +338,14 @@ def compile_program(
         if rest is None:
             break
         program, uncalled = rest
-        findings = [one for one in findings if not is_of(one, uncalled)]
-        unlike = tuple(one for one in unlike if not is_of(one, uncalled))
+        findings = [one for one in findings if not is_about_left_out(one, uncalled)]
+        unlike = tuple(one for one in unlike if not is_about_left_out(one, uncalled))
         findings += uncalled
         adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program
     if program.interface is not None:
-        findings += not_called_so(program.interface, program, target)
+        findings += interface_findings(program.interface, program, target)
     compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
@@ -331,24 +356,29 @@ def compile_program(
             for unit in units
         }
     styled = {
-        name: in_style(data, target, style, program, unit) for (unit, name), data in plain.items()
+        name: apply_style(data, target, style, program, unit)
+        for (unit, name), data in plain.items()
     }
     files = {name: one.data for name, one in styled.items()}
     framed = any(one.lines for one in styled.values())
-    proof = prove(target, program, files, arm, reduced=without_comments if framed else None)
+    proof = prove_read_back(
+        target, program, files, arm, reduced=without_comments if framed else None
+    )
     if framed and not proof.holds:
-        unframed = prove(target, program, {name: data for (_, name), data in plain.items()}, arm)
+        unframed = prove_read_back(
+            target, program, {name: data for (_, name), data in plain.items()}, arm
+        )
         if unframed.holds:
-            findings += blamed(proof.findings, styled)
+            findings += findings_of_templates(proof.findings, styled)
             return replace(compiled, found=tuple(findings))
         proof = unframed
     own = () if proof.holds else _own_faults(program.origin)
-    findings += own or dict.fromkeys(_explained(proof, program))
+    findings += own or dict.fromkeys(_explained_proof(proof, program))
     kept = files if proof.holds else {}
     return replace(compiled, proof=proof, files=kept, found=tuple(findings))
 
 
-def _converted(
+def _converted_dialect(
     conversion: Conversion[Any],
     found: Sequence[Diagnostic],
     source: Program,
@@ -361,7 +391,7 @@ def _converted(
     findings = [*found, *(places.spanned(f) for f in conversion.findings)]
     if arm is not None:
         if target.name not in arm.languages:
-            findings.append(_other_maker(arm, target))
+            findings.append(_other_maker_finding(arm, target))
         from assistant import robots
 
         # positions stay as they are written, so branches that would be chosen are of no interest
@@ -373,14 +403,14 @@ def _converted(
         return replace(compiled, found=tuple(findings))
     with within(PRINTING, None, source.size()):
         files = {name: target.encode(tree) for name, tree in conversion.files.items()}
-    proof = prove(target, source, files, arm, conversion.compared)
+    proof = prove_read_back(target, source, files, arm, conversion.compared)
     own = () if proof.holds else _own_faults(source.origin)
     kept = files if proof.holds else {}
     found = (*findings, *(own or proof.findings))
     return replace(compiled, proof=proof, files=kept, found=found)
 
 
-def _other_maker(arm: Robot, target: Language[Any]) -> Diagnostic:
+def _other_maker_finding(arm: Robot, target: Language[Any]) -> Diagnostic:
     languages = ", ".join(arm.languages)
     return OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
 
@@ -393,7 +423,7 @@ def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
     return tuple(f for f in found if f.severity is Severity.ERROR)
 
 
-def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
+def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
     """What is not read back as it was written, with the text that is kept there as the cause.
 
     Settings that are read back as texts of their own were written for moves, but hold for kept
@@ -405,24 +435,30 @@ def _explained(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         if node.span is not None
         for part in parts
     }
-    texts = _kept_texts(program)
-    cause = _kept(program, moving=True) or next(iter(kept.items()), None) or _kept(program)
-    back = texts if proof.lifted is None else _kept_texts(proof.lifted)
+    texts = _vendor_texts(program)
+    cause = (
+        _first_vendor_statement(program, moving=True)
+        or next(iter(kept.items()), None)
+        or _first_vendor_statement(program)
+    )
+    back = texts if proof.lifted is None else _vendor_texts(proof.lifted)
     beside, lost = bool(back - texts), next(iter(texts - back), None)
     for finding in proof.findings:
-        same = finding.code == SAYS_OTHERWISE.code and finding.line is None
+        same = finding.code == READ_BACK_DIFFERS.code and finding.line is None
         text = kept.get(finding.span) if same and finding.span else None
         if text is not None:
-            yield KEPT_TEXT(text=text, span=finding.span)
+            yield VENDOR_TEXT_DIFFERS(text=text, span=finding.span)
         elif same and beside and cause is not None:
-            yield KEPT_BESIDE(text=cause[1], span=cause[0])
+            yield VENDOR_TEXT_SETTINGS(text=cause[1], span=cause[0])
         elif same and lost is not None:
-            yield KEPT_TEXT(text=lost, span=finding.span)
+            yield VENDOR_TEXT_DIFFERS(text=lost, span=finding.span)
         else:
             yield finding
 
 
-def _kept(program: Program, *, moving: bool = False) -> tuple[Span | None, str] | None:
+def _first_vendor_statement(
+    program: Program, *, moving: bool = False
+) -> tuple[Span | None, str] | None:
     """Return the first statement that keeps its text, with its place.
 
     moving: only one that may move the robot.
@@ -433,6 +469,6 @@ def _kept(program: Program, *, moving: bool = False) -> tuple[Span | None, str] 
     return None
 
 
-def _kept_texts(program: Program) -> Counter[str]:
+def _vendor_texts(program: Program) -> Counter[str]:
     """Texts of statements, and how often each is there."""
     return Counter(node.text for node in program.statements() if isinstance(node, Opaque))

@@ -24,47 +24,47 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-CROSSED = warning(
+JOINTS_CONVERTED = warning(
     "CO501",
     "{name} has joint angles of {source}, with its flange at ({there}) mm; on {arm} it becomes "
     "({joints}), with the flange at ({here}) mm",
     "look at the way there: between such targets each arm moves in its own way",
 )
-NOT_THERE = error(
+JOINTS_OUT_OF_REACH = error(
     "CO502",
     "{name} has joint angles of {source}, with its flange at ({there}) mm, which {arm} cannot take",
     "teach it on {arm}, or move to a pose that both reach",
 )
-WHOSE = error(
+JOINTS_OF_UNKNOWN_ARM = error(
     "CO503",
     "{name} has joint angles, and nothing says on which arm they were taught: on another one they "
     "lead to another place",
     "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
 )
-NOT_DRIVEN = error(
+JOINTS_OF_OTHER_MAKER = error(
     "CO504",
     "{name} has joint angles of {source}, whose controller does not run {language}",
     "name the arm that will run the program: `--robot`",
 )
-WORKED_OUT = error(
+COMPUTED_JOINTS = error(
     "CO505",
     "{name} works with joint angles of {source}, which mean nothing on {arm}",
     "say it with poses, or with whole joint targets",
 )
-KEPT = warning(
+JOINTS_IN_VENDOR_TEXT = warning(
     "CO506",
     "`{text}` keeps its text; joint angles in it would be those of {source}",
     "see that it speaks of none, or write it anew for {arm}",
 )
 
-NOT_WRITTEN = warning(
+JOINTS_NOT_WRITTEN = warning(
     "CO510",
     "{name} has joint angles, which lead another arm to another place; nothing uses it, so it is "
     "not written",
     "to have it written, name the arms: `--from-robot` and `--robot`",
 )
 
-JOINT: Final = re.compile(r"j\d+")
+JOINT_COMPONENT: Final = re.compile(r"j\d+")
 """Components of joint targets."""
 
 
@@ -78,57 +78,61 @@ def for_arm(
     """
     if source is None or source.name == arm.name:
         return program, ()
-    stated = list(_stated(program))
+    stated = list(_stated_joints(program))
     said: dict[str, Any] = {"source": source.name, "arm": arm.name}
-    taken = _taken([s.target for s in stated], source, arm)
+    taken = _converted_joints([s.target for s in stated], source, arm)
     findings = []
-    uses = _uses(program)
+    uses = _name_uses(program)
     for one in stated:
         crossing = taken[one.target]
         given = {"name": one.called, **said, **crossing.said}
         if crossing.target is None:
-            findings += [NOT_THERE(**given, **where) for where in one.wherever(uses)]
+            findings += [JOINTS_OUT_OF_REACH(**given, **where) for where in one.wherever(uses)]
         else:
-            findings.append(CROSSED(**given, **one.where))
-    findings += [WORKED_OUT(name=name, **said, span=span) for name, span in _worked_out(program)]
+            findings.append(JOINTS_CONVERTED(**given, **one.where))
+    findings += [
+        COMPUTED_JOINTS(name=name, **said, span=span) for name, span in _computed_joints(program)
+    ]
 
     def visit(part: Any) -> Any:
         if isinstance(part, JointTarget):
             return taken[part].target or part
-        return _opened(part)
+        return _without_branch(part)
 
     return rewrite(program, visit), tuple(findings)
 
 
-def without_unused(
+def without_unused_joint_targets(
     program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program without the joint targets that `unsaid` refuses and that no statement uses.
 
     In another dialect of its own family, and in a mere list of targets, all of them stay.
     """
-    if _own(program, language) or not program.procedures:
+    if _is_of_family(program, language) or not program.procedures:
         return program, ()
-    if _refusal(program, language, source, arm) is None:
+    if _refusal_rule(program, language, source, arm) is None:
         return program, ()
     declared = {name.lower() for name in (*program.joint_targets, *program.variables)}
-    unused = declared - _named(program)
-    idle: dict[str, _Stated] = {}
-    for one in _stated(program):
+    unused = declared - _used_names(program)
+    idle: dict[str, _StatedJoints] = {}
+    for one in _stated_joints(program):
         if one.name in unused:
             idle.setdefault(one.name, one)
-    findings = tuple(NOT_WRITTEN(name=one.called, **one.where) for one in idle.values())
+    findings = tuple(JOINTS_NOT_WRITTEN(name=one.called, **one.where) for one in idle.values())
     targets = {n: v for n, v in program.joint_targets.items() if n.lower() not in idle}
     variables = {n: v for n, v in program.variables.items() if n.lower() not in idle}
     return replace(program, joint_targets=targets, variables=variables), findings
 
 
-def has_joints(program: Program) -> bool:
+def has_joint_angles(program: Program) -> bool:
     """Whether a program states joint angles, or works with them."""
-    return any(True for _ in _stated(program)) or any(True for _ in _worked_out(program))
+    return any(True for _ in _stated_joints(program)) or any(
+        True for _ in _computed_joints(program)
+    )
 
 
-def _named(program: Program) -> set[str]:
+def _used_names(program: Program) -> set[str]:
     """Names that the program uses, also in text that is kept, in lower case."""
     found: set[str] = set()
     kinds = e.Name, p.Opaque, e.Verbatim
@@ -141,7 +145,7 @@ def _named(program: Program) -> set[str]:
     return found
 
 
-def _own(program: Program, language: Language[Any]) -> bool:
+def _is_of_family(program: Program, language: Language[Any]) -> bool:
     """Whether a program was written in a language of the same family."""
     from assistant.compiler.loading import language_of
 
@@ -149,18 +153,18 @@ def _own(program: Program, language: Language[Any]) -> bool:
     return origin is not None and language_of(origin.language).family == language.family
 
 
-def _refusal(
+def _refusal_rule(
     program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
 ) -> Rule | None:
     """Why joint angles cannot be said in a language on an arm, None if they can."""
-    own = _own(program, language)
+    own = _is_of_family(program, language)
     if source is None:
-        return WHOSE if arm is not None or not own else None
+        return JOINTS_OF_UNKNOWN_ARM if arm is not None or not own else None
     driven = arm is not None or own or language.name in source.languages
-    return None if driven else NOT_DRIVEN
+    return None if driven else JOINTS_OF_OTHER_MAKER
 
 
-def unsaid(
+def joint_angle_errors(
     program: Program,
     language: Language[Any],
     source: Robot | None,
@@ -173,16 +177,16 @@ def unsaid(
     """
     from assistant.compiler.loading import language_of
 
-    uses = _uses(program)
-    if (rule := _refusal(program, language, source, arm)) is not None:
+    uses = _name_uses(program)
+    if (rule := _refusal_rule(program, language, source, arm)) is not None:
         arms: dict[str, Any] = {"language": language.name, "source": source and source.name}
-        for one in _stated(program):
+        for one in _stated_joints(program):
             for where in one.wherever(uses):
                 yield rule(name=one.called, **arms, **where)
-        for name, span in _worked_out(program) if source is None else ():
+        for name, span in _computed_joints(program) if source is None else ():
             yield rule(name=name, span=span)
     elif source is not None and arm is not None and arm.name != source.name:
-        names = {one.name for one in _stated(program)}
+        names = {one.name for one in _stated_joints(program)}
         others = records((program.declarations, program.variables))
         for part in chain(records_in_procedures(program, p.Opaque, e.Verbatim), others):
             if isinstance(part, p.Opaque | e.Verbatim | Declaration):
@@ -192,15 +196,17 @@ def unsaid(
                 if spoken.family == language.family and telling:
                     span = getattr(part, "span", None)
                     text = " ".join(part.text.split())
-                    yield KEPT(text=text, source=source.name, arm=arm.name, span=span)
+                    yield JOINTS_IN_VENDOR_TEXT(
+                        text=text, source=source.name, arm=arm.name, span=span
+                    )
 
 
-Uses = Mapping[tuple[str, str], tuple[Span, ...]]
+NameUses = Mapping[tuple[str, str], tuple[Span, ...]]
 """Procedure and name in lower case → statements of the procedure that name it."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Stated:
+class _StatedJoints:
     """A joint target in a program.
 
     called: as a finding calls it. where: of the finding. name: its own in lower case, or that of
@@ -213,14 +219,14 @@ class _Stated:
     name: str = ""
     seen: frozenset[str] = frozenset()
 
-    def wherever(self, uses: Uses) -> Iterator[Mapping[str, Any]]:
+    def wherever(self, uses: NameUses) -> Iterator[Mapping[str, Any]]:
         """Where it stands, and every statement that names it."""
         yield self.where
         for procedure in sorted(self.seen) if self.name else ():
             yield from ({"span": span} for span in uses.get((procedure, self.name), ()))
 
 
-def _uses(program: Program) -> Uses:
+def _name_uses(program: Program) -> NameUses:
     uses: dict[tuple[str, str], tuple[Span, ...]] = {}
     for procedure in program.procedures:
         for statement, parts in statements_with(procedure, e.Name):
@@ -232,45 +238,47 @@ def _uses(program: Program) -> Uses:
     return uses
 
 
-def _stated(program: Program) -> Iterator[_Stated]:
+def _stated_joints(program: Program) -> Iterator[_StatedJoints]:
     own = {q.name.lower(): {n.lower() for n in q.variables} for q in program.procedures}
     for name, target in program.joint_targets.items():
         seen = frozenset(q for q, names in own.items() if name.lower() not in names)
         about = Declared(name, "joint_targets")
-        yield _Stated(f"`{name}`", target, {"about": about}, name.lower(), seen)
+        yield _StatedJoints(f"`{name}`", target, {"about": about}, name.lower(), seen)
     for name, variable in program.variables.items():
         if not any(isinstance(part, JointTarget) for part in records(variable.initial)):
             continue
         seen = frozenset(q for q, names in own.items() if name.lower() not in names)
-        yield from _held(name, variable, Declared(name, "variables", in_full=True), seen)
+        yield from _joints_of_variable(
+            name, variable, Declared(name, "variables", in_full=True), seen
+        )
     for procedure in program.procedures:
         alone = frozenset({procedure.name.lower()})
         for name, variable in procedure.variables.items():
             about = Declared(name, "variables", procedure.name, in_full=True)
-            yield from _held(name, variable, about, alone)
+            yield from _joints_of_variable(name, variable, about, alone)
         for statement, parts in statements_with(procedure, JointTarget):
             where: dict[str, Any] = {"span": statement.span}
             if statement.span is None:
                 where = {"about": Declared(procedure.name, "procedures", in_full=True)}
             for part in parts:
-                yield _Stated("the move", part, where)
+                yield _StatedJoints("the move", part, where)
 
 
-def _held(
+def _joints_of_variable(
     name: str, variable: Variable, about: Declared, seen: frozenset[str]
-) -> Iterator[_Stated]:
+) -> Iterator[_StatedJoints]:
     """The joint targets in the first value of a variable."""
     for part in records(variable.initial):
         if isinstance(part, JointTarget):
             where = {"about": about, "span": variable.span}
-            yield _Stated(f"`{name}`", part, where, name.lower(), seen)
+            yield _StatedJoints(f"`{name}`", part, where, name.lower(), seen)
 
 
-def _worked_out(program: Program) -> Iterator[tuple[str, Any]]:
+def _computed_joints(program: Program) -> Iterator[tuple[str, Any]]:
     """What is called by a finding, and the span, of each statement that works with the angles."""
     for statement, parts in statements_with(program, e.Member):
         for part in parts:
-            if JOINT.fullmatch(part.field.lower()):
+            if JOINT_COMPONENT.fullmatch(part.field.lower()):
                 value = part.value
                 name = f"`{value.name}.{part.field}`" if isinstance(value, e.Name) else "it"
                 yield name, statement.span
@@ -278,20 +286,22 @@ def _worked_out(program: Program) -> Iterator[tuple[str, Any]]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Crossing:
+class _ConvertedJoints:
     """A joint target on the other arm, None where it cannot take it, and how that is said."""
 
     target: JointTarget | None
     said: Mapping[str, str]
 
 
-def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointTarget, _Crossing]:
+def _converted_joints(
+    targets: list[JointTarget], source: Robot, arm: Robot
+) -> dict[JointTarget, _ConvertedJoints]:
     """Where the targets of one arm put its flange, and the joints that another one takes there."""
     from assistant.robots.retargeting import joints_on_other_arm
 
     own = {target: source.own_joints(target.joints) for target in targets}
     whole = [t for t, j in own.items() if len(j) == len(source.axes) and np.isfinite(j).all()]
-    out = {t: _Crossing(None, {"there": "not known"}) for t in own}
+    out = {t: _ConvertedJoints(None, {"there": "not known"}) for t in own}
     if not whole:
         return out
     given = np.array([own[target] for target in whole])
@@ -299,21 +309,21 @@ def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointT
     joints = joints_on_other_arm(given, source, arm)
     here, _ = arm.fk(np.nan_to_num(joints))
     for row, target in enumerate(whole):
-        said = {"there": _listed(there[row])}
+        said = {"there": _joints_text(there[row])}
         if not np.isfinite(joints[row]).all():
-            out[target] = _Crossing(None, said)
+            out[target] = _ConvertedJoints(None, said)
             continue
-        said |= {"here": _listed(here[row]), "joints": _listed(joints[row])}
+        said |= {"here": _joints_text(here[row]), "joints": _joints_text(joints[row])}
         angles = tuple(float(v) + 0.0 for v in np.round(joints[row], 9))
-        out[target] = _Crossing(replace(target, joints=angles), said)
+        out[target] = _ConvertedJoints(replace(target, joints=angles), said)
     return out
 
 
-def _listed(values: Any) -> str:
+def _joints_text(values: Any) -> str:
     return ", ".join(f"{v:g}" for v in np.round(np.asarray(values, dtype=np.float64), 2) + 0.0)
 
 
-def _opened(part: Any) -> Any:
+def _without_branch(part: Any) -> Any:
     """A target or path that states no branch."""
     if isinstance(part, Target) and part.configuration is not None:
         return replace(part, configuration=None)

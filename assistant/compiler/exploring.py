@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ExplorationRequest:
     """What is explored. cell: file of the cell; robot: its name there, None for the only one.
 
     chart: file of the chart, gone on with if it is there. size: mm of a cell, None for that of the
@@ -55,7 +55,7 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
-class Explored:
+class ExplorationResult:
     """What came of it. runs: rows of (runs so far, cells new in them, litres free).
 
     contacts: that were met, and how many of these told no place.
@@ -69,15 +69,15 @@ class Explored:
 
 
 @dataclass(frozen=True, slots=True)
-class Ready:
+class ExplorationStart:
     """Who explores, with what he knows; findings of the cell file and of bodies that are no use."""
 
-    asked: Asked
+    asked: ExplorationRequest
     explorer: Explorer
     findings: tuple[Diagnostic, ...]
 
 
-def ready(asked: Asked) -> Ready:
+def start_exploration(asked: ExplorationRequest) -> ExplorationStart:
     """Raises Unreadable or Refused for files that are none, a robot that the cell has not, a chart
     of another robot or of other cells.
     """
@@ -96,10 +96,10 @@ def ready(asked: Asked) -> Ready:
     if not (np.isfinite(asked.thinner) and asked.thinner >= 0.0):
         raise Refused(WRONG_CELL_SIZE(size=f"{asked.thinner:g}"), exit_status=2)
     explorer = Explorer(scene, asked.robot, size, known, asked.thinner)
-    return Ready(asked, explorer, (*findings, *explorer.findings))
+    return ExplorationStart(asked, explorer, (*findings, *explorer.findings))
 
 
-def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
+def hidden_scene(begun: ExplorationStart, hidden: FilePath | None) -> Scene:
     """The scene that tells of contacts: of another cell file, else what is known of the cell.
 
     Raises Refused where the robot is another one there, or stands elsewhere.
@@ -125,7 +125,7 @@ def hidden_scene(begun: Ready, hidden: FilePath | None) -> Scene:
     return scene
 
 
-def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
+def contact_test(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
     """Return a function of joints (a,): True if the robot touches something in a cell, or itself.
 
     robot: its name in the catalogue; other robots of the cell are at home. Raises Refused if the
@@ -153,7 +153,9 @@ def touching(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
     return touches
 
 
-def wandered(begun: Ready, hidden: FilePath | None, moves: int, seed: int | None) -> Explored:
+def explore_by_random_moves(
+    begun: ExplorationStart, hidden: FilePath | None, moves: int, seed: int | None
+) -> ExplorationResult:
     """Random moves, each up to the first contact that the hidden scene tells of.
 
     seed: None for another one with each run that the chart knows of.
@@ -166,21 +168,23 @@ def wandered(begun: Ready, hidden: FilePath | None, moves: int, seed: int | None
     draw = np.random.default_rng(explorer.occupancy.runs if seed is None else seed)
     joints, done, contacts, placeless = None, 0, 0, 0
     rows = []
-    for wanted in _parts(moves):
+    for wanted in _reporting_steps(moves):
         part = int(draw.integers(1 << 31))
         found = wander(explorer, indicated, wanted - done, seed=part, start=joints)
         done, joints = wanted, found.joints
         contacts, placeless = contacts + found.contacts, placeless + found.placeless
         rows.append((done, found.new, explorer.occupancy.litres))
-    return Explored(explorer.occupancy, tuple(rows), contacts, placeless, begun.findings)
+    return ExplorationResult(explorer.occupancy, tuple(rows), contacts, placeless, begun.findings)
 
 
-def _parts(moves: int) -> Iterator[int]:
+def _reporting_steps(moves: int) -> Iterator[int]:
     """After how many moves it is told what is known: an eighth, a quarter, the half, all."""
     yield from sorted({max(moves * part // 8, 1) for part in (1, 2, 4, 8)})
 
 
-def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) -> Explored:
+def explore_by_recordings(
+    begun: ExplorationStart, recordings: Sequence[FilePath], contact: str | None
+) -> ExplorationResult:
     """What recordings of joints tell; contact: the input among them that is not 0 in contact."""
     from assistant.cell.exploration.recordings import read_recording
 
@@ -189,21 +193,23 @@ def recorded(begun: Ready, recordings: Sequence[FilePath], contact: str | None) 
     for path in recordings:
         recording = read_recording(path, explorer.placed.robot, contact)
         found += recording.findings
-        new = _gone(explorer, recording.runs)
+        new = _freed_cells(explorer, recording.runs)
         contacts += recording.contacts
         rows.append((len(recording.runs), new, explorer.occupancy.litres))
-    return Explored(explorer.occupancy, tuple(rows), contacts, contacts, tuple(found))
+    return ExplorationResult(explorer.occupancy, tuple(rows), contacts, contacts, tuple(found))
 
 
-def learnt(begun: Ready, runs: Sequence[Floats], contacts: int) -> Explored:
+def learn_from_runs(
+    begun: ExplorationStart, runs: Sequence[Floats], contacts: int
+) -> ExplorationResult:
     """Learn from runs of joints (n, a) without contact, recorded while the arm moved."""
     explorer = begun.explorer
-    new = _gone(explorer, runs)
+    new = _freed_cells(explorer, runs)
     rows = ((len(runs), new, explorer.occupancy.litres),)
-    return Explored(explorer.occupancy, rows, contacts, contacts, begun.findings)
+    return ExplorationResult(explorer.occupancy, rows, contacts, contacts, begun.findings)
 
 
-def _gone(explorer: Explorer, runs: Sequence[Floats]) -> int:
+def _freed_cells(explorer: Explorer, runs: Sequence[Floats]) -> int:
     """Free the cells of runs of joints (n, a) of the explorer's robot; returns the new ones."""
     new = 0
     for run in runs:
@@ -213,21 +219,21 @@ def _gone(explorer: Explorer, runs: Sequence[Floats]) -> int:
     return new
 
 
-def one_way(program: Program, simulation: Simulation) -> None:
+def check_single_course(program: Program, simulation: Simulation) -> None:
     """Raises Refused, at the statement, for a program that may have gone otherwise than simulated.
 
     program: as it was read. Only a program that always goes one way tells where it has been.
     """
     from assistant.cell.findings import MANY_PATHS
 
-    doubt = next(_doubts(program), None)
-    beside = {id(one.plan) for one in simulation.passed} - set(_plans(simulation.history))
+    doubt = next(_course_doubts(program), None)
+    beside = {id(one.plan) for one in simulation.passed} - set(_plan_ids(simulation.history))
     duration = simulation.duration
     if doubt is not None or beside or not math.isclose(duration.least, duration.most):
         raise Refused(MANY_PATHS(span=getattr(doubt, "span", None)))
 
 
-def _doubts(program: Program) -> Iterator[object]:
+def _course_doubts(program: Program) -> Iterator[object]:
     """What makes a program go one way now and another way then, or where its scene says."""
     yield from records_in_procedures(program, If, Switch, While, Goto, Interrupt, Travel)
     for loop in records_in_procedures(program, For):
@@ -245,28 +251,28 @@ def _doubts(program: Program) -> Iterator[object]:
         yield program
 
 
-def _plans(history: History | None) -> Iterator[int]:
+def _plan_ids(history: History | None) -> Iterator[int]:
     for node in () if history is None else history.chain():
         if isinstance(node.done, tuple):
-            yield from _plans(node.done[0])
+            yield from _plan_ids(node.done[0])
         else:
             yield id(node.done)
 
 
-def ran(
-    begun: Ready,
+def explore_by_program(
+    begun: ExplorationStart,
     program: Program,
     simulation: Simulation,
     until: float | None,
     hidden: FilePath | None,
-) -> Explored:
+) -> ExplorationResult:
     """What a program that ran tells, to its end, up to a time, or as a hidden scene lets it.
 
     program: as it was read. Raises Refused if it is for another robot, or may have gone otherwise.
     """
     from assistant.cell.findings import NO_EXPLORING_ROBOT
 
-    one_way(program, simulation)
+    check_single_course(program, simulation)
 
     explorer = begun.explorer
     scene = None if hidden is None else hidden_scene(begun, hidden)
@@ -280,4 +286,4 @@ def ran(
         ) from None
     contacts = int(explorer.occupancy.touched.sum()) - before
     rows = ((1, new, explorer.occupancy.litres),)
-    return Explored(explorer.occupancy, rows, contacts, 0, begun.findings)
+    return ExplorationResult(explorer.occupancy, rows, contacts, 0, begun.findings)

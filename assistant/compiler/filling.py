@@ -16,9 +16,14 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import languages
 from assistant.base.diagnostics import Refused, error, has_errors, warning
 from assistant.base.source_text import SourceText
-from assistant.compiler.cell_file import check_signals, equipped, with_lines, with_signals
-from assistant.compiler.controller_files import STATED
-from assistant.compiler.crossing import has_joints
+from assistant.compiler.cell_file import (
+    check_signals,
+    with_cell_equipment,
+    with_lines,
+    with_signals,
+)
+from assistant.compiler.controller_files import STATED_TEXT_NAME
+from assistant.compiler.crossing import has_joint_angles
 from assistant.compiler.loading import Loaded, language_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -40,12 +45,12 @@ from assistant.program.undeclared_names import (
 )
 from assistant.sources.cell import (
     NO_CELL,
-    TABLES,
+    TABLE_OF_KIND,
     Cell,
     data_text,
     parse_cell,
     read_cell,
-    said,
+    wanted_in_words,
     with_entries,
 )
 
@@ -74,13 +79,13 @@ UNPROVEN: Final = warning(
 )
 GROUP_BITS: Final = {"input": 15, "output": 16}
 """Of a group of signals whose width nobody states; an input of 16 may be read as negative."""
-WIDTHS: Final = (8, 16, 32)
+GROUP_WIDTHS: Final = (8, 16, 32)
 """Of groups that controllers read at once: the rest of one stays free."""
 FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
 
-def with_cell(
+def with_values_of_file(
     loaded: Loaded,
     path: str | FilePath,
     *,
@@ -92,10 +97,10 @@ def with_cell(
     taught: the arm that its joint angles were taught on is known. to: the language that it is
     translated to, None for any. Raises Unreadable or Refused for a file that cannot be used.
     """
-    return in_cell(loaded, read_cell(path), FilePath(path), taught=taught, to=to)
+    return with_cell_values(loaded, read_cell(path), FilePath(path), taught=taught, to=to)
 
 
-def in_cell(
+def with_cell_values(
     loaded: Loaded,
     cell: Cell,
     path: FilePath,
@@ -109,39 +114,43 @@ def in_cell(
         return loaded
     language = language_of(origin.language)
     wanted = language.wanted(origin.trees)
-    files = _files(language, cell, wanted, path)
+    files = _routine_files(language, cell, wanted, path)
     trees = [*origin.trees, *files]
     if files:
         wanted = language.wanted(trees)
     declared = [one for one in wanted if one.kind != "signal"]
     program = loaded.program
-    values = [_value(one, cell) for one in declared]
+    values = [_value_of(one, cell) for one in declared]
     pairs = zip(declared, values, strict=True)
-    given = [(_sized(_typed(one, cell), value), value) for one, value in pairs]
+    given = [(_with_extents(_with_stated_type(one, cell), value), value) for one, value in pairs]
     if given:
-        trees = language.with_supplied(trees, given, STATED)
+        trees = language.with_supplied(trees, given, STATED_TEXT_NAME)
     if files or given:
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
-        program = _as_stated(anew, program, origin.lifted)
+        program = _with_stated_tables(anew, program, origin.lifted)
     check_signals(program, cell.process, str(path))
-    program = _with_signals(program, wanted)
-    told = _told(program, language)
+    program = _with_input_signals(program, wanted)
+    told = _lowered_for_export(program, language)
     program = replace(program, signals=told.signals | program.signals)
-    program, findings = equipped(program, cell.process, str(path), sharing=True)
+    program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
     missing = [
         one for one in declared if cell.value(one) is None and neutral_value(one) is not None
     ]
-    program, unnumbered = _numbered(program, wanted)
+    program, unnumbered = _with_signal_numbers(program, wanted)
     arm = Wanted(TAUGHT_ON, "arm")
-    joints = not taught and program.robot is None and (has_joints(program) or has_joints(told))
+    joints = (
+        not taught
+        and program.robot is None
+        and (has_joint_angles(program) or has_joint_angles(told))
+    )
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
     joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
     if to is None or to.family != language.family:
-        open_ends = _lines(told)  # without those whose other end the program states itself
-        numbers = [number for number in _lines(program) if number in open_ends]
+        open_ends = _lines_opened(told)  # without those whose other end the program states itself
+        numbers = [number for number in _lines_opened(program) if number in open_ends]
         missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
         program = with_lines(program, dict.fromkeys(numbers, NEUTRAL_LINE))
-        if joint_speed is None and not taught and _slows_joints(told):
+        if joint_speed is None and not taught and _has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
     return replace(
@@ -160,7 +169,7 @@ def _joint_speed(cell: Cell) -> float | None:
     return value.tcp if isinstance(value, Speed) else None
 
 
-def _lines(program: Program) -> list[int]:
+def _lines_opened(program: Program) -> list[int]:
     """The communication lines that the program opens by their numbers alone."""
     return sorted({
         int(number)
@@ -170,7 +179,7 @@ def _lines(program: Program) -> list[int]:
     })  # fmt: skip
 
 
-def _slows_joints(program: Program) -> bool:
+def _has_percent_joints(program: Program) -> bool:
     """True if a percentage, and nothing else, slows joint moves down."""
     slowed = any(
         one.percent != e.Number(100) for one in records_in_procedures(program, p.SetOverride)
@@ -184,11 +193,11 @@ def _slows_joints(program: Program) -> bool:
     return False
 
 
-_STATED_ANEW: Final = ("frames", "tools", "speeds", "blends", "signals")
+_STATED_TABLES: Final = ("frames", "tools", "speeds", "blends", "signals")
 """What a process file may have said of a program."""
 
 
-def _as_stated(program: Program, before: Program, lifted: Program) -> Program:
+def _with_stated_tables(program: Program, before: Program, lifted: Program) -> Program:
     """A program that was read once more, with what files had stated of it before.
 
     Those are a process file, and files of its controller, which name its entry and what is called.
@@ -198,14 +207,14 @@ def _as_stated(program: Program, before: Program, lifted: Program) -> Program:
         changed["entry"] = before.entry
     if before.origin is not None and program.origin is not None:
         changed["origin"] = replace(program.origin, called=before.origin.called)
-    for table in _STATED_ANEW:
+    for table in _STATED_TABLES:
         was, now = getattr(lifted, table), getattr(before, table)
         anew = {name: one for name, one in now.items() if was.get(name) != one}
         changed[table] = {**getattr(program, table), **anew}
     return replace(program, **changed)
 
 
-def _told(program: Program, language: Language[Any]) -> Program:
+def _lowered_for_export(program: Program, language: Language[Any]) -> Program:
     """The program as a language of another family is told it, which may ask for more signals."""
     others = map(language_of, languages.names())
     other = next(one for one in others if one.family != language.family)
@@ -219,39 +228,41 @@ def neutral_cell(loaded: Loaded) -> str:
     the arm that runs the program, whichever it was written for.
     """
     loaded = replace(loaded, arm=None)
-    wanting = in_cell(loaded, NO_CELL, FilePath("cell.toml")).wanting
+    wanting = with_cell_values(loaded, NO_CELL, FilePath("cell.toml")).wanting
     origin = loaded.program.origin
     percents = origin is not None and language_of(origin.language).joint_percent
     head = f"joint_speed = {SLOW_SPEED.tcp:g}\n" if percents else ""
     return with_entries(head, [(one, neutral_value(one)) for one in wanting])
 
 
-def in_neutral_cell(loaded: Loaded) -> Loaded:
+def with_neutral_cell(loaded: Loaded) -> Loaded:
     """A program in a cell that says the least of everything, see `neutral_cell`; nothing lacks."""
-    cell = parse_cell(SourceText(neutral_cell(loaded), STATED))
-    return in_cell(loaded, cell, FilePath("cell.toml"))
+    cell = parse_cell(SourceText(neutral_cell(loaded), STATED_TEXT_NAME))
+    return with_cell_values(loaded, cell, FilePath("cell.toml"))
 
 
 def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
     """The text of a cell file with a place for each value that it has no entry for."""
     new: dict[tuple[str, str], Wanted] = {}
     for one in wanting:
-        entry = TABLES[one.kind], one.name.lower()
+        entry = TABLE_OF_KIND[one.kind], one.name.lower()
         if entry not in cell.known:
             new.setdefault(entry, one)
     return (
-        with_entries(cell.text, [(_open(one), None) for one in new.values()]) if new else cell.text
+        with_entries(cell.text, [(_without_number(one), None) for one in new.values()])
+        if new
+        else cell.text
     )
 
 
-def as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
+def marked_as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
     """A program that lacks values, with a head that says so, and a stop before anything else.
 
     An output or a frame that only stands for another one is none to begin to move with.
     """
     if not wanting:
         return program
-    names = (f"to be filled in: {said(one)}" for one in wanting)
+    names = (f"to be filled in: {wanted_in_words(one)}" for one in wanting)
     head = ("DRAFT: not for production. The cell file does not say these values:", *names)
     procedures = tuple(
         replace(one, body=(p.Stop(), *one.body)) if one.name == program.entry else one
@@ -260,24 +271,28 @@ def as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
     return replace(program, comments=(*program.comments, *head), procedures=procedures)
 
 
-def _open(one: Wanted) -> Wanted:
+def _without_number(one: Wanted) -> Wanted:
     if one.signal is None:
         return one
     return replace(one, signal=replace(one.signal, number=None))
 
 
-def _typed(one: Wanted, cell: Cell) -> Wanted:
+def _with_stated_type(one: Wanted, cell: Cell) -> Wanted:
     """With the type that the cell file states for data."""
     return (
         replace(one, type=cell.types.get(one.name.lower(), one.type)) if one.kind == "data" else one
     )
 
 
-def _value(one: Wanted, cell: Cell) -> SuppliedValue | None:
+def _value_of(one: Wanted, cell: Cell) -> SuppliedValue | None:
     value, least = cell.value(one), neutral_value(one)
     if value is None:
         return least
-    if one.kind == "data" and _typed(one, cell).type == one.type and not _is_like(value, least):
+    if (
+        one.kind == "data"
+        and _with_stated_type(one, cell).type == one.type
+        and not _is_like(value, least)
+    ):
         shown = data_text(one.nothing)
         at = f"data.{one.name}"
         raise Refused(
@@ -286,7 +301,7 @@ def _value(one: Wanted, cell: Cell) -> SuppliedValue | None:
     return value
 
 
-def _sized(one: Wanted, value: SuppliedValue | None) -> Wanted:
+def _with_extents(one: Wanted, value: SuppliedValue | None) -> Wanted:
     """An array with the extents that its value has."""
     extents: list[int] = []
     inner: Any = value
@@ -310,7 +325,7 @@ def _is_like(value: Any, other: Any) -> bool:
     return isinstance(value, kind) and (kind is not kinds[-1] or not isinstance(value, bool))
 
 
-def _files(
+def _routine_files(
     language: Language[Any], cell: Cell, wanted: Sequence[Wanted], path: FilePath
 ) -> list[Any]:
     """The trees of files that the cell file names for routines that were not read."""
@@ -334,7 +349,7 @@ def _files(
     return found
 
 
-def _with_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
+def _with_input_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
     """With the signals that expressions read and nothing sets."""
     known = {name.lower() for name in program.signals}
     found = {
@@ -345,14 +360,16 @@ def _with_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
     return replace(program, signals={**program.signals, **found}) if found else program
 
 
-def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list[Wanted]]:
+def _with_signal_numbers(
+    program: Program, wanted: Sequence[Wanted]
+) -> tuple[Program, list[Wanted]]:
     """With numbers for signals that have none, from 1 on, and those signals."""
     uses = {one.name.lower(): one for one in wanted if one.kind == "signal"}
     signals = dict(program.signals)
     taken: dict[tuple[str, bool], set[int]] = {}
     for signal in signals.values():
         if signal.number is not None:
-            _room(taken, signal).update(range(signal.number, signal.number + signal.bits))
+            _numbers_taken(taken, signal).update(range(signal.number, signal.number + signal.bits))
     missing: list[Wanted] = []
     order = sorted(signals.items(), key=lambda pair: pair[1].kind == "group")
     for name, signal in order:
@@ -363,9 +380,9 @@ def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list
             if signal.kind == "group" and signal.bits == 1
             else signal.bits
         )
-        room = _room(taken, signal)
+        room = _numbers_taken(taken, signal)
         first = FIRST_ANALOG if signal.kind == "analog" else 1
-        wide = next(width for width in (1, *WIDTHS) if width >= bits)
+        wide = next(width for width in (1, *GROUP_WIDTHS) if width >= bits)
         number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + wide)))
         room.update(range(number, number + wide))
         signals[name] = Signal(signal.kind, signal.direction, number, bits)
@@ -374,6 +391,6 @@ def _numbered(program: Program, wanted: Sequence[Wanted]) -> tuple[Program, list
     return (replace(program, signals=signals) if missing else program), missing
 
 
-def _room(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:
+def _numbers_taken(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:
     """The numbers that signals of its kind have by now."""
     return taken.setdefault((signal.direction, signal.kind == "analog"), set())

@@ -21,19 +21,19 @@ NO_PROGRAMS: Final = error(
 LEFT_OUT: Final = info(
     "CO308", "left out, as {why}: {files}", "name a file by itself if it is meant"
 )
-EMPTY: Final = "empty"
-STRANGE: Final = "nothing that looks like a robot program"
-COPY: Final = "what a project keeps as a copy of a program"
-NO_TEXT: Final = "what a controller makes of a program, which is no text"
-WRITTEN: Final = "what stands in the folder that is written to"
-MOST_NAMED: Final = 3
+WHY_EMPTY: Final = "empty"
+WHY_NO_PROGRAM: Final = "nothing that looks like a robot program"
+WHY_COPY: Final = "what a project keeps as a copy of a program"
+WHY_NO_TEXT: Final = "what a controller makes of a program, which is no text"
+WHY_OUTPUT: Final = "what stands in the folder that is written to"
+MOST_FILES_NAMED: Final = 3
 """Files of one reason that are named."""
 
-Told = Callable[[Diagnostic], None]
+Report = Callable[[Diagnostic], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Output:
+class OutputFolder:
     """Where programs of a language are written to: what a run before has left there."""
 
     folder: str
@@ -50,8 +50,8 @@ class Output:
 def programs_in(
     path: str,
     language: str | None = None,
-    told: Told | None = None,
-    output: Output | None = None,
+    told: Report | None = None,
+    output: OutputFolder | None = None,
 ) -> Iterator[str]:
     """The file itself, or the robot programs of a folder and the folders in it.
 
@@ -72,24 +72,26 @@ def programs_in(
         else:
             found.append(file)
     if not found:
-        found = [file for file, why in left.items() if why in (COPY, NO_TEXT)]
+        found = [file for file, why in left.items() if why in (WHY_COPY, WHY_NO_TEXT)]
         left = {file: why for file, why in left.items() if file not in found}
     for why in dict.fromkeys(left.values()):
         if told is not None:
-            told(LEFT_OUT(why=why, files=_shown(path, left, why), path=path))
+            told(LEFT_OUT(why=why, files=_left_out_finding(path, left, why), path=path))
     if not found:
         raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
     yield from found
 
 
-def _shown(folder: str, left: Mapping[str, str], why: str) -> str:
+def _left_out_finding(folder: str, left: Mapping[str, str], why: str) -> str:
     files = [FilePath(file).relative_to(folder) for file, one in left.items() if one == why]
-    shown = ", ".join(f"`{file.as_posix()}`" for file in files[:MOST_NAMED])
-    more = len(files) - MOST_NAMED
+    shown = ", ".join(f"`{file.as_posix()}`" for file in files[:MOST_FILES_NAMED])
+    more = len(files) - MOST_FILES_NAMED
     return f"{shown} and {more} more" if more > 0 else shown
 
 
-def _why_not(file: str, spoken: list[Language[Any]], searched: str, output: Output | None) -> str:
+def _why_not(
+    file: str, spoken: list[Language[Any]], searched: str, output: OutputFolder | None
+) -> str:
     """Why a file of a folder is no program of it, empty if it is one."""
     try:
         data = read_bytes(file, allow_empty=True)
@@ -97,9 +99,9 @@ def _why_not(file: str, spoken: list[Language[Any]], searched: str, output: Outp
         return ""  # to be said when it is read
     language = languages.of_file(file, data)
     if language is None:
-        return STRANGE if data.strip() else EMPTY
+        return WHY_NO_PROGRAM if data.strip() else WHY_EMPTY
     if any(one.begins and data.startswith(one.begins) for one in spoken):
-        return NO_TEXT
+        return WHY_NO_TEXT
     if output is not None and output.holds(file, language, searched):
-        return WRITTEN
-    return COPY if language.is_copy(FilePath(file)) else ""
+        return WHY_OUTPUT
+    return WHY_COPY if language.is_copy(FilePath(file)) else ""

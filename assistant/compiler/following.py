@@ -11,11 +11,11 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
-from assistant.compiler.arms import Arms, taught_on
+from assistant.compiler.arms import Arms, teaching_arm
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import load
 from assistant.compiler.teaching import own_joints
-from assistant.compiler.turning import with_turns
+from assistant.compiler.turning import with_chosen_turns
 from assistant.controllers.states import Position
 from assistant.controllers.trajectory_execution import TimedMotion
 from assistant.program.program import Program
@@ -25,18 +25,18 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.robots.solved_program import SolvedProgram
 
-NOT_LED: Final = error(
+NOT_ONLY_MOTION: Final = error(
     "CO721",
     "the program does more than move: `{what}` is done by nobody while an arm is led",
     "leave it out, or translate the program and start it on the controller",
 )
 NO_MOTION: Final = error("CO722", "there is no motion in it", "name a trajectory")
-NOT_KNOWN: Final = error(
+MOTION_UNKNOWN: Final = error(
     "CO723", "how it moves is not known before it runs: {what}", "name a trajectory without that"
 )
 
 
-def led_along(
+def trajectory_of_source(
     source: str, robot: Robot, position: Position | None, period: float, speed: float
 ) -> TimedMotion:
     """The motion of a trajectory, or of a program that only moves, from where the arm is now.
@@ -47,10 +47,12 @@ def led_along(
     Raises Refused for what cannot be reached, and for what is more than motion.
     """
     loaded = load(source, robot=robot)
-    return led_by(loaded.program, robot, position, period, speed, source, loaded.findings)
+    return trajectory_of_program(
+        loaded.program, robot, position, period, speed, source, loaded.findings
+    )
 
 
-def led_by(
+def trajectory_of_program(
     program: Program,
     robot: Robot,
     position: Position | None,
@@ -60,12 +62,12 @@ def led_by(
     findings: Sequence[Diagnostic] = (),
 ) -> TimedMotion:
     """The same of a program that is there already. source: what findings call it."""
-    _only_moves(program, source)
-    program, changed = for_arm(program, taught_on(program, Arms(robot)), robot)
+    _check_only_moves(program, source)
+    program, changed = for_arm(program, teaching_arm(program, Arms(robot)), robot)
     from assistant import robots
     from assistant.robots.timing import simulate
 
-    program, turned = with_turns(program, robot)
+    program, turned = with_chosen_turns(program, robot)
     changed += turned
     solved = robots.solve_program(replace(program, robot=robot.name), robot)
     found = (*findings, *changed, *solved.findings)
@@ -73,9 +75,9 @@ def led_by(
     if has_errors(told):
         raise Refused(*told)
     scale = speed / 100.0
-    done = simulate(solved, start=_start(solved, position))
+    done = simulate(solved, start=_start_joints(solved, position))
     if done.unknown:
-        raise Refused(NOT_KNOWN(path=source, what=str(done.unknown[0])))
+        raise Refused(MOTION_UNKNOWN(path=source, what=str(done.unknown[0])))
     if not done.seconds > 0.0:
         raise Refused(NO_MOTION(path=source))
     # So many that the last one is at the end.
@@ -95,7 +97,7 @@ def led_by(
     )
 
 
-def _start(solved: SolvedProgram, position: Position | None) -> Floats:
+def _start_joints(solved: SolvedProgram, position: Position | None) -> Floats:
     """(a,) joints where it begins: at the first target, if nobody tells where the arm is."""
     if position is not None:
         return np.array(own_joints(position, solved.robot))
@@ -104,16 +106,16 @@ def _start(solved: SolvedProgram, position: Position | None) -> Floats:
     return next(known, np.array(solved.robot.home))
 
 
-def _only_moves(program: Program, source: str) -> None:
-    for statement in _statements(program):
+def _check_only_moves(program: Program, source: str) -> None:
+    for statement in _statements_run(program):
         if not isinstance(statement, Moving | Wait | Comment):
-            raise Refused(NOT_LED(path=source, what=type(statement).__name__))
+            raise Refused(NOT_ONLY_MOTION(path=source, what=type(statement).__name__))
         if getattr(statement, "triggers", ()):
-            raise Refused(NOT_LED(path=source, what="a signal on the way"))
+            raise Refused(NOT_ONLY_MOTION(path=source, what="a signal on the way"))
         if getattr(statement, "until", None) is not None:
-            raise Refused(NOT_LED(path=source, what="what breaks a move off"))
+            raise Refused(NOT_ONLY_MOTION(path=source, what="what breaks a move off"))
 
 
-def _statements(program: Program) -> Iterator[Statement]:
+def _statements_run(program: Program) -> Iterator[Statement]:
     entry = program.procedure(program.entry) if program.entry else None
     yield from entry.body if entry is not None else ()

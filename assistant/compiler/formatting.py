@@ -27,7 +27,7 @@ NO_STEPS: Final = error(
     "leave --renumber out, or name programs in {others} only",
 )
 
-Numbering = tuple[int, int]
+StepNumbering = tuple[int, int]
 """First step number, and what the next ones are more."""
 
 
@@ -57,7 +57,7 @@ def _families_with_steps() -> list[str]:
 
 
 def format_text(
-    source: SourceText, language: Language[Any], numbering: Numbering | None = None
+    source: SourceText, language: Language[Any], numbering: StepNumbering | None = None
 ) -> Formatted:
     """A text laid out, read back and compared: the same tree, with the same comments.
 
@@ -80,12 +80,16 @@ def format_text(
         again = language.parse(replace(source, text=text))
         mark = language.comment_mark
         same = _comments(source.text, mark) == _comments(text, mark)
-        if has_errors(again.findings) or not (same and _same(language, tree, again, numbering)):
+        if has_errors(again.findings) or not (
+            same and _is_same_tree(language, tree, again, numbering)
+        ):
             return Formatted(source, source.text, (NOT_THE_SAME(path=source.path),))
     return Formatted(source, text, tree.findings)
 
 
-def _same(language: Language[Any], tree: Any, again: Any, numbering: Numbering | None) -> bool:
+def _is_same_tree(
+    language: Language[Any], tree: Any, again: Any, numbering: StepNumbering | None
+) -> bool:
     """Whether two trees that were read say the same. numbering: that the second is to have."""
     if numbering is None:
         return language.same(tree, again)
@@ -94,7 +98,7 @@ def _same(language: Language[Any], tree: Any, again: Any, numbering: Numbering |
 
 
 def format_file(
-    path: str | FilePath, language: str | None = None, numbering: Numbering | None = None
+    path: str | FilePath, language: str | None = None, numbering: StepNumbering | None = None
 ) -> Formatted:
     """A file laid out; nothing is written. language: if neither suffix nor text tell.
 
@@ -116,7 +120,7 @@ def read_program(
 
 
 def format_bytes(
-    data: bytes, name: str, language: str | None = None, numbering: Numbering | None = None
+    data: bytes, name: str, language: str | None = None, numbering: StepNumbering | None = None
 ) -> Formatted:
     """The same for bytes that are no file."""
     named = [language_of(language)] if language else map(languages.get, languages.names())
@@ -126,7 +130,7 @@ def format_bytes(
     return format_text(spoken.decode(data, name), spoken, numbering)
 
 
-def rewrite(formatted: Formatted) -> None:
+def rewrite_file(formatted: Formatted) -> None:
     """Puts the text in place of the file that was read, whole or not at all.
 
     A link stays one, permissions stay. Raises Refused (exit status 2) if it cannot be written.

@@ -15,33 +15,33 @@ from assistant.program.geometry import Pose
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-BEYOND: Final = error(
+JOG_BEYOND_LIMIT: Final = error(
     "CO711",
     "{axis} would come to {value:.2f} {unit}, beyond its limits ({low:g} to {high:g})",
     "move it by less",
 )
 NO_AXIS: Final = error("CO712", "there is no axis `{axis}`", "name one of {axes}")
-OUT_OF_REACH: Final = error(
+JOG_OUT_OF_REACH: Final = error(
     "CO713",
     "the arm cannot come there without turning over: {why}",
     "move it by less, or by a joint",
 )
-NOT_CHECKED: Final = warning(
+JOG_NOT_CHECKED: Final = warning(
     "CO714",
     "no project says which robot this is, so the limits of its joints are not checked here",
     "write robot = NAME into the table of the controller, or watch the arm",
 )
-OUTSIDE: Final = error(
+ARM_OUTSIDE_LIMITS: Final = error(
     "CO715",
     "{axis} is at {value:.2f} {unit}, beyond the limits of `{robot}` ({low:g} to {high:g})",
     "correct `robot` of the controller, or move the axis back by hand at the controller",
 )
 
-ALONG: Final = ("X", "Y", "Z")
-ABOUT: Final = ("A", "B", "C")
+LINEAR_AXES: Final = ("X", "Y", "Z")
+TURNING_AXES: Final = ("A", "B", "C")
 """Turns about X, Y and Z of the frame."""
-JOINTS: Final = tuple(f"J{i}" for i in range(1, 9))
-MOST_STEP: Final = 1.0
+JOINT_AXES: Final = tuple(f"J{i}" for i in range(1, 9))
+MOST_JOG_STEP: Final = 1.0
 """Degrees or mm between two poses of a straight way that are looked at."""
 
 
@@ -51,56 +51,56 @@ def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagno
     The base of the robot is taken for the controller's, and the tool for what lies between the
     flange and the pose that the controller shows.
     """
-    turns = ABOUT[:2] if robot is not None and robot.five_axis else ABOUT
-    axes = (*(JOINTS if robot is None else robot.axes), *ALONG, *turns)
+    turns = TURNING_AXES[:2] if robot is not None and robot.five_axis else TURNING_AXES
+    axes = (*(JOINT_AXES if robot is None else robot.axes), *LINEAR_AXES, *turns)
     if jog.axis not in axes:
         raise Refused(NO_AXIS(axis=jog.axis, axes=", ".join(axes)), exit_status=2)
     if robot is None:
-        return (NOT_CHECKED(),)
+        return (JOG_NOT_CHECKED(),)
     joints = np.array(own_joints(position, robot))
     if jog.axis in robot.axes:
         goal = joints.copy()
         goal[robot.axes.index(jog.axis)] += jog.by
-        _within(goal, robot, jog.axis)
+        _check_limit(goal, robot, jog.axis)
     else:
-        _along(joints, jog, position, robot)
+        _check_flange_path(joints, jog, position, robot)
     return ()
 
 
-def check_place(position: Position, robot: Robot | None) -> tuple[Diagnostic, ...]:
+def check_position(position: Position, robot: Robot | None) -> tuple[Diagnostic, ...]:
     """Whether the arm is where the robot of the project can be; raises Refused if it is not."""
     if robot is None:
-        return (NOT_CHECKED(),)
+        return (JOG_NOT_CHECKED(),)
     joints = own_joints(position, robot)
     for axis, value, unit, (low, high) in zip(
         robot.axes, joints, robot.units, robot.limits, strict=True
     ):
-        if not low - LOOSE <= value <= high + LOOSE:
+        if not low - LIMIT_TOLERANCE <= value <= high + LIMIT_TOLERANCE:
             fields = {"axis": axis, "value": value, "unit": unit, "low": low, "high": high}
-            raise Refused(OUTSIDE(**fields, robot=robot.name))
+            raise Refused(ARM_OUTSIDE_LIMITS(**fields, robot=robot.name))
     return ()
 
 
-LOOSE: Final = 0.05
+LIMIT_TOLERANCE: Final = 0.05
 """Degrees or mm that an axis at its limit may be shown beyond it."""
 
 
-def _within(joints: np.ndarray, robot: Robot, axis: str) -> None:
+def _check_limit(joints: np.ndarray, robot: Robot, axis: str) -> None:
     index = robot.axes.index(axis)
     (low, high), value = robot.limits[index], float(joints[index])
     if not low <= value <= high:
         unit = robot.units[index]
-        raise Refused(BEYOND(axis=axis, value=value, unit=unit, low=low, high=high))
+        raise Refused(JOG_BEYOND_LIMIT(axis=axis, value=value, unit=unit, low=low, high=high))
 
 
-def _along(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> None:
+def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> None:
     """Follows the way of the flange in steps, on the branch that the arm is on."""
     positions, quaternions = robot.fk(joints[None])
     flange = Pose.of(positions[0], quaternions[0])
     shown = Pose(position.position, position.quaternion)
     tool = flange.inverse() @ shown
-    steps = max(2, int(np.ceil(abs(jog.by) / MOST_STEP)) + 1)
-    moved = _moved_in_plane if robot.five_axis else _moved
+    steps = max(2, int(np.ceil(abs(jog.by) / MOST_JOG_STEP)) + 1)
+    moved = _jogged_pose_in_plane if robot.five_axis else _jogged_pose
     way = [moved(shown, jog, part) @ tool.inverse() for part in np.linspace(0.0, jog.by, steps)]
     p = np.array([pose.position for pose in way])
     q = np.array([pose.quaternion for pose in way])
@@ -109,20 +109,20 @@ def _along(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> No
     wrong = np.flatnonzero(~valid[:, branch])
     if len(wrong):
         part = jog.by * wrong[0] / (steps - 1)
-        unit = "mm" if jog.axis in ALONG else "degrees"
+        unit = "mm" if jog.axis in LINEAR_AXES else "degrees"
         why = f"after {part:.0f} {unit} "
         reached = found[wrong[0], branch]
         why += "it is out of reach" if np.isnan(reached).any() else "a joint is at its limit"
-        raise Refused(OUT_OF_REACH(why=why))
+        raise Refused(JOG_OUT_OF_REACH(why=why))
 
 
-def _moved(pose: Pose, jog: Jog, by: float) -> Pose:
+def _jogged_pose(pose: Pose, jog: Jog, by: float) -> Pose:
     """The pose after a part of the motion."""
-    if jog.axis in ALONG:
-        offset = tuple(by if axis == jog.axis else 0.0 for axis in ALONG)
+    if jog.axis in LINEAR_AXES:
+        offset = tuple(by if axis == jog.axis else 0.0 for axis in LINEAR_AXES)
         step = Pose((offset[0], offset[1], offset[2]))
     else:
-        axis = [float(letter == jog.axis) for letter in ABOUT]
+        axis = [float(letter == jog.axis) for letter in TURNING_AXES]
         w, x, y, z = rotations.about(axis, by).tolist()
         step = Pose((0.0, 0.0, 0.0), (w, x, y, z))
     if jog.frame == "tool":
@@ -132,7 +132,7 @@ def _moved(pose: Pose, jog: Jog, by: float) -> Pose:
     return Pose((x, y, z), turned.quaternion)
 
 
-def _moved_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
+def _jogged_pose_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
     """The same of an arm of five axes, whose tool stays in its plane: A and B are kept, or turned.
 
     They are what its controller shows of an orientation; see `robots.arms.closed_form`.
@@ -140,9 +140,9 @@ def _moved_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
     from assistant.robots.arms.closed_form import from_ab, to_ab
 
     angles = to_ab([pose.position], [pose.quaternion])[0]
-    if jog.axis in ABOUT:
-        angles = angles + np.array([by * (jog.axis == letter) for letter in ABOUT[:2]])
+    if jog.axis in TURNING_AXES:
+        angles = angles + np.array([by * (jog.axis == letter) for letter in TURNING_AXES[:2]])
         place = pose.position
     else:
-        place = _moved(pose, jog, by).position
+        place = _jogged_pose(pose, jog, by).position
     return Pose.of(np.array(place), from_ab([place], angles)[0])

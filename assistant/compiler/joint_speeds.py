@@ -17,31 +17,31 @@ if TYPE_CHECKING:
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.retargeting import SpeedChange
 
-IN_MM = warning(
+SPEED_FROM_PERCENT = warning(
     "CO507",
     "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "
     "{rotation:g} degrees/s, and takes at least as long",
     "try it at a low override first",
 )
-IN_PERCENT = warning(
+PERCENT_FROM_SPEED = warning(
     "CO508",
     "a joint move at {tcp:g} mm/s, which takes {seconds:.2f} s, is written with {percent:g} %, and "
     "takes at least as long",
     "try it at a low override first",
 )
-AS_STATED = warning(
+SPEED_OF_PROCESS = warning(
     "CO509",
     "a joint speed of {percent} % is written as the {tcp:g} mm/s of the process file",
     "see that the arm is not faster there than it was",
 )
 
-GIVEN_PERCENT = info(
+PERCENT_OF_PROCESS = info(
     "CO511",
     "joint moves that state mm/s get the {percent:g} % of the process file, `joint_percent`",
 )
 
 
-def at_the_pace(
+def with_converted_joint_speeds(
     solution: SolvedProgram, source: Program, taught: Robot | None, percent: bool
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program that was solved for the arm that will run it, its joint moves not faster there.
@@ -56,17 +56,19 @@ def at_the_pace(
     if before is None and taught is not None:
         before = robots.solve_program(replace(source, robot=taught.name), taught)
     program, changes = convert_joint_speeds(solution.program, solution, before, percent=percent)
-    return program, tuple(_told(changes, IN_PERCENT if percent else IN_MM))
+    return program, tuple(
+        _speed_findings(changes, PERCENT_FROM_SPEED if percent else SPEED_FROM_PERCENT)
+    )
 
 
-def _told(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Diagnostic]:
+def _speed_findings(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Diagnostic]:
     """A finding for the first change of each statement."""
     seen: set[int] = set()
     for change in changes:
         if id(change.statement) not in seen:
             seen.add(id(change.statement))
-            physical = change.before if rule is IN_PERCENT else change.after
-            stated = change.after if rule is IN_PERCENT else change.before
+            physical = change.before if rule is PERCENT_FROM_SPEED else change.after
+            stated = change.after if rule is PERCENT_FROM_SPEED else change.before
             yield rule(
                 percent=stated.joint,
                 seconds=change.seconds,
@@ -76,13 +78,13 @@ def _told(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Diagnostic]:
             )
 
 
-def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic, ...]]:
+def with_joint_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program with that many mm/s where a joint move states a percentage alone."""
 
     def changed(part: Any) -> Any:
-        if _percent_alone(part):
+        if _has_percent_only(part):
             return replace(part, tcp=tcp, joint=None)
-        if _is_worked_out(part):
+        if _is_computed(part):
             return Speed(tcp)
         if isinstance(part, Path):
             return replace(part, speeds=tuple(map(changed, part.speeds)))
@@ -92,23 +94,25 @@ def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic,
     for statement in program.statements():
         one = head(statement)
         parts = one.path.speeds if isinstance(one, Follow) else records(one)
-        percent = next((x.joint for x in parts if isinstance(x, Speed) and _percent_alone(x)), None)
+        percent = next(
+            (x.joint for x in parts if isinstance(x, Speed) and _has_percent_only(x)), None
+        )
         if percent is not None:
-            found.append(AS_STATED(percent=f"{percent:g}", tcp=tcp, span=statement.span))
-        elif any(map(_is_worked_out, records(one))):
-            found.append(AS_STATED(percent="any", tcp=tcp, span=statement.span))
+            found.append(SPEED_OF_PROCESS(percent=f"{percent:g}", tcp=tcp, span=statement.span))
+        elif any(map(_is_computed, records(one))):
+            found.append(SPEED_OF_PROCESS(percent="any", tcp=tcp, span=statement.span))
     return rewrite(program, changed), tuple(found)
 
 
-def _percent_alone(part: Any) -> bool:
+def _has_percent_only(part: Any) -> bool:
     return isinstance(part, Speed) and part.joint is not None and math.isinf(part.tcp)
 
 
-def _is_worked_out(part: Any) -> bool:
+def _is_computed(part: Any) -> bool:
     return isinstance(part, ComputedSpeed) and part.joint is not None
 
 
-def at_a_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagnostic, ...]]:
+def with_joint_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program whose joint moves are at that percentage where they state none.
 
     Other moves keep their mm/s, as both stand in a speed.
@@ -125,4 +129,4 @@ def at_a_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagn
         return part
 
     done = rewrite(program, changed)
-    return done, (GIVEN_PERCENT(percent=percent),) if given else ()
+    return done, (PERCENT_OF_PROCESS(percent=percent),) if given else ()

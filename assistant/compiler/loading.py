@@ -17,19 +17,19 @@ from assistant.program import pseudo
 from assistant.program.program import Program, Signal
 from assistant.program.vendor_statements import with_effects
 from assistant.sources.placements import check_drawn
-from assistant.sources.process.seen import NOT_SAID, Seen
+from assistant.sources.process.seen import NO_SEEN_SETTINGS, SeenSettings
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
     from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
-    from assistant.sources.surroundings import ByRobot
+    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.surroundings import SurroundingsByRobot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
 UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "{cure}")
 
-NOT_THERE: Final = warning(
+LISTED_FILE_MISSING: Final = warning(
     "CO041",
     "the list names `{name}`, which is not beside it",
     "copy the file there, or see whether what it declares is missing",
@@ -55,7 +55,7 @@ class Loaded:
     arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
     text: SourceText | None = None
-    seen: Seen = NOT_SAID
+    seen: SeenSettings = NO_SEEN_SETTINGS
 
 
 def load(
@@ -65,8 +65,8 @@ def load(
     robot: Robot | None = None,
     language: str | None = None,
     unit: str | None = None,
-    around: ByRobot | None = None,
-    placement: Placing | None = None,
+    around: SurroundingsByRobot | None = None,
+    placement: DrawingPlacement | None = None,
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
@@ -87,15 +87,15 @@ def load(
         loaded = Loaded(parse_pseudo(text, source.parent), None, stated, text=text)
         return loaded if process is None else with_process(loaded, process)
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
-    spoken = _spoken(source, data, language)
+    spoken = _language_of_data(source, data, language)
     if spoken is None:
         reading = sources.read(source, process, unit, around, placement, merging=True)
         percent = reading.joint_percent
         read = reading.program, None, reading.findings
         return Loaded(*read, joint_percent=percent, seen=reading.seen)
-    loaded = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
+    loaded = lift_texts(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin
-    missing = not_there(spoken, origin.trees if origin is not None else ())
+    missing = missing_files(spoken, origin.trees if origin is not None else ())
     loaded = replace(loaded, findings=(*missing, *loaded.findings, *stated))
     loaded = configured_beside(loaded, spoken, source)
     return loaded if process is None else with_process(loaded, process)
@@ -103,10 +103,13 @@ def load(
 
 def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -> Loaded:
     """A program with what files of its controller state, which stand beside one of its own."""
-    from assistant.compiler.controller_files import as_configured, configured
+    from assistant.compiler.controller_files import (
+        controller_configuration,
+        with_controller_configuration,
+    )
 
-    given, found = configured(language, file)
-    placed = as_configured(loaded.program, language, given)
+    given, found = controller_configuration(language, file)
+    placed = with_controller_configuration(loaded.program, language, given)
     return replace(
         loaded,
         program=placed.program,
@@ -127,18 +130,18 @@ def load_text(
     if language is None:
         loaded = Loaded(parse_pseudo(text), text=text)
     else:
-        loaded = lift(language_of(language), [text], robot)
+        loaded = lift_texts(language_of(language), [text], robot)
     return loaded if process is None else with_process(loaded, process)
 
 
 def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
     """A program in the cell that a process file states; raises Unreadable or Refused."""
-    from assistant.compiler.cell_file import check_signals, equipped
+    from assistant.compiler.cell_file import check_signals, with_cell_equipment
     from assistant.sources.process.file import read_process
 
     stated = read_process(process)
     check_signals(loaded.program, stated, str(process))
-    program, findings = equipped(loaded.program, stated, str(process))
+    program, findings = with_cell_equipment(loaded.program, stated, str(process))
     found = (*loaded.findings, *findings)
     return replace(
         loaded,
@@ -172,11 +175,11 @@ def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:
         inner[:] = sorted(name for name in inner if not name.startswith("."))
         for name in sorted(names):
             path = os.path.join(inside, name)  # noqa: PTH118 (keeps it as the user wrote it)
-            if FilePath(name).suffix.lower() in suffixes and not _waits(path):
+            if FilePath(name).suffix.lower() in suffixes and not _is_pipe(path):
                 yield path
 
 
-def _waits(path: str) -> bool:
+def _is_pipe(path: str) -> bool:
     """Whether reading would wait for another program: a pipe or a device, no file."""
     return FilePath(path).exists() and not FilePath(path).is_file()
 
@@ -192,7 +195,7 @@ def language_of(name: str) -> Language[Any]:
         raise Refused(finding, exit_status=2) from None
 
 
-def lift(
+def lift_texts(
     language: Language[Any],
     texts: Sequence[SourceText],
     robot: Robot | None = None,
@@ -200,10 +203,10 @@ def lift(
     beside: FilePath | None = None,
 ) -> Loaded:
     """The pseudo-program of vendor texts; raises Refused if one of them is broken."""
-    return lifted(language, read_trees(language, texts, beside=beside), robot)
+    return lift_trees(language, read_trees(language, texts, beside=beside), robot)
 
 
-def lifted(language: Language[Any], trees: Sequence[Any], robot: Robot | None = None) -> Loaded:
+def lift_trees(language: Language[Any], trees: Sequence[Any], robot: Robot | None = None) -> Loaded:
     """The pseudo-program of the trees of one program; raises Refused if one of them is broken.
 
     What is broken so that nobody can doubt its meaning is read as it is meant, with warnings.
@@ -229,10 +232,10 @@ def with_called(
     language: Language[Any], trees: Sequence[Any], paths: Sequence[str | None], folder: FilePath
 ) -> list[Any]:
     """Trees of files at these paths, and those of the files in a folder that they call."""
-    return [*trees, *_called(language, trees, paths, folder)]
+    return [*trees, *_called_trees(language, trees, paths, folder)]
 
 
-def not_there(language: Language[Any], trees: Iterable[Any]) -> Iterator[Diagnostic]:
+def missing_files(language: Language[Any], trees: Iterable[Any]) -> Iterator[Diagnostic]:
     """A finding for each file that a list of a task names and that is not beside it."""
     for tree in trees:
         path = FilePath((tree.source and tree.source.path) or "")
@@ -241,11 +244,11 @@ def not_there(language: Language[Any], trees: Iterable[Any]) -> Iterator[Diagnos
         there = _files_by_name(path.parent)
         if not isinstance(there, Refused):
             for name in language.called_files(tree):
-                if _file_of(name) not in there:
-                    yield NOT_THERE(name=name, path=str(path))
+                if _file_name_of(name) not in there:
+                    yield LISTED_FILE_MISSING(name=name, path=str(path))
 
 
-def _file_of(name: str) -> str:
+def _file_name_of(name: str) -> str:
     """The name of a file without the folders before it, in lower case."""
     return name.replace("\\", "/").rsplit("/", 1)[-1].lower()
 
@@ -266,7 +269,7 @@ def whole_programs(files: Sequence[str], language: str | None = None) -> list[st
         if len(folders[path.parent]) == 1:  # nothing else that it may call
             continue
         with suppress(Exception):  # it is refused, or fails, when its turn comes
-            spoken = _spoken(path, read_bytes(path), language)
+            spoken = _language_of_data(path, read_bytes(path), language)
             if spoken is not None:
                 there = folders[path.parent]
                 tree = spoken.parse(spoken.read(path))
@@ -295,18 +298,18 @@ def read_companions(language: Language[Any], trees: Sequence[Any], folder: FileP
         return (*language.called_files(tree), *language.companions(tree))
 
     known = [name for tree in trees for name in language.called_files(tree)]
-    return _named(language, trees, names, known, folder)
+    return _named_trees(language, trees, names, known, folder)
 
 
-def _called(
+def _called_trees(
     language: Language[Any], trees: Sequence[Tree], paths: Sequence[str | None], folder: FilePath
 ) -> list[Tree]:
     """The trees of the files in the folder that trees call, and of those that these call."""
     known = [FilePath(path).name for path in paths if path]
-    return _named(language, trees, language.called_files, known, folder)
+    return _named_trees(language, trees, language.called_files, known, folder)
 
 
-def _named(
+def _named_trees(
     language: Language[Any],
     trees: Sequence[Any],
     names: Callable[[Any], tuple[str, ...]],
@@ -343,7 +346,9 @@ def _files_by_name(folder: FilePath) -> dict[str, FilePath] | Refused:
     return {name.lower(): folder / name for name in names if (folder / name).is_file()}
 
 
-def _spoken(source: FilePath, data: bytes | None, named: str | None) -> Language[Any] | None:
+def _language_of_data(
+    source: FilePath, data: bytes | None, named: str | None
+) -> Language[Any] | None:
     if named is not None:
         return language_of(named)
     return None if data is None else languages.of_file(source, data)

@@ -19,13 +19,13 @@ from assistant.program.rewriting import records
 if TYPE_CHECKING:
     from assistant.cell.scene import Body, PlacedRobot, Scene
 
-NO_TARGET: Final = error(
+LOCATION_NO_TARGET: Final = error(
     "CO077", "the location `{name}` of the cell is no target here: {reason}", "{cure}"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _BodyLocation:
     """A location of a body."""
 
     body: Body
@@ -44,52 +44,54 @@ def with_locations(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnos
     """
     if arms.scene is None or program.origin is not None:
         return program, ()
-    known = _known(arms.scene)
+    known = _known_locations(arms.scene)
     if not known:
         return program, ()
-    placed = placed_in(program, arms)
+    placed = robot_in_cell(program, arms)
     declared = {name.lower() for name in (*program.targets, *program.joint_targets)}
     declared |= {name.lower() for name in (*program.variables, *program.signals)}
-    uses = _uses(program, declared, known)
+    uses = _locations_used(program, declared, known)
     targets = dict(program.targets)
     found = []
     for name, frames in uses.items():
-        told = _fault(name, frames, known[name.lower()], program, placed is not None)
+        told = _location_fault(name, frames, known[name.lower()], program, placed is not None)
         if told is not None:
             found.append(told)
             continue
         assert placed is not None
         (place,), (frame,) = known[name.lower()], frames
-        pose = _fixed(arms.scene, place.body)
+        pose = _fixed_pose(arms.scene, place.body)
         if pose is None:
             moves = f"`{place.body.name}` moves with an arm"
-            found.append(NO_TARGET(name=name, reason=moves, cure="declare a target of its own"))
+            found.append(
+                LOCATION_NO_TARGET(name=name, reason=moves, cure="declare a target of its own")
+            )
             continue
         in_base = placed.base.inverse() @ pose @ place.body.locations[place.name]
-        targets[name] = Target(_frame(program, frame).pose.inverse() @ in_base)
+        targets[name] = Target(_frame_named(program, frame).pose.inverse() @ in_base)
     return (replace(program, targets=targets) if uses else program), tuple(found)
 
 
-def _known(scene: Scene) -> Mapping[str, tuple[_Place, ...]]:
+def _known_locations(scene: Scene) -> Mapping[str, tuple[_BodyLocation, ...]]:
     """Names, in lower case, with the locations that they may be."""
-    found: dict[str, tuple[_Place, ...]] = {}
+    found: dict[str, tuple[_BodyLocation, ...]] = {}
     for body in scene.bodies:
         for name in body.locations:
-            place = _Place(body, name)
+            place = _BodyLocation(body, name)
             for one in (name.lower(), place.long.lower()):
                 found[one] = (*found.get(one, ()), place)
     return found
 
 
-def _uses(
-    program: Program, declared: set[str], known: Mapping[str, tuple[_Place, ...]]
+def _locations_used(
+    program: Program, declared: set[str], known: Mapping[str, tuple[_BodyLocation, ...]]
 ) -> dict[str, tuple[str, ...]]:
     """Names of locations, as the program first writes each, with the frames of the moves there."""
     found: dict[str, tuple[str, ...]] = {}
     spelled: dict[str, str] = {}
     for procedure in program.procedures:
-        own = declared | {name.lower() for name in _own(procedure)}
-        for name, frame in _moved_to(procedure):
+        own = declared | {name.lower() for name in _own_names(procedure)}
+        for name, frame in _names_moved_to(procedure):
             low = name.lower()
             if low in own or low not in known:
                 continue
@@ -100,12 +102,12 @@ def _uses(
     return found
 
 
-def _own(procedure: Procedure) -> Iterator[str]:
+def _own_names(procedure: Procedure) -> Iterator[str]:
     yield from procedure.variables
     yield from (parameter.name for parameter in procedure.parameters)
 
 
-def _moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
+def _names_moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
     """Names in where moves go, each with the frame of the move."""
     for one in walk(procedure.body):
         motion: Any = getattr(one, "motion", None)
@@ -116,7 +118,7 @@ def _moved_to(procedure: Procedure) -> Iterator[tuple[str, str]]:
                         yield part.name, motion.frame
 
 
-def placed_in(program: Program, arms: Arms) -> PlacedRobot | None:
+def robot_in_cell(program: Program, arms: Arms) -> PlacedRobot | None:
     """The robot of the cell that runs the program; None if that is not known."""
     from assistant.cell.clearances import robot_of
     from assistant.compiler.arms import known_robot
@@ -130,10 +132,10 @@ def placed_in(program: Program, arms: Arms) -> PlacedRobot | None:
         return None
 
 
-def _fault(
+def _location_fault(
     name: str,
     frames: tuple[str, ...],
-    places: tuple[_Place, ...],
+    places: tuple[_BodyLocation, ...],
     program: Program,
     standing: bool,
 ) -> Diagnostic | None:
@@ -141,28 +143,30 @@ def _fault(
     if len(places) > 1:
         bodies = ", ".join(f"`{place.body.name}`" for place in places)
         long = " or ".join(f"`{place.long}`" for place in places)
-        return NO_TARGET(name=name, reason=f"it is one of {bodies}", cure=f"write {long}")
+        return LOCATION_NO_TARGET(name=name, reason=f"it is one of {bodies}", cure=f"write {long}")
     if len(frames) > 1:
         names = ", ".join("the base" if one == BASE else f"frame `{one}`" for one in frames)
         reason = f"moves go to it in {names}"
-        return NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
-    frame = _frame(program, frames[0])
+        return LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
+    frame = _frame_named(program, frames[0])
     if frame.held or frame.mechanism or frame.seen:
         reason = f"the frame `{frames[0]}` of the moves there does not stand still"
-        return NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
+        return LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
     if not standing:
         reason = "which robot of the cell runs the program is not known"
-        return NO_TARGET(name=name, reason=reason, cure="name the robot as the cell does: --robot")
+        return LOCATION_NO_TARGET(
+            name=name, reason=reason, cure="name the robot as the cell does: --robot"
+        )
     return None
 
 
-def _frame(program: Program, name: str) -> Frame:
+def _frame_named(program: Program, name: str) -> Frame:
     """The frame of a name; that of the base for a name that nobody declares, told elsewhere."""
     frames = {key.lower(): frame for key, frame in program.frames.items()}
     return frames.get(name.lower(), Frame()) if name != BASE else Frame()
 
 
-def _fixed(scene: Scene, body: Body) -> Pose | None:
+def _fixed_pose(scene: Scene, body: Body) -> Pose | None:
     """The pose of a body in the world; None for one that an arm moves."""
     from assistant.base import rotations
     from assistant.cell.collision.model import Carriers, carrier_of

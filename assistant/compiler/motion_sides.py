@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.compiler.arms import Arms, known_robot, taught_on
+from assistant.compiler.arms import Arms, known_robot, teaching_arm
 from assistant.compiler.loading import language_of
 from assistant.program.analysis.uses import base_variable
 from assistant.program.expressions import Apply
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 HAND_NUMBERS: Final = 9000
 """Numbers of no signal, for the hands that a language has words for."""
 HANDS: Final = 8
-FREE: Final = 30_000
+FIRST_FREE_NUMBER: Final = 30_000
 """The first number of signals that have no number in either program."""
-HEADED: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
+VARIABLE_HEADING: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
 """A line above a program that tells what its source calls a variable."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ProgramPair:
     """Two programs that are to do the same, in two languages or in one.
 
     language, trees: of the second, None and the program itself where it is run as it stands. names:
@@ -56,7 +56,7 @@ class Pair:
                 known = found.get(name.lower())
                 if known is None or known[1].number is None:
                     found[name.lower()] = name, signal
-        for free, (own, other) in enumerate(self.names.items(), FREE):
+        for free, (own, other) in enumerate(self.names.items(), FIRST_FREE_NUMBER):
             pair = found.get(own), found.get(other)
             some = pair[0] or pair[1]
             if some is None:  # data
@@ -74,21 +74,25 @@ class Pair:
         return self.names.get(name.lower(), name)
 
 
-def written(source: Program, program: Program, language: str, files: Mapping[str, bytes]) -> Pair:
+def written_pair(
+    source: Program, program: Program, language: str, files: Mapping[str, bytes]
+) -> ProgramPair:
     """A source, and the program that was made of it as its files say it."""
     spoken = language_of(language)
     trees = [spoken.parse(spoken.decode(data, name)) for name, data in files.items()]
-    return Pair(source, program, language, trees)
+    return ProgramPair(source, program, language, trees)
 
 
-def sides(pair: Pair, trees: Sequence[Any], arms: Arms, entry: str | None) -> tuple[Side, Side]:
+def proof_sides(
+    pair: ProgramPair, trees: Sequence[Any], arms: Arms, entry: str | None
+) -> tuple[Side, Side]:
     """Both programs before the same motion and with the same signals. trees: of the first."""
     from assistant.virtual.program_run import home
     from assistant.virtual.proving.compared_programs import PLAIN_JOINTS, PLAIN_START, PSEUDO, Side
 
     first = pair.first
     spoken = None if first.origin is None else first.origin.language
-    here = taught_on(first, arms)
+    here = teaching_arm(first, arms)
     there = arms.robot or known_robot(pair.second.robot or first.robot)
     start = home(here) or home(there) or PLAIN_START
     joints = None if here or there else PLAIN_JOINTS
@@ -116,19 +120,22 @@ def sides(pair: Pair, trees: Sequence[Any], arms: Arms, entry: str | None) -> tu
     return side(0, spoken, trees), side(1, pair.language, pair.trees)
 
 
-def _shared_data(pair: Pair, trees: Sequence[Any]) -> tuple[dict[str, str], dict[str, str]]:
+def _shared_data(pair: ProgramPair, trees: Sequence[Any]) -> tuple[dict[str, str], dict[str, str]]:
     """Names of the first program for data that outlives a run, by the names in either text.
 
     Without those that routines have by reference: one language changes them there, another one
     behind the call.
     """
     first, second = (
-        {name.lower() for name, one in program.variables.items() if _outlives(one)}
+        {name.lower() for name, one in program.variables.items() if _outlives_run(one)}
         for program in (pair.first, pair.second)
     )
-    stated = {n for n in pair.names if n in _plain_data(pair.first)}
-    texts = [_text(files) for files in (trees, pair.trees)]
-    own = [{name.lower(): own.lower() for own, name in HEADED.findall(text)} for text in texts]
+    stated = {n for n in pair.names if n in _plain_variables(pair.first)}
+    texts = [_joined_text(files) for files in (trees, pair.trees)]
+    own = [
+        {name.lower(): own.lower() for own, name in VARIABLE_HEADING.findall(text)}
+        for text in texts
+    ]
     found: tuple[dict[str, str], dict[str, str]] = {}, {}
     for name in sorted(((first & second) | stated) - _by_reference(pair.first)):
         names = name, pair.others_name(name)
@@ -152,25 +159,25 @@ def _by_reference(program: Program) -> set[str]:
     }
 
 
-def _plain_data(program: Program) -> set[str]:
-    return {name.lower() for name, one in program.variables.items() if _plain(one)}
+def _plain_variables(program: Program) -> set[str]:
+    return {name.lower() for name, one in program.variables.items() if _is_plain(one)}
 
 
-def _outlives(variable: Variable) -> bool:
-    return variable.storage == "persistent" and _plain(variable)
+def _outlives_run(variable: Variable) -> bool:
+    return variable.storage == "persistent" and _is_plain(variable)
 
 
-def _plain(variable: Variable) -> bool:
+def _is_plain(variable: Variable) -> bool:
     """Return whether a variable holds one number, truth or text."""
     return not variable.size and variable.type in ("number", "integer", "truth", "text")
 
 
-def _text(files: Sequence[Any]) -> str:
+def _joined_text(files: Sequence[Any]) -> str:
     sources = (getattr(tree, "source", None) for tree in files)
     return "\n".join(source.text for source in sources if source is not None)
 
 
-def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
+def stand_in_sides(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
     """Both programs on arms that nobody has named: where only an arm tells what they read of it.
 
     A small, a middling and a large one of the catalogue, as a program may be for any of them.
@@ -191,7 +198,7 @@ def on_stand_ins(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]
         )
 
 
-def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
+def trees_in_cell(program: Program) -> tuple[list[Any], list[str]]:
     """The trees of a program, and names of what stands elsewhere that cannot be put into them.
 
     Tools and frames that a process file states anew are in the program as it was lifted, not in the
@@ -220,12 +227,12 @@ def in_the_cell(program: Program) -> tuple[list[Any], list[str]]:
     return trees, [name for name in (*tools, *frames) if name.lower() not in found]
 
 
-def names_of_wires(pair: Pair) -> dict[str, str]:
+def wire_names(pair: ProgramPair) -> dict[str, str]:
     """What people call the wires of inputs, where that is one each: as the first program does."""
     found: dict[str, str] = {}
     for name, signal in pair.signals.items():
         if signal.direction == "input" and signal.number is not None and signal.bits == 1:
-            wire = str(_register(signal) if signal.kind == "analog" else signal.number)
+            wire = str(_analog_register(signal) if signal.kind == "analog" else signal.number)
             found.setdefault(wire, name)
     return found
 
@@ -240,7 +247,7 @@ def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
     for name, signal in signals.items():
         if signal.direction != "input":
             continue
-        wires = tuple(map(str, _numbers(signal))) or (_register(signal) or name,)
+        wires = tuple(map(str, _bit_numbers(signal))) or (_analog_register(signal) or name,)
         named[name] = wires
         if counts_signals(family):
             named |= {wire: (wire,) for wire in wires}
@@ -249,7 +256,7 @@ def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
     return Wiring(named, frozenset(wide))
 
 
-def _numbers(signal: Signal) -> range:
+def _bit_numbers(signal: Signal) -> range:
     """Of its bits; none of an analog one."""
     first = signal.number
     if first is None or signal.kind == "analog":
@@ -257,14 +264,14 @@ def _numbers(signal: Signal) -> range:
     return range(first, first + signal.bits)
 
 
-def _register(signal: Signal) -> str | None:
+def _analog_register(signal: Signal) -> str | None:
     """What programs that count signals have for an analog one."""
     from assistant.virtual.melfa.world import register
 
     return None if signal.number is None else register(signal.number)
 
 
-def outputs_of(pair: Pair, families: Sequence[str]) -> Bits:
+def output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
     """Numbers of outputs, which two programs may call otherwise, by the names in either.
 
     families: of their languages.
@@ -279,7 +286,7 @@ def outputs_of(pair: Pair, families: Sequence[str]) -> Bits:
         for name in (f"hand{hand}", f"hand{hand}_open")
     }
     given = {
-        name.lower(): tuple(_numbers(signal)) or str(_register(signal))
+        name.lower(): tuple(_bit_numbers(signal)) or str(_analog_register(signal))
         for name, signal in pair.signals.items()
         if signal.direction == "output" and signal.number is not None
     }
@@ -292,7 +299,7 @@ def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:
 
     found: dict[str, str] = {}
     for name, signal in signals.items():
-        numbers = _numbers(signal)
+        numbers = _bit_numbers(signal)
         if signal.direction == "output" and len(numbers) == 1:
             pair = (name, str(numbers[0]))
             found |= {pair[0]: pair[1]} if counts_signals(family) else {pair[1]: pair[0]}

@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
-from assistant.compiler.cell_file import NOT_OF_PROGRAMS
+from assistant.compiler.cell_file import KEYS_WITHOUT_EFFECT
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE
@@ -41,7 +41,7 @@ OTHER_NAME = error(
     "in {language} the program cannot be called `{name}`, but `{short}`",
     "choose a name that it can have, such as `{short}`",
 )
-NEAR_NAME = warning(
+NAME_SHORTENED = warning(
     "CO323",
     "in {language} the program is called `{short}`: others call it by that",
     "have it called so, or choose a name that it can have",
@@ -56,16 +56,16 @@ BEGINS_AT_TOP = error(
     "a program of {language} begins at its top: without a main nobody could call anything of it",
     "leave out `main = false`, or `--no-main`; others call the program by the name of its file",
 )
-NOBODY = error(
+NO_MAIN_TO_NAME = error(
     "CO326", "there is no main that could be called `{name}`", "leave out `as`, or `main = false`"
 )
-KEPT_NAMES = error(
+NAMES_IN_VENDOR_TEXT = error(
     "CO327",
     "`{text}` keeps its text, in which names stay as they are",
     "leave out `as` and `prefix`, or say it in plain statements",
 )
 
-NOT_THERE = error(
+NAME_NOT_EXPRESSIBLE = error(
     "CO329",
     "{language} cannot name `{name}` as the controller has it",
     "give it a name that the language has, or the `number` that the controller counts it by, or"
@@ -78,11 +78,19 @@ SEVERAL_UNITS = error(
     "allow more targets of one unit with `--most-targets`, or give a `prefix` instead of `local`",
 )
 
-TABLES: Final = ("targets", "joint_targets", "variables", "tools", "frames", "speeds", "blends")
+NAMED_TABLES: Final = (
+    "targets",
+    "joint_targets",
+    "variables",
+    "tools",
+    "frames",
+    "speeds",
+    "blends",
+)
 """What a program declares by name, but for signals, which the controller has."""
 
 
-def wished(given: Interface | None, called: str | None, main: bool | None) -> Interface:
+def stated_interface(given: Interface | None, called: str | None, main: bool | None) -> Interface:
     """What is asked of the names of a program, of which a run may say other things."""
     stated = given or STANDALONE
     if called is not None:
@@ -98,16 +106,16 @@ def without_names(loaded: Loaded, process: object) -> Loaded:
     stands = loaded.program.interface
     if stands is None or replace(stands, there={}) == STANDALONE:
         return loaded
-    finding = NOT_OF_PROGRAMS(keys="`program`", path=None if process is None else str(process))
+    finding = KEYS_WITHOUT_EFFECT(keys="`program`", path=None if process is None else str(process))
     program = replace(loaded.program, interface=Interface(there=stands.there))
     return replace(loaded, program=program, findings=(*loaded.findings, finding))
 
 
-def named(program: Program, wishes: Interface, language: Language[Any]) -> Program:
+def with_interface(program: Program, wishes: Interface, language: Language[Any]) -> Program:
     """The program with the names that are asked of it; raises Refused where it cannot have them."""
     if wishes == STANDALONE:
         return program
-    _look_at(program, wishes, language)
+    _check_interface(program, wishes, language)
     begins = program.procedure(program.entry or "")
     callable_ = {program.entry} if begins is not None else set()
     if not wishes.main and begins is not None:
@@ -115,38 +123,38 @@ def named(program: Program, wishes: Interface, language: Language[Any]) -> Progr
         rest = tuple(one for one in program.procedures if one is not begins)
         program = replace(program, procedures=rest, entry=None)
     if wishes.local and not language.called_by_file:
-        program = _local(program, {name.lower() for name in callable_ if name})
+        program = _with_local_names(program, {name.lower() for name in callable_ if name})
     if wishes.prefix:
-        program = prefixed(program, wishes.prefix, kept=wishes.there)
+        program = with_prefix(program, wishes.prefix, kept=wishes.there)
     if wishes.called and begins is not None:
-        program = _called(program, wishes.called, language)
+        program = _with_program_name(program, wishes.called, language)
     return replace(program, interface=wishes)
 
 
-def _look_at(program: Program, wishes: Interface, language: Language[Any]) -> None:
+def _check_interface(program: Program, wishes: Interface, language: Language[Any]) -> None:
     for name in filter(None, (wishes.called, wishes.prefix)):
         if IDENTIFIER.fullmatch(name) is None:
             raise Refused(NO_NAME(name=name, cure=f"write {identifier(name)}"), exit_status=2)
     begins = program.procedure(program.entry or "")
     if wishes.called and (not wishes.main or begins is None):
-        raise Refused(NOBODY(name=wishes.called))
+        raise Refused(NO_MAIN_TO_NAME(name=wishes.called))
     if not wishes.main:
         if language.called_by_file:
             raise Refused(BEGINS_AT_TOP(language=language.title))
-        if begins is not None and not _only_calls(begins):
+        if begins is not None and not _has_only_calls(begins):
             raise Refused(NOT_MERE_CALLS(name=begins.name))
-    kept = kept_text(program, None if wishes.prefix else program.entry)
+    kept = first_vendor_text(program, None if wishes.prefix else program.entry)
     if kept is not None and (wishes.prefix or wishes.called):
-        raise Refused(KEPT_NAMES(text=" ".join(kept.split())))
+        raise Refused(NAMES_IN_VENDOR_TEXT(text=" ".join(kept.split())))
 
 
-def _only_calls(procedure: Procedure) -> bool:
+def _has_only_calls(procedure: Procedure) -> bool:
     plain = all(isinstance(one, p.Call | p.Comment) for one in procedure.body)
     given = any(isinstance(one, p.Call) and one.arguments for one in procedure.body)
     return plain and not given and not procedure.variables
 
 
-def kept_text(program: Program, name: str | None) -> str | None:
+def first_vendor_text(program: Program, name: str | None) -> str | None:
     """The first text of a robot language that the program keeps; that says a name, if given."""
     others = records((program.declarations, program.variables))
     for part in (*records_in_procedures(program, p.Opaque, e.Verbatim), *others):
@@ -156,7 +164,7 @@ def kept_text(program: Program, name: str | None) -> str | None:
     return None
 
 
-def _local(program: Program, callable_: set[str]) -> Program:
+def _with_local_names(program: Program, callable_: set[str]) -> Program:
     """All that others do not call is the module's own."""
     procedures = (
         one if one.name.lower() in callable_ else replace(one, local=True)
@@ -166,32 +174,32 @@ def _local(program: Program, callable_: set[str]) -> Program:
     return replace(program, procedures=tuple(procedures), variables=variables)
 
 
-def _called(program: Program, name: str, language: Language[Any]) -> Program:
+def _with_program_name(program: Program, name: str, language: Language[Any]) -> Program:
     """The program whose entry has a name, and its file where others call that."""
-    for kind, there in _declared(program):
+    for kind, there in _declared_kinds(program):
         own = kind == "procedure" and there.lower() == (program.entry or "").lower()
         if there.lower() == name.lower() and not own:
             raise Refused(NAME_TAKEN(name=name, kind=kind, there=there))
-    made = entry_called(program, name)
+    made = with_entry_name(program, name)
     return replace(made, name=name) if language.called_by_file else made
 
 
-def entry_called(program: Program, name: str) -> Program:
+def with_entry_name(program: Program, name: str) -> Program:
     """The program whose entry has a name that is free."""
     names = {(program.entry or "").lower(): name}
     procedures = tuple(with_names_replaced(one, names) for one in program.procedures)
     return replace(program, procedures=procedures, entry=name)
 
 
-def _declared(program: Program) -> Iterator[tuple[str, str]]:
+def _declared_kinds(program: Program) -> Iterator[tuple[str, str]]:
     """What has a name that others see, with its kind."""
     yield from (("procedure", one.name) for one in program.procedures)
     yield from (("signal", name) for name in program.signals)
-    for table in TABLES:
+    for table in NAMED_TABLES:
         yield from ((table[:-1].replace("_", " "), name) for name in getattr(program, table))
 
 
-def not_called_so(
+def interface_findings(
     wishes: Interface, program: Program, language: Language[Any]
 ) -> Iterator[Diagnostic]:
     """Findings of what a language cannot call as it is to be called.
@@ -202,7 +210,7 @@ def not_called_so(
     if wishes.local and not language.called_by_file and count > 1:
         yield SEVERAL_UNITS(count=count)
     for name in language.not_there(program):
-        yield NOT_THERE(name=name, language=language.title)
+        yield NAME_NOT_EXPRESSIBLE(name=name, language=language.title)
     name = wishes.called
     if not name or program.entry is None:
         return
@@ -213,12 +221,12 @@ def not_called_so(
     if short.lower() == name.lower():
         return
     near = short.lower() == name.replace("_", "").lower()
-    rule = NEAR_NAME if near else OTHER_NAME
+    rule = NAME_SHORTENED if near else OTHER_NAME
     yield rule(name=name, short=short, language=language.title)
 
 
 @dataclass(frozen=True, slots=True)
-class _Names:
+class _NewNames:
     """New names by lower-case ones: of procedures, of data, of settings by their tables."""
 
     tables: Mapping[str, Mapping[str, str]]
@@ -227,15 +235,15 @@ class _Names:
         return self.tables[table].get(name.lower(), name)
 
 
-def prefixed(program: Program, prefix: str, kept: Collection[str] = ()) -> Program:
+def with_prefix(program: Program, prefix: str, kept: Collection[str] = ()) -> Program:
     """The program with a prefix before all that it declares, but for signals.
 
     kept: lower-case names of tools and frames that the controller has, which stay.
     """
     there = {FLANGE, BASE, *kept}
-    own: dict[str, list[str]] = {table: list(getattr(program, table)) for table in TABLES}
+    own: dict[str, list[str]] = {table: list(getattr(program, table)) for table in NAMED_TABLES}
     own["procedures"] = [one.name for one in program.procedures]
-    names = _Names(
+    names = _NewNames(
         {
             table: {
                 name.lower(): prefix + name
@@ -247,7 +255,7 @@ def prefixed(program: Program, prefix: str, kept: Collection[str] = ()) -> Progr
     )
     tables: dict[str, Any] = {
         table: {names.of(table, name): part for name, part in getattr(program, table).items()}
-        for table in TABLES
+        for table in NAMED_TABLES
     }
     tables["variables"] = {
         name: _renamed(one, names, prefix, frozenset()) for name, one in tables["variables"].items()
@@ -269,7 +277,7 @@ def prefixed(program: Program, prefix: str, kept: Collection[str] = ()) -> Progr
     return replace(program, name=title, procedures=tuple(procedures), entry=entry, **tables)
 
 
-def _renamed(value: Any, names: _Names, prefix: str, hidden: frozenset[str]) -> Any:
+def _renamed(value: Any, names: _NewNames, prefix: str, hidden: frozenset[str]) -> Any:
     """A part of the program with the new names. hidden: what is its own, in lower case."""
     data = {
         low: new
@@ -281,7 +289,7 @@ def _renamed(value: Any, names: _Names, prefix: str, hidden: frozenset[str]) -> 
     def setting(table: str, part: Any) -> Any:
         if isinstance(part, e.Name):
             return e.Name(names.of(table, part.name))
-        return rewrite(part, visit, _WHOLE)  # of one that is worked out
+        return rewrite(part, visit, _WITH_SETTING_NAMES)  # of one that is worked out
 
     def visit(part: Any) -> Any:
         match part:
@@ -313,8 +321,8 @@ def _renamed(value: Any, names: _Names, prefix: str, hidden: frozenset[str]) -> 
                 )
         return part
 
-    return rewrite(value, visit, _WHOLE)
+    return rewrite(value, visit, _WITH_SETTING_NAMES)
 
 
-_WHOLE: Final = (Path, p.Motion)
+_WITH_SETTING_NAMES: Final = (Path, p.Motion)
 """What has names of settings, which are no expressions."""

@@ -17,15 +17,15 @@ from assistant.sources.placements import check_drawn
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.sources.placements import Placing
-    from assistant.sources.surroundings import ByRobot
+    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.surroundings import SurroundingsByRobot
 
-SEVERAL: Final = error(
+SEVERAL_PROGRAMS: Final = error(
     "CO047",
     "the folder `{name}` holds {count} programs",
     "name one of them: {names}",
 )
-MOST_NAMED: Final = 8
+MOST_TASKS_NAMED: Final = 8
 
 
 def load(
@@ -35,8 +35,8 @@ def load(
     robot: Robot | None = None,
     language: str | None = None,
     unit: str | None = None,
-    around: ByRobot | None = None,
-    placement: Placing | None = None,
+    around: SurroundingsByRobot | None = None,
+    placement: DrawingPlacement | None = None,
 ) -> Loaded:
     """The pseudo-program of a file, see `loading.load`, or of a folder with one robot program.
 
@@ -58,12 +58,17 @@ def load(
         check_drawn(FilePath(path))
     left = list[Diagnostic]()
     tasks = tasks_of(list(programs_in(str(path), language, left.append)), language)
-    task = _only(tasks)
+    task = _only_task(tasks)
     if task is None:
-        shown = ", ".join(f"`{one.name}`" for one in tasks[:MOST_NAMED])
-        names = f"{shown} and {len(tasks) - MOST_NAMED} more" if len(tasks) > MOST_NAMED else shown
+        shown = ", ".join(f"`{one.name}`" for one in tasks[:MOST_TASKS_NAMED])
+        names = (
+            f"{shown} and {len(tasks) - MOST_TASKS_NAMED} more"
+            if len(tasks) > MOST_TASKS_NAMED
+            else shown
+        )
         raise Refused(
-            SEVERAL(name=path, count=len(tasks), names=names, path=str(path)), exit_status=2
+            SEVERAL_PROGRAMS(name=path, count=len(tasks), names=names, path=str(path)),
+            exit_status=2,
         )
     if len(task.files) > 1:
         loaded = load_task(task, process=process, robot=robot)
@@ -73,6 +78,6 @@ def load(
     return replace(loaded, findings=(*left, *loaded.findings))
 
 
-def _only(tasks: tuple[Task, ...]) -> Task | None:
+def _only_task(tasks: tuple[Task, ...]) -> Task | None:
     begun = [task for task in tasks if task.begins]
     return tasks[0] if len(tasks) == 1 else begun[0] if len(begun) == 1 else None

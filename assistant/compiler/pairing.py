@@ -27,17 +27,17 @@ from assistant.program.settings_tables import Wrong
 from assistant.program.statement_index import names_in_procedures, records_in_procedures
 from assistant.sources.process.file import ENCODINGS, read_toml
 
-NO_PAIR: Final = error(
+SIGNAL_WITHOUT_PAIR: Final = error(
     "CO120",
     "nothing says which {kind} of the second program is `{name}`: it has {others}",
     "write in a file for --names what it is there",
 )
-BY_ORDER: Final = info(
+PAIRED_BY_ORDER: Final = info(
     "CO121",
     "`{name}` is taken for `{other}`, as each is the {kind} with number {number} in its program",
     "say with --names what it is, if that is wrong",
 )
-NOT_THERE: Final = error(
+PAIR_UNKNOWN: Final = error(
     "CO122",
     "there is no signal and no data `{name}` in the {which} program",
     "write a name that it has",
@@ -45,7 +45,7 @@ NOT_THERE: Final = error(
 
 
 @dataclass(frozen=True, slots=True)
-class Paired:
+class PairedNames:
     """names: the second program's names by the first program's names, in lower case."""
 
     names: Mapping[str, str]
@@ -58,13 +58,13 @@ def read_names(path: str | FilePath) -> dict[str, str]:
     whole = read_toml(decode(data, str(path), ENCODINGS))
     whole.read({"names": lambda value: value})
     table = whole.table("names")
-    found = table.read(dict.fromkeys(table.content, _name))
+    found = table.read(dict.fromkeys(table.content, _read_name))
     if has_errors(whole.page.findings):
         raise Refused(*whole.page.findings, exit_status=2)
     return found
 
 
-def _name(value: Any) -> str:
+def _read_name(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return str(value)
     name: str = settings_tables.text(value).strip()
@@ -73,47 +73,51 @@ def _name(value: Any) -> str:
     return name
 
 
-def paired(first: Program, second: Program, stated: Mapping[str, str]) -> Paired:
+def pair_names(first: Program, second: Program, stated: Mapping[str, str]) -> PairedNames:
     """Pairs the signals and data of two programs.
 
     stated: pairs of the user. Raises Refused (exit status 2) if signals cannot be paired.
     """
     names = {own.lower(): other.lower() for own, other in stated.items()}
-    findings = list(_unknown(first, second, stated))
-    mine = _alone(first, second, {*names})
-    theirs = _alone(second, first, {*names.values()})
+    findings = list(_unknown_names(first, second, stated))
+    mine = _unpaired_signals(first, second, {*names})
+    theirs = _unpaired_signals(second, first, {*names.values()})
     for kind in mine:
         own, other = mine[kind], theirs.get(kind, [])
-        if _numbered(first, own) and _numbered(second, other):  # these are other signals
+        if _numbers_of(first, own) and _numbers_of(second, other):  # these are other signals
             continue
         if len(own) == len(other):
             for place, pair in enumerate(zip(own, other, strict=True), 1):
                 names[pair[0].lower()] = pair[1].lower()
-                findings.append(BY_ORDER(name=pair[0], other=pair[1], kind=kind, number=place))
+                findings.append(
+                    PAIRED_BY_ORDER(name=pair[0], other=pair[1], kind=kind, number=place)
+                )
         elif other:
             listed = ", ".join(f"`{name}`" for name in other)
-            findings.append(NO_PAIR(name=own[0], kind=kind, others=listed))
+            findings.append(SIGNAL_WITHOUT_PAIR(name=own[0], kind=kind, others=listed))
     if has_errors(findings):
         raise Refused(*findings, exit_status=2)
-    return Paired(names, tuple(findings))
+    return PairedNames(names, tuple(findings))
 
 
-def _unknown(first: Program, second: Program, stated: Mapping[str, str]) -> Iterator[Diagnostic]:
+def _unknown_names(
+    first: Program, second: Program, stated: Mapping[str, str]
+) -> Iterator[Diagnostic]:
     """A finding for each stated name that a program does not have."""
     for own, other in stated.items():
         for name, program, which in ((own, first, "first"), (other, second, "second")):
-            if not name.isdecimal() and name.lower() not in _names(program):
-                yield NOT_THERE(name=name, which=which)
+            if not name.isdecimal() and name.lower() not in _data_names(program):
+                yield PAIR_UNKNOWN(name=name, which=which)
 
 
-def _names(program: Program) -> set[str]:
+def _data_names(program: Program) -> set[str]:
     return {
         name.lower()
         for name in (*program.signals, *program.variables, *names_in_procedures(program))
     }
 
 
-def _alone(program: Program, other: Program, stated: set[str]) -> dict[str, list[str]]:
+def _unpaired_signals(program: Program, other: Program, stated: set[str]) -> dict[str, list[str]]:
     """By their kinds the signals that only one program has, in the order in which it uses them.
 
     A number that the other program does not use is a number all the same, and says which signal it
@@ -121,7 +125,7 @@ def _alone(program: Program, other: Program, stated: set[str]) -> dict[str, list
     """
     known = {name.lower() for name in other.signals} | stated
     numbers = {signal.number for signal in other.signals.values()} - {None}
-    used = dict.fromkeys(name.lower() for name in _used(program))
+    used = dict.fromkeys(name.lower() for name in _signals_used(program))
     order = {name: place for place, name in enumerate(used)}
     found: dict[str, list[str]] = {}
     for name in sorted(program.signals, key=lambda one: order.get(one.lower(), len(order))):
@@ -132,11 +136,11 @@ def _alone(program: Program, other: Program, stated: set[str]) -> dict[str, list
     return found
 
 
-def _numbered(program: Program, names: list[str]) -> bool:
+def _numbers_of(program: Program, names: list[str]) -> bool:
     return all(program.signals[name].number is not None for name in names)
 
 
-def _used(program: Program) -> Iterator[str]:
+def _signals_used(program: Program) -> Iterator[str]:
     """Names of signals, in order of the text."""
     used: Iterator[Any] = records_in_procedures(
         program, p.WaitSignal, p.SetSignal, p.Trigger, e.Name

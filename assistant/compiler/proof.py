@@ -21,7 +21,7 @@ NOT_READ_BACK = error(
     "the text that was emitted cannot be read back: {reason}",
     "nothing was written; report this with the input",
 )
-SAYS_OTHERWISE = error(
+READ_BACK_DIFFERS = error(
     "CO102",
     "the text that was emitted says something else: {message}",
     "nothing was written; report this with the input",
@@ -83,7 +83,7 @@ class Proof:
         )
 
 
-def prove(
+def prove_read_back(
     language: Language[Any],
     program: Program,
     files: Mapping[str, bytes],
@@ -101,7 +101,7 @@ def prove(
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
-        return Proof(None, (*_reasons(NOT_READ_BACK, findings), *findings))
+        return Proof(None, (*_refusal_reasons(NOT_READ_BACK, findings), *findings))
     parsed = parse(language, trees, NOT_IN_GRAMMAR, language.sampling)
     if parsed is not None and parsed.refused:
         return Proof(None, parsed.refused, grammar=parsed)
@@ -109,7 +109,9 @@ def prove(
     try:
         lifted = language.lift(trees, robot)
         if has_errors(findings):
-            return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted, parsed)
+            return Proof(
+                None, (*_refusal_reasons(REFUSED_THERE, findings), *findings), lifted, parsed
+            )
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [
@@ -124,13 +126,13 @@ def prove(
     with within(COMPARING, None, expected.size()):
         comparison = compare(expected, actual, tolerance)
     otherwise = [
-        SAYS_OTHERWISE(message=m.message, about=m.about, span=None if compared else m.span)
+        READ_BACK_DIFFERS(message=m.message, about=m.about, span=None if compared else m.span)
         for m in comparison.mismatches
     ]
     return Proof(comparison, (*otherwise, *findings), lifted, parsed)
 
 
-def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+def _refusal_reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
     """Why nothing is written, for each error in the text that was emitted."""
     return [
         rule(

@@ -11,7 +11,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, warning
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.compiler.arms import Arms, known_robot, robot_of
-from assistant.sources.process.seen import Seen
+from assistant.sources.process.seen import SeenSettings
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.sources.surroundings import Surroundings
 
-EMPTY: Final = warning(
+EMPTY_CELL: Final = warning(
     "CO076",
     "the cell file has neither bodies nor robots, so nothing is there to be touched",
     "describe them under [bodies] and [robots]; docs/cell.md tells how",
 )
-WORLD: Final = ("bodies", "robots")
+SCENE_TABLES: Final = ("bodies", "robots")
 """Tables of a cell file that make it a scene."""
 
 
@@ -40,7 +40,7 @@ class InCell:
     findings: tuple[Diagnostic, ...] = ()
     seeing: Seeing = NOTHING_SEEN
 
-    def beside(self, stated: Seen) -> InCell:
+    def beside(self, stated: SeenSettings) -> InCell:
         """With what a process file says of frames that are seen."""
         return replace(self, seeing=self.seeing.beside(stated))
 
@@ -68,7 +68,7 @@ class InCell:
         return Arms(self.robot, written_for, scene=self.scene, seeing=self.seeing)
 
 
-def in_cell(
+def open_cell(
     cell: str | FilePath | None, robot: str | Robot | None = None, *, values: bool = False
 ) -> InCell:
     """The scene of a cell file, and the robot that is named, of the catalogue, by its file, or as
@@ -78,7 +78,7 @@ def in_cell(
     Unreadable for a file that cannot be read, Refused for what is wrong in it, for a robot that
     nobody knows, or, naming the extra, without the library for collisions.
     """
-    scene, findings = (None, ()) if cell is None else _scene(path_of(cell), values)
+    scene, findings = (None, ()) if cell is None else _scene_of(path_of(cell), values)
     if scene is not None and isinstance(robot, str):
         for placed in scene.robots:
             if placed.name == robot:
@@ -86,14 +86,14 @@ def in_cell(
     return InCell(scene, robot_of(robot), findings)
 
 
-def _scene(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic, ...]]:
+def _scene_of(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic, ...]]:
     from assistant.sources.process.file import ENCODINGS, read_toml
 
     if values and not path.exists():
         return None, ()
     source: SourceText = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
-    if not any(name in read_toml(source).content for name in WORLD):
-        return None, () if values else (EMPTY(path=str(path)),)
+    if not any(name in read_toml(source).content for name in SCENE_TABLES):
+        return None, () if values else (EMPTY_CELL(path=str(path)),)
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.collision.model import Model
 
@@ -101,10 +101,10 @@ def _scene(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic
         scene, found = parse_scene(source, path.parent)
         Model(scene)  # refuses a body that stands in nothing
     except Refused as refused:
-        at = _at(path, refused.findings)
+        at = _findings_in_file(path, refused.findings)
         raise Refused(*at, exit_status=refused.exit_status) from None
-    return scene, _at(path, found)
+    return scene, _findings_in_file(path, found)
 
 
-def _at(path: FilePath, findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+def _findings_in_file(path: FilePath, findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(finding.within(str(path)) for finding in findings)

@@ -41,16 +41,18 @@ from assistant.program.settings_tables import Read, Table, Wrong, kind_of, neare
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, words_of
 
-NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
-MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
-NOT_BOTH: Final = error(
+SCRIPT_NO_ROWS: Final = error(
+    "CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them"
+)
+SCRIPT_KEY_MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
+SCRIPT_KEYS_EXCLUSIVE: Final = error(
     "CO033", "`{key}` and `{other}` do not go together", "keep one of them, or write two rows"
 )
-TOO_LONG: Final = error(
+SCRIPT_PULSE_TOO_LONG: Final = error(
     "CO034", "it lasts {lasts:g} s and comes again every {every:g} s", "write a shorter `for`"
 )
 
-NOT_VISITED: Final = warning(
+VISIT_NOT_IN_PROGRAM: Final = warning(
     "CO126",
     "the script changes `{name}` at a visit of `{target}`, which no statement names",
     "{cure}",
@@ -67,20 +69,20 @@ MOST_TYPED: Final = 1e15
 """A number of more digits than are kept is typed in as a text."""
 
 
-def _signal(value: Any) -> str:
+def _read_signal(value: Any) -> str:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
         return str(value)
     name = settings_tables.text(value).strip()
     if _SIGNAL.fullmatch(name) is None:
         raise Wrong(f'is "{shown(name)}"', "write the name of a signal, or its number")
-    return _key(name)
+    return _signal_key(name)
 
 
-def _key(name: str) -> str:
+def _signal_key(name: str) -> str:
     return str(int(name)) if name.isdecimal() else name.lower()
 
 
-def _value(value: Any) -> float:
+def _read_value(value: Any) -> float:
     if isinstance(value, bool):
         return float(value)
     found: float = settings_tables.number(
@@ -89,7 +91,7 @@ def _value(value: Any) -> float:
     return found
 
 
-def _when(value: Any) -> When | Visit:
+def _read_when(value: Any) -> When | Visit:
     cure = 'write "NAME = VALUE" of an output, "input NAME = VALUE", or "visit 3 of NAME"'
     text = settings_tables.text(value)
     visit = _VISIT.fullmatch(text)
@@ -103,13 +105,13 @@ def _when(value: Any) -> When | Visit:
         raise Wrong(f'is "{shown(text)}"', cure)
     wanted = _TRUTHS.get(found[3].lower())
     try:
-        number = _value(float(found[3]) if wanted is None else wanted)
+        number = _read_value(float(found[3]) if wanted is None else wanted)
     except ValueError:
         raise Wrong(f'is "{shown(text)}"', cure) from None
-    return When(_key(found[2]), number, (found[1] or "").lower() == "input")
+    return When(_signal_key(found[2]), number, (found[1] or "").lower() == "input")
 
 
-def _answer(value: Any) -> str:
+def _read_answer(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise Wrong(f"is {kind_of(value)}", "write a text in quotes, or a number")
     if not isinstance(value, str) and not abs(value) < MOST_TYPED:
@@ -117,7 +119,7 @@ def _answer(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:.15g}"
 
 
-def _text(value: Any) -> str:
+def _read_text(value: Any) -> str:
     if not isinstance(value, str):
         raise Wrong(f"is {kind_of(value)}", "write a text in quotes")
     return value
@@ -126,37 +128,41 @@ def _text(value: Any) -> str:
 _SECONDS: Final = settings_tables.number("seconds", least=0.0, most=MOST_SECONDS)
 _SOME_SECONDS: Final = settings_tables.number("seconds", above=0.0, most=MOST_SECONDS)
 
-SET: Final[Mapping[str, Read]] = {
-    "input": _signal,
-    "value": _value,
+CHANGE_KEYS: Final[Mapping[str, Read]] = {
+    "input": _read_signal,
+    "value": _read_value,
     "at": _SECONDS,
-    "when": _when,
+    "when": _read_when,
     "after": _SECONDS,
     "for": _SOME_SECONDS,
     "every": _SOME_SECONDS,
 }
-ANSWER: Final[Mapping[str, Read]] = {
-    "to": _text,
-    "value": _answer,
+ANSWER_KEYS: Final[Mapping[str, Read]] = {
+    "to": _read_text,
+    "value": _read_answer,
     "after": _SECONDS,
     "always": settings_tables.truth,
 }
 
 
-def _as_it_is(value: Any) -> Any:
+def _read_unchanged(value: Any) -> Any:
     return value
 
 
-def _options(value: Any) -> Any:
+def _read_options(value: Any) -> Any:
     if not isinstance(value, dict):
         raise Wrong(f"is {kind_of(value)}", "write [options] above its keys")
     return value
 
 
-TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is, "options": _options}
+SCRIPT_KEYS: Final[Mapping[str, Read]] = {
+    "set": _read_unchanged,
+    "answer": _read_unchanged,
+    "options": _read_options,
+}
 
 
-def not_visited(script: Script, sources: Sequence[SourceText]) -> Iterator[Diagnostic]:
+def unknown_visits(script: Script, sources: Sequence[SourceText]) -> Iterator[Diagnostic]:
     """Findings on visits of a script that no text of the programs names."""
     names = {word for one in sources for line in lines_of(one.text) for word in words_of(line)}
     for change in script.changes:
@@ -167,7 +173,7 @@ def not_visited(script: Script, sources: Sequence[SourceText]) -> Iterator[Diagn
         cure = f"write `{near}`" if near else "write the name of a target as the program has it"
         if not sources:
             cure = "write the number of the visit, as `visit 3`: no text names targets"
-        yield NOT_VISITED(name=change.name, target=place, cure=cure)
+        yield VISIT_NOT_IN_PROGRAM(name=change.name, target=place, cure=cure)
 
 
 def read_script(path: str | FilePath) -> Script:
@@ -178,36 +184,38 @@ def read_script(path: str | FilePath) -> Script:
 def parse_script(source: SourceText) -> Script:
     """As `read_script`, from a text."""
     top = read_toml(source)
-    options = top.read(TOP).get("options", {})
-    changes = [_change(row) for row in _rows(top, "set")]
-    answers = [_answered(row) for row in _rows(top, "answer")]
+    options = top.read(SCRIPT_KEYS).get("options", {})
+    changes = [_change_of(row) for row in _script_rows(top, "set")]
+    answers = [_answer_of(row) for row in _script_rows(top, "answer")]
     findings = sorted(top.page.findings, key=lambda f: f.line or 0)
     if has_errors(findings):
         raise Refused(*findings, exit_status=2)
     return Script(tuple(changes), tuple(answers), options)
 
 
-def _rows(top: Table, key: str) -> Iterator[Table]:
+def _script_rows(top: Table, key: str) -> Iterator[Table]:
     rows = top.content.get(key, [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        top.say(NO_ROWS, key, key=key, what=kind_of(rows))
+        top.say(SCRIPT_NO_ROWS, key, key=key, what=kind_of(rows))
         return
     for number, row in enumerate(rows):
         yield Table(top.page, (key, str(number)), row)
 
 
-def _change(row: Table) -> Change:
-    found = row.read(SET)
+def _change_of(row: Table) -> Change:
+    found = row.read(CHANGE_KEYS)
     if "input" not in row.content:
-        row.say(MISSING, row="change", key="input", example='input = "diPart"')
+        row.say(SCRIPT_KEY_MISSING, row="change", key="input", example='input = "diPart"')
     for key, other in (("at", "when"), ("every", "when")):
         if key in row.content and other in row.content:
-            row.say(NOT_BOTH, key, key=key, other=other)
+            row.say(SCRIPT_KEYS_EXCLUSIVE, key, key=key, other=other)
     if "after" in row.content and "when" not in row.content:
-        row.say(MISSING, "after", row="change", key="when", example='when = "doGrip = 1"')
+        row.say(
+            SCRIPT_KEY_MISSING, "after", row="change", key="when", example='when = "doGrip = 1"'
+        )
     lasts, every = found.get("for"), found.get("every")
     if lasts is not None and every is not None and lasts >= every:
-        row.say(TOO_LONG, "for", lasts=lasts, every=every)
+        row.say(SCRIPT_PULSE_TOO_LONG, "for", lasts=lasts, every=every)
     return Change(
         name=found.get("input", ""),
         value=found.get("value", 1.0),
@@ -219,10 +227,10 @@ def _change(row: Table) -> Change:
     )
 
 
-def _answered(row: Table) -> Answer:
-    found = row.read(ANSWER)
+def _answer_of(row: Table) -> Answer:
+    found = row.read(ANSWER_KEYS)
     if "value" not in row.content:
-        row.say(MISSING, row="answer", key="value", example='value = "OK"')
+        row.say(SCRIPT_KEY_MISSING, row="answer", key="value", example='value = "OK"')
     return Answer(
         value=found.get("value", ""),
         to=found.get("to", ""),

@@ -21,58 +21,58 @@ from assistant.base.diagnostics import (
     info,
 )
 from assistant.compiler.arms import Arms
-from assistant.compiler.asking import asking
-from assistant.compiler.locations import placed_in
+from assistant.compiler.asking import with_vision_query
+from assistant.compiler.locations import robot_in_cell
 from assistant.program.geometry import IDENTITY, Frame, Pose
 from assistant.program.program import Program
 from assistant.program.settings_tables import listed, shown
-from assistant.sources.process.seen import Asking
+from assistant.sources.process.seen import PoseServer
 from assistant.sources.sights import Sight, doubts
 
-NOT_KNOWN: Final = error(
+NO_SIGHT_SOURCE: Final = error(
     "CO350",
     "frame `{frame}` is where `{name}` is seen, and nothing says where that is",
     "name a file of what was found with --seen, or have the program ask for it as it runs, with "
     "--ask-at or `ask` under [seen] in the process file",
 )
-NOT_FOUND: Final = error(
+OBJECT_NOT_FOUND: Final = error(
     "CO351",
     "`{name}`, where frame `{frame}` is seen, is not among what was found: {found}",
     "look anew with it in sight, or write its name as it was found",
 )
-NO_WORLD: Final = error(
+NO_WORLD_POSE: Final = error(
     "CO352",
     "`{name}` was found in the world of the cell, and nothing says where the robot stands in it",
     "name the cell with --cell and its robot with --robot, or have it found in the robot's base",
 )
-CARRIED: Final = error(
+FRAME_NOT_SEEABLE: Final = error(
     "CO353",
     "frame `{frame}` cannot be seen: {why}",
     "see one that stands still, and declare this one in it",
 )
-NO_USUAL: Final = error(
+NO_USUAL_POSE: Final = error(
     "CO354",
     "nothing says where `{name}` usually is, so that reach and limits of what is done there cannot "
     "be looked at before the program asks",
     "give frame `{frame}` the place where it usually is, or name a file with --seen that says "
     "where it was found once",
 )
-NO_BEGIN: Final = error(
+NO_ENTRY_TO_ASK: Final = error(
     "CO355",
     "the program has no procedure that it begins with, so nowhere to ask where `{name}` is",
     "give it a main procedure, or name a file of what was found with --seen",
 )
-UNSENDABLE: Final = error(
+NAME_NOT_SENDABLE: Final = error(
     "CO356",
     "a program cannot ask for `{name}`: a line takes {most} letters, digits, blanks, `-`, `_`, `.`",
     "call the object otherwise",
 )
-TAKEN: Final = info(
+FRAME_SEEN: Final = info(
     "CO357",
     "frame `{frame}` is where `{name}` was seen: {pose}, with {sigma_mm:g} mm and {sigma_deg:g} "
     "degrees (one standard deviation)",
 )
-ASKED: Final = info(
+FRAME_ASKED: Final = info(
     "CO358",
     "the program asks {whom} where `{name}` is, once at its beginning, and ends without a move if "
     "it is not found or is more than {within:g} mm from {pose}; reach, limits and contacts are "
@@ -83,7 +83,7 @@ SENDABLE: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _.\-]{0,38}[A-Za-z0-9_.\
 MOST_LETTERS: Final = 40
 
 
-def with_seen(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
+def with_seen_frames(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The program with its seen frames where they were seen, or asking for them.
 
     The findings hold errors where that is not known, or doubtful; the program is the same then,
@@ -93,92 +93,98 @@ def with_seen(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, 
     if not seen:
         return program, ()
     plain = {name: replace(frame, seen="") for name, frame in seen.items()}
-    found, there = Findings(_carried(seen)), arms.seeing
+    found, there = Findings(_not_seeable_findings(seen)), arms.seeing
     if found:
         return replace(program, frames={**program.frames, **plain}), tuple(found)
     if there.found is None and there.ask is None:
-        found += (_about(NOT_KNOWN(frame=n, name=f.seen), n) for n, f in seen.items())
+        found += (_about_frame(NO_SIGHT_SOURCE(frame=n, name=f.seen), n) for n, f in seen.items())
     if there.found is not None:
         for name, frame in seen.items():
-            pose = _seen(name, frame, program, arms, found)
+            pose = _seen_pose(name, frame, program, arms, found)
             if pose is not None:
                 plain[name] = replace(plain[name], user=pose, object=IDENTITY)
     changed = replace(program, frames={**program.frames, **plain})
     if there.ask is not None and not has_errors(found):
-        found += _unaskable(program, seen, plain)
+        found += _query_faults(program, seen, plain)
         if not has_errors(found):
             usual = {name: (frame.seen, plain[name].pose) for name, frame in seen.items()}
-            found += _asked(usual, there.ask, there.trust.within)
-            changed = asking(changed, usual, there.ask, there.trust.within)
+            found += _query_findings(usual, there.ask, there.trust.within)
+            changed = with_vision_query(changed, usual, there.ask, there.trust.within)
     return changed, tuple(found)
 
 
-def with_known(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
+def with_located_frames(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The same; raises Refused where it is not known, or doubtful, where something was seen."""
-    known, found = with_seen(program, arms)
+    known, found = with_seen_frames(program, arms)
     if has_errors(found):
         raise Refused(*found)
     return known, found
 
 
-def _about(finding: Diagnostic, name: str) -> Diagnostic:
+def _about_frame(finding: Diagnostic, name: str) -> Diagnostic:
     return replace(finding, about=Declared(name, "frames"))
 
 
-def _carried(seen: Mapping[str, Frame]) -> Iterator[Diagnostic]:
+def _not_seeable_findings(seen: Mapping[str, Frame]) -> Iterator[Diagnostic]:
     for name, frame in seen.items():
         if frame.held or frame.mechanism:
             why = "the robot carries it" if frame.held else f"`{frame.mechanism}` moves it"
-            yield _about(CARRIED(frame=name, why=why), name)
+            yield _about_frame(FRAME_NOT_SEEABLE(frame=name, why=why), name)
 
 
-def _seen(name: str, frame: Frame, program: Program, arms: Arms, found: Findings) -> Pose | None:
+def _seen_pose(
+    name: str, frame: Frame, program: Program, arms: Arms, found: Findings
+) -> Pose | None:
     """Where a frame was seen, in the robot's base; None with findings where that is not known."""
     sights = {key.casefold(): sight for key, sight in (arms.seeing.found or {}).items()}
     sight = sights.get(frame.seen.casefold())
     if sight is None:
         names = listed([f"`{shown(one)}`" for one in arms.seeing.found or ()][:8])
-        found.append(_about(NOT_FOUND(frame=name, name=shown(frame.seen), found=names), name))
+        found.append(
+            _about_frame(OBJECT_NOT_FOUND(frame=name, name=shown(frame.seen), found=names), name)
+        )
         return None
-    doubted = [_about(one, name) for one in doubts(sight, arms.seeing.trust)]
+    doubted = [_about_frame(one, name) for one in doubts(sight, arms.seeing.trust)]
     found += doubted
-    pose = _in_base(sight, program, arms)
+    pose = _sight_in_base(sight, program, arms)
     if pose is None:
-        found.append(_about(NO_WORLD(name=sight.name), name))
+        found.append(_about_frame(NO_WORLD_POSE(name=sight.name), name))
     if pose is None or doubted:
         return None
     if arms.seeing.ask is None:
         said, mm, deg = _shown_pose(pose), sight.sigma_mm, sight.sigma_deg
-        taken = TAKEN(frame=name, name=sight.name, pose=said, sigma_mm=mm, sigma_deg=deg)
-        found.append(_about(taken, name))
+        taken = FRAME_SEEN(frame=name, name=sight.name, pose=said, sigma_mm=mm, sigma_deg=deg)
+        found.append(_about_frame(taken, name))
     return pose
 
 
-def _in_base(sight: Sight, program: Program, arms: Arms) -> Pose | None:
+def _sight_in_base(sight: Sight, program: Program, arms: Arms) -> Pose | None:
     if sight.frame == "base":
         return sight.pose
-    placed = placed_in(program, arms)
+    placed = robot_in_cell(program, arms)
     return None if placed is None else placed.base.inverse() @ sight.pose
 
 
-def _unaskable(
+def _query_faults(
     program: Program, seen: Mapping[str, Frame], plain: Mapping[str, Frame]
 ) -> Iterator[Diagnostic]:
     for name, frame in seen.items():
         if program.entry is None or program.procedure(program.entry) is None:
-            yield _about(NO_BEGIN(name=frame.seen), name)
+            yield _about_frame(NO_ENTRY_TO_ASK(name=frame.seen), name)
         if plain[name].pose == IDENTITY:
-            yield _about(NO_USUAL(name=frame.seen, frame=name), name)
+            yield _about_frame(NO_USUAL_POSE(name=frame.seen, frame=name), name)
         if SENDABLE.fullmatch(frame.seen) is None:
-            yield _about(UNSENDABLE(name=shown(frame.seen), most=MOST_LETTERS), name)
+            yield _about_frame(NAME_NOT_SENDABLE(name=shown(frame.seen), most=MOST_LETTERS), name)
 
 
-def _asked(
-    usual: Mapping[str, tuple[str, Pose]], ask: Asking, within: float
+def _query_findings(
+    usual: Mapping[str, tuple[str, Pose]], ask: PoseServer, within: float
 ) -> Iterator[Diagnostic]:
     for name, (object, pose) in usual.items():
         where = _shown_pose(pose)
-        yield _about(ASKED(name=object, whom=ask.spoken, within=within, pose=where), name)
+        yield _about_frame(
+            FRAME_ASKED(name=object, whom=ask.spoken, within=within, pose=where), name
+        )
 
 
 def _shown_pose(pose: Pose) -> str:

@@ -14,7 +14,7 @@ from difflib import SequenceMatcher
 from itertools import zip_longest
 from typing import Any, Final
 
-from assistant.compiler.motion_sides import Pair
+from assistant.compiler.motion_sides import ProgramPair
 from assistant.compiler.source_map import Place, Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -25,16 +25,16 @@ from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import head, rewrite
 from assistant.program.statement_index import records_in_procedures
 
-SILENT: Final = (p.Comment, p.Label)
-NUMBER: Final = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-CLOSE: Final = 0.02
+STATEMENTS_LEFT_OUT: Final = (p.Comment, p.Label)
+NUMBER_TEXT: Final = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+CLOSE_NUMBERS: Final = 0.02
 """Mm and degrees that numbers may be apart, as typed with two decimals."""
-SMALL: Final = 5e-4
+CLOSE_SMALL_NUMBERS: Final = 5e-4
 """The same of numbers up to 1, as the parts of a quaternion are."""
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StatementRow:
     """A pair of statements, None where a program has no counterpart. alike: both say the same."""
 
     first: Place | None
@@ -42,61 +42,63 @@ class Row:
     alike: bool
 
 
-Told = tuple[str, Any]
+PrintedStatement = tuple[str, Any]
 """A statement without names of its own, and its span."""
 
 
-def rows(pair: Pair, first: Places, second: Places) -> Iterator[Row]:
+def statement_rows(pair: ProgramPair, first: Places, second: Places) -> Iterator[StatementRow]:
     """Yield the pairs in order. first, second: where the texts of the programs are."""
     own, others = (
-        list(_Telling(program, pair, is_second).all())
+        list(_NamelessPrinter(program, pair, is_second).all())
         for program, is_second in ((pair.first, False), (pair.second, True))
     )
-    for one, other in _paired(own, others):
-        alike = one is not None and other is not None and _alike(one[0], other[0])
-        yield Row(_place(one, first), _place(other, second), alike)
+    for one, other in _paired_rows(own, others):
+        alike = one is not None and other is not None and _are_alike(one[0], other[0])
+        yield StatementRow(_statement_place(one, first), _statement_place(other, second), alike)
 
 
-def _paired(
-    own: list[Told], others: list[Told], *, by_numbers: bool = True
-) -> Iterator[tuple[Told | None, Told | None]]:
+def _paired_rows(
+    own: list[PrintedStatement], others: list[PrintedStatement], *, by_numbers: bool = True
+) -> Iterator[tuple[PrintedStatement | None, PrintedStatement | None]]:
     """Those that say the same; between them those of the same words, whatever the numbers."""
     mine, theirs = (
-        [text if by_numbers else NUMBER.sub("#", text) for text, _ in told]
+        [text if by_numbers else NUMBER_TEXT.sub("#", text) for text, _ in told]
         for told in (own, others)
     )
     for what, a, b, c, d in SequenceMatcher(None, mine, theirs, autojunk=False).get_opcodes():
         if what == "equal":
             yield from zip(own[a:b], others[c:d], strict=True)
         elif what == "replace" and by_numbers:
-            yield from _paired(own[a:b], others[c:d], by_numbers=False)
+            yield from _paired_rows(own[a:b], others[c:d], by_numbers=False)
         else:
             yield from zip_longest(own[a:b], others[c:d])
 
 
-def _place(told: Told | None, places: Places) -> Place | None:
+def _statement_place(told: PrintedStatement | None, places: Places) -> Place | None:
     found = None if told is None or told[1] is None else places.of(told[1])
     return None if found is None else replace(found, text=found.text.strip())
 
 
-def _alike(one: str, other: str) -> bool:
+def _are_alike(one: str, other: str) -> bool:
     """Whether two statements have the same words, and numbers that are close."""
-    if NUMBER.sub("#", one) != NUMBER.sub("#", other):
+    if NUMBER_TEXT.sub("#", one) != NUMBER_TEXT.sub("#", other):
         return False
-    numbers = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
-    return all(_close(float(a), float(b)) for a, b in numbers)
+    numbers = zip(NUMBER_TEXT.findall(one), NUMBER_TEXT.findall(other), strict=True)
+    return all(_are_close(float(a), float(b)) for a, b in numbers)
 
 
-def _close(one: float, other: float) -> bool:
-    return abs(one - other) <= (SMALL if max(abs(one), abs(other)) <= 1.0 else CLOSE)
+def _are_close(one: float, other: float) -> bool:
+    return abs(one - other) <= (
+        CLOSE_SMALL_NUMBERS if max(abs(one), abs(other)) <= 1.0 else CLOSE_NUMBERS
+    )
 
 
 @dataclass
-class _Telling:
+class _NamelessPrinter:
     """Prints the statements of a program without its own names."""
 
     program: Program
-    pair: Pair
+    pair: ProgramPair
     is_second: bool
     data: dict[str, str] = field(default_factory=dict)
 
@@ -119,7 +121,7 @@ class _Telling:
             if at:
                 yield "procedure", procedure.span
             for statement in walk(procedure.body):
-                if not isinstance(statement, SILENT):
+                if not isinstance(statement, STATEMENTS_LEFT_OUT):
                     yield self._text(statement), statement.span
 
     def _in_order(self) -> Sequence[Procedure]:
@@ -149,7 +151,7 @@ class _Telling:
             case p.Move("joint", motion=motion):
                 return replace(part, motion=replace(motion, speed=NO_SPEED))
             case Target(pose):
-                return Target(_rounded(pose))
+                return Target(_rounded_pose(pose))
             case p.For(variable):
                 return replace(part, variable=self._data(variable))
         return part
@@ -157,7 +159,7 @@ class _Telling:
     def _value(self, name: str) -> e.Expression:
         low = name.lower()
         if low in self.places:
-            return e.TargetValue(Target(_rounded(self.places[low].pose)))
+            return e.TargetValue(Target(_rounded_pose(self.places[low].pose)))
         if low in self.joints:
             return e.JointValue(self.joints[low])
         if low in self.signals or low in (one.lower() for one in self.program.signals):
@@ -187,8 +189,8 @@ class _Telling:
         return p.Motion(
             speed,
             blend,
-            motion.tool if tool is None else _where(FLANGE, tool.tip),
-            motion.frame if frame is None else _where(BASE, frame.pose),
+            motion.tool if tool is None else _pose_name(FLANGE, tool.tip),
+            motion.frame if frame is None else _pose_name(BASE, frame.pose),
         )
 
 
@@ -196,20 +198,20 @@ NO_SPEED: Final = e.Name("speed")
 """Of joint moves, which are percentages of an arm's own."""
 
 
-def _where(word: str, pose: Pose) -> str:
+def _pose_name(word: str, pose: Pose) -> str:
     """A name for what stands at a place."""
-    numbers = [*pose.position, *_turned(pose)]
+    numbers = [*pose.position, *_positive_quaternion(pose)]
     shown = "_".join(f"{value:.1f}" for value in numbers).replace("-", "m").replace(".", "p")
     return word if pose == Pose() else f"{word}_{shown}"
 
 
-def _rounded(pose: Pose) -> Pose:
+def _rounded_pose(pose: Pose) -> Pose:
     x, y, z = (round(value, 2) + 0.0 for value in pose.position)
-    w, a, b, c = (round(value, 4) + 0.0 for value in _turned(pose))
+    w, a, b, c = (round(value, 4) + 0.0 for value in _positive_quaternion(pose))
     return Pose((x, y, z), (w, a, b, c))
 
 
-def _turned(pose: Pose) -> tuple[float, ...]:
+def _positive_quaternion(pose: Pose) -> tuple[float, ...]:
     """The quaternion of two whose largest part is positive."""
     largest = max(pose.quaternion, key=abs)
     return tuple(value if largest > 0.0 else -value for value in pose.quaternion)

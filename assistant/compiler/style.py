@@ -35,13 +35,13 @@ from assistant.base.source_text import (
 )
 from assistant.compiler.templates import (
     NOT_WRITABLE,
-    PRIVATE,
-    at_line,
-    escaped,
-    filled,
-    section,
+    PRIVATE_CHARACTERS,
+    escaped_character,
+    fill_template,
+    finding_at_line,
     section_on,
-    shown,
+    section_placeholder,
+    with_placeholder_names,
 )
 from assistant.program import settings_tables as kinds
 from assistant.program.program import Program
@@ -60,18 +60,20 @@ NOT_A_COMMENT: Final = error(
     "the template writes `{text}`, which is not a comment: statements come only from the program",
     "begin the line with `{mark}`, or remove it",
 )
-LEFT_OUT: Final = error(
+SECTION_LEFT_OUT: Final = error(
     "CO612",
     "the template leaves `{name}` out, so the program would lose it",
     "write {example} on a separate line",
 )
-TWICE: Final = error("CO613", "the template writes `{name}` twice", "remove one of the two lines")
-NOT_ALONE: Final = error(
+SECTION_TWICE: Final = error(
+    "CO613", "the template writes `{name}` twice", "remove one of the two lines"
+)
+SECTION_NOT_ALONE: Final = error(
     "CO614",
     "the template writes `{text}`: the section shares its line with other text, or was changed",
     "write the section on a separate line, as `{{{{ header }}}}`",
 )
-OUT_OF_ORDER: Final = error(
+SECTION_OUT_OF_ORDER: Final = error(
     "CO615",
     "`{name}` is below `{other}`, where {language} does not read it",
     "move it above `{other}`",
@@ -81,7 +83,7 @@ READ_AS_ITEM: Final = error(
     "the comment `{text}` would be read as a statement about the program",
     "put another word in front of it",
 )
-CHANGED: Final = error(
+TEMPLATE_CHANGES_PROGRAM: Final = error(
     "CO618",
     "with the lines of the template, the program is read back differently: {reason}",
     "correct or remove the line; without the template the program is proven",
@@ -92,11 +94,13 @@ NO_TEMPLATE: Final = error(
     "write {files} there, or name another folder of the project",
 )
 
-LONGEST: Final = 120
+LONGEST_VALUE: Final = 120
 """Characters of a value in a comment."""
-TEXTS: Final = ("project", "author", "revision")
+STYLE_TEXTS: Final = ("project", "author", "revision")
 """Values that a project gives its templates."""
-KEYS: Final[Mapping[str, Callable[[Any], Any]]] = dict.fromkeys(("template", *TEXTS), kinds.text)
+STYLE_KEYS: Final[Mapping[str, Callable[[Any], Any]]] = dict.fromkeys(
+    ("template", *STYLE_TEXTS), kinds.text
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +116,7 @@ class Style:
         Raises Unreadable for a file that cannot be read.
         """
         if self.folder is None:
-            return _default(outline.template), False
+            return _default_template(outline.template), False
         file = self.folder / outline.template
         try:
             data = read_bytes(file, allow_empty=True, most=SETTINGS_FILE)
@@ -122,7 +126,7 @@ class Style:
             # `build` notes the files that are opened: a new template has the program made anew.
             with suppress(FileNotFoundError):
                 file.open("rb").close()
-            return _default(outline.template), False
+            return _default_template(outline.template), False
         source = decode(data, _shown_path(file), ("utf-8-sig", "utf-8"))
         return replace(source, text=source.text.replace("\r\n", "\n")), True
 
@@ -133,11 +137,11 @@ def _shown_path(file: FilePath) -> str:
 
 
 @cache
-def _default(name: str) -> SourceText:
+def _default_template(name: str) -> SourceText:
     return SourceText(resource("templates", name).read_text(encoding="utf-8"), f"templates/{name}")
 
 
-PLAIN: Final = Style()
+PLAIN_STYLE: Final = Style()
 
 
 def style_of(folder: FilePath) -> Style:
@@ -149,20 +153,20 @@ def style_of(folder: FilePath) -> Style:
     project = project_of(folder.absolute())
     content = project.content if project is not None else None
     if project is None or not isinstance(content, Mapping) or STYLE not in content:
-        return PLAIN
+        return PLAIN_STYLE
     page = Page(project.source, project.spans)
     given = Table(page, project.table, content).table(STYLE)
-    read = given.read(KEYS)
+    read = given.read(STYLE_KEYS)
     at = FilePath(project.source.path or "").absolute().parent
     where = None
     if "template" in read:
-        where = _folder(at, given, read["template"])
+        where = _template_folder(at, given, read["template"])
     if page.findings:
         raise Refused(*page.findings, exit_status=2)
-    return Style(where, {key: read[key] for key in TEXTS if key in read})
+    return Style(where, {key: read[key] for key in STYLE_TEXTS if key in read})
 
 
-def _folder(at: FilePath, table: Table, text: str) -> FilePath | None:
+def _template_folder(at: FilePath, table: Table, text: str) -> FilePath | None:
     """Return the folder of templates; None, with a finding, if it is not one of the project."""
     from assistant import languages
 
@@ -187,14 +191,14 @@ def style_beside(program: Program, text: SourceText | None, path: FilePath | Non
         texts = [text, *(tree.source for tree in trees)]
         found = next((one.path for one in texts if one is not None and one.path), None)
         path = None if found is None else FilePath(found)
-    return PLAIN if path is None else style_of(path.absolute().parent)
+    return PLAIN_STYLE if path is None else style_of(path.absolute().parent)
 
 
 # ------------------------------------------------------------------------------ programs
 
 
 @dataclass(frozen=True, slots=True)
-class Styled:
+class StyledText:
     """A file in its style.
 
     lines: number of each line of the file that the template wrote → number of the line in the
@@ -206,44 +210,44 @@ class Styled:
     lines: Mapping[int, int] = field(default_factory=dict)
 
 
-def in_style(
+def apply_style(
     data: bytes, language: Language[Any], style: Style, program: Program, unit: str | None
-) -> Styled:
+) -> StyledText:
     """Return the text of a unit in the frame of the style; raises Refused."""
     outline = language.outline()
     if outline is None:
-        return Styled(data, SourceText(""))
+        return StyledText(data, SourceText(""))
     template, own = style.template(outline)
     source = language.decode(data)
     text = source.text
     sections = dict(outline.sections(text))
     name = outline.name(text)
-    known = {key: section(key, sections[key]) for key in sections}
+    known = {key: section_placeholder(key, sections[key]) for key in sections}
     for key, (whole, _) in outline.within.items():
-        known[key] = section(key, sections[whole])
+        known[key] = section_placeholder(key, sections[whole])
     stated = {
         "name": name or unit or program.name,
         "program": program.name,
         "unit": unit or "",
         "robot": program.robot or "",
         "language": language.title,
-        **{key: style.values.get(key, "") for key in TEXTS},
+        **{key: style.values.get(key, "") for key in STYLE_TEXTS},
     }
-    written = filled(template, {**{k: in_comment(v) for k, v in stated.items()}, **known})
+    written = fill_template(template, {**{k: comment_value(v) for k, v in stated.items()}, **known})
     if own:
         _check(written, template, language, outline, name)
     for key, (whole, part) in outline.within.items():
         sections[key] = part(sections[whole])
     numbering = outline.numbered(language.name)
-    made, lines = _assembled(written, sections, source, outline, numbering)
-    return Styled(encode(made), template, lines if own else {})
+    made, lines = _assembled_text(written, sections, source, outline, numbering)
+    return StyledText(encode(made), template, lines if own else {})
 
 
-def in_comment(value: str) -> str:
+def comment_value(value: str) -> str:
     """Return a value as one line of ASCII of at most LONGEST characters, for a comment."""
     plain = in_ascii(one_line(value))
     plain = "".join(c if " " <= c <= "~" else " " for c in plain)
-    return " ".join(plain.split())[:LONGEST].strip()
+    return " ".join(plain.split())[:LONGEST_VALUE].strip()
 
 
 def _check(
@@ -259,62 +263,64 @@ def _check(
     last = ""
 
     def say(at: int, rule: Rule, **fields: Any) -> None:
-        found.append(at_line(template, at, rule, **fields))
+        found.append(finding_at_line(template, at, rule, **fields))
 
     for at, line in written:
         if not line.strip():
             continue
         part = section_on(line)
         odd = next((c for c in line if not " " <= c <= "~"), None) if part is None else None
-        if odd is not None and not PRIVATE.search(line):
-            say(at, NOT_WRITABLE, character=escaped(odd))
+        if odd is not None and not PRIVATE_CHARACTERS.search(line):
+            say(at, NOT_WRITABLE, character=escaped_character(odd))
             continue
-        part = part or _frame(line, outline, name)
+        part = part or _is_frame_line(line, outline, name)
         if part is not None and part in outline.rank:
             if part in seen:
-                say(at, TWICE, name=part)
+                say(at, SECTION_TWICE, name=part)
             elif last and outline.rank[part] < outline.rank[last]:
-                say(at, OUT_OF_ORDER, name=part, other=last, language=language.title)
+                say(at, SECTION_OUT_OF_ORDER, name=part, other=last, language=language.title)
             else:
                 last = part
             seen.setdefault(part, at)
-        elif PRIVATE.search(line):
-            say(at, NOT_ALONE, text=shown(line))
+        elif PRIVATE_CHARACTERS.search(line):
+            say(at, SECTION_NOT_ALONE, text=with_placeholder_names(line))
         else:
             comment = line.strip().removeprefix(language.comment_mark)
             if not line.strip().startswith(language.comment_mark):
                 say(at, NOT_A_COMMENT, text=line.strip(), mark=language.comment_mark)
             elif outline.item(comment):
                 say(at, READ_AS_ITEM, text=comment.strip())
-            elif _beyond(last, outline):
-                say(at, OUT_OF_ORDER, name=line.strip(), other=last, language=language.title)
+            elif _is_after_sections(last, outline):
+                say(
+                    at, SECTION_OUT_OF_ORDER, name=line.strip(), other=last, language=language.title
+                )
     whole = max(outline.complete, key=lambda parts: len(seen.keys() & set(parts)))
     for part in whole:
         if part not in seen:
             example = f"`{part}`" if part in outline.frame else f"`{{{{ {part} }}}}`"
             if part in outline.frame and "{name}" in outline.frame[part]:
                 example = f"`{part} {{{{ name }}}}`"
-            say(len(template.text.split("\n")), LEFT_OUT, name=part, example=example)
+            say(len(template.text.split("\n")), SECTION_LEFT_OUT, name=part, example=example)
     for part, at in seen.items():
         if part not in whole:
-            say(at, TWICE, name=part)
+            say(at, SECTION_TWICE, name=part)
     if found:
         raise Refused(*found)
 
 
-def _beyond(last: str, outline: Outline) -> bool:
+def _is_after_sections(last: str, outline: Outline) -> bool:
     """True after the last section above which a language takes comments of a template."""
     return bool(last and outline.ends) and outline.rank[last] >= outline.rank[outline.ends]
 
 
-def _frame(line: str, outline: Outline, name: str) -> str | None:
+def _is_frame_line(line: str, outline: Outline, name: str) -> str | None:
     for part, pattern in outline.frame.items():
         if re.fullmatch(pattern.replace("{name}", re.escape(name)), line.strip()):
             return part
     return None
 
 
-def _assembled(
+def _assembled_text(
     written: Sequence[tuple[int, str]],
     sections: Mapping[str, str],
     source: SourceText,
@@ -355,11 +361,15 @@ def without_comments(program: Program) -> Program:
     return replace(program, comments=(), procedures=procedures)
 
 
-def blamed(findings: Sequence[Diagnostic], files: Mapping[str, Styled]) -> list[Diagnostic]:
+def findings_of_templates(
+    findings: Sequence[Diagnostic], files: Mapping[str, StyledText]
+) -> list[Diagnostic]:
     """Return the faults of texts that are sound without their template, at lines of it."""
     found: dict[Diagnostic, None] = {}
     for finding in findings:
         styled = files.get(finding.path or "") or next(iter(files.values()))
         line = styled.lines.get(finding.line or 0, 1)
-        found[at_line(styled.template, line, CHANGED, reason=finding.message)] = None
+        found[
+            finding_at_line(styled.template, line, TEMPLATE_CHANGES_PROGRAM, reason=finding.message)
+        ] = None
     return list(found)

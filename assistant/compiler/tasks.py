@@ -16,8 +16,8 @@ from assistant.compiler.loading import (
     Loaded,
     configured_beside,
     language_of,
-    lifted,
-    not_there,
+    lift_trees,
+    missing_files,
     whole_programs,
     with_called,
     with_process,
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from assistant.languages.language_types import TaskLoading
     from assistant.robots import Robot
 
-CHOSEN: Final = warning(
+FILE_CHOSEN: Final = warning(
     "CO042",
     "`{name}` is declared in {files}; the program is read with {chosen}",
     "name the files of the program, if it is another one",
 )
-BESIDE: Final = info(
+SHARED_FILE: Final = info(
     "CO049",
     "`{file}` of `{task}` is read in this task too, which declares no `{name}`",
     "name the files of the program, if its task has another one",
@@ -73,11 +73,13 @@ def tasks_of(files: Sequence[str], language: str | None = None) -> tuple[Task, .
     alone, found = list[str](), list[Task]()
     for file in once.values():
         try:
-            spoken = language_of(language) if language else _spoken(file)
+            spoken = language_of(language) if language else _language_of_file(file)
             if spoken is None or spoken.loading is None or len(once) == 1:
                 alone.append(file)
             else:
-                several.setdefault(spoken.name, []).append(_unit(spoken, spoken.loading, file))
+                several.setdefault(spoken.name, []).append(
+                    _unit_of_file(spoken, spoken.loading, file)
+                )
         except Refused:
             alone.append(file)
     for name, units in several.items():
@@ -97,14 +99,14 @@ def load_task(
     spoken = language_of(task.language)
     trees = list(task.trees) or [spoken.parse(spoken.read(file)) for file in task.files]
     beside = FilePath(task.files[0]).parent
-    loaded = lifted(spoken, with_called(spoken, trees, task.files, beside), robot)
-    findings = (*task.findings, *not_there(spoken, trees), *loaded.findings)
+    loaded = lift_trees(spoken, with_called(spoken, trees, task.files, beside), robot)
+    findings = (*task.findings, *missing_files(spoken, trees), *loaded.findings)
     loaded = replace(loaded, findings=findings)
     loaded = configured_beside(loaded, spoken, FilePath(task.files[0]))
     return loaded if process is None else with_process(loaded, process)
 
 
-INERT: Final = frozenset(("type", "shared data", "data"))
+CONTENTS_WITHOUT_CODE: Final = frozenset(("type", "shared data", "data"))
 """Contents of files that run nothing."""
 
 
@@ -135,11 +137,11 @@ class _Unit:
         return FilePath(self.path).name.lower()
 
 
-def _spoken(file: str) -> Language[Any] | None:
+def _language_of_file(file: str) -> Language[Any] | None:
     return languages.of_file(file, read_bytes(file))
 
 
-def _unit(language: Language[Any], loading: TaskLoading, file: str) -> _Unit:
+def _unit_of_file(language: Language[Any], loading: TaskLoading, file: str) -> _Unit:
     tree = language.parse(language.read(file))
     shared = [(name.lower(), kind) for name, kind in language.shared_names(tree)]
     is_list = FilePath(file).suffix.lower() in loading.lists
@@ -154,7 +156,7 @@ def _unit(language: Language[Any], loading: TaskLoading, file: str) -> _Unit:
         called if is_list else None,
         any(name == loading.entry for name, _ in shared),
         frozenset() if is_list else frozenset(name.lower() for name in called),
-        bool(shared) and all(kind in INERT for _, kind in shared),
+        bool(shared) and all(kind in CONTENTS_WITHOUT_CODE for _, kind in shared),
         has_errors(tree.findings),
     )
 
@@ -234,15 +236,17 @@ class _Grouping:
         parts = [unit for unit in units if unit.listed is None]
         groups = [self._listed(one, parts) for one in lists]
         inside = {unit for group in groups for unit in group.units}
-        groups += [_started(one.path, one) for one in parts if one.begins and one not in inside]
+        groups += [
+            _group_of_unit(one.path, one) for one in parts if one.begins and one not in inside
+        ]
         whole = self.loading.closed(room) or any(
             FilePath(unit.path).absolute().parent != room for unit in units
         )
         if whole and not groups and parts:
-            groups = [_Group(_shown(parts[0], room))]
+            groups = [_Group(_folder_text(parts[0], room))]
         for group in groups:
             if whole and len(groups) == 1 and not lists:
-                group.name = _shown(parts[0], room)
+                group.name = _folder_text(parts[0], room)
                 for unit in parts:
                     if group.takes(unit):
                         group.add(unit)
@@ -310,9 +314,9 @@ class _Grouping:
                     told = (_is_beside(name, unit) for unit in near)
                     group.findings += told
                 if near and name not in group.declared:
-                    chosen = max(near, key=lambda unit: _alike(unit, group, one.mentions))
+                    chosen = max(near, key=lambda unit: _likeness(unit, group, one.mentions))
                     if len(near) > 1:
-                        group.findings.append(_choice(name, near, chosen))
+                        group.findings.append(_choice_finding(name, near, chosen))
                     group.add(chosen)
                     pending.append(chosen)
 
@@ -328,7 +332,7 @@ class _Grouping:
         """The files that one loads by their names: those that stand nearest to it."""
         for name in sorted(one.loads):
             found = [unit for unit in self.files.get(name, ()) if unit is not one]
-            near = [_apart(unit, one) for unit in found]
+            near = [_folder_distance(unit, one) for unit in found]
             if near and near.count(min(near)) == 1:
                 yield found[near.index(min(near))]
 
@@ -336,7 +340,7 @@ class _Grouping:
         """Files that no task has, those of a folder that use each other together."""
         left = list(rest)
         while left:
-            group = _started(left[0].path, left.pop(0))
+            group = _group_of_unit(left[0].path, left.pop(0))
             joined = True
             while joined:
                 joined = False
@@ -356,26 +360,26 @@ class _Grouping:
             yield group
 
 
-def _apart(unit: _Unit, other: _Unit) -> int:
+def _folder_distance(unit: _Unit, other: _Unit) -> int:
     """How many folders lie between two files."""
     one, two = (FilePath(u.path).absolute().parent.parts for u in (unit, other))
     shared = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, two, strict=False)))
     return len(one) + len(two) - 2 * shared
 
 
-def _started(name: str, unit: _Unit) -> _Group:
+def _group_of_unit(name: str, unit: _Unit) -> _Group:
     group = _Group(name)
     group.add(unit)
     return group
 
 
-def _shown(unit: _Unit, room: FilePath) -> str:
+def _folder_text(unit: _Unit, room: FilePath) -> str:
     """A folder that a file stands in, as the user wrote it."""
     path = FilePath(unit.path)
     return next((str(p) for p in path.parents if p.absolute() == room), str(room))
 
 
-def _alike(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, float]:
+def _likeness(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, float]:
     """How well a file fits: names of it that are mentioned, and how like the first's its name."""
     first = SequenceMatcher(None, group.units[0].file, unit.file)
     return len(mentions & unit.declares), first.ratio()
@@ -383,10 +387,10 @@ def _alike(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, f
 
 def _is_beside(name: str, unit: _Unit) -> Diagnostic:
     path = FilePath(unit.path)
-    return BESIDE(name=name, file=path.name, task=unit.room.name, path=unit.path)
+    return SHARED_FILE(name=name, file=path.name, task=unit.room.name, path=unit.path)
 
 
-def _choice(name: str, units: Sequence[_Unit], chosen: _Unit) -> Diagnostic:
+def _choice_finding(name: str, units: Sequence[_Unit], chosen: _Unit) -> Diagnostic:
     files = ", ".join(f"`{FilePath(unit.path).name}`" for unit in units)
     word = f"`{FilePath(chosen.path).name}`"
-    return CHOSEN(name=name, files=files, chosen=word, path=chosen.path)
+    return FILE_CHOSEN(name=name, files=files, chosen=word, path=chosen.path)

@@ -23,43 +23,48 @@ from assistant.program.statements import Motion, Move, MoveCircular
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS
 from assistant.sources.reading import Reading
-from assistant.sources.tables.teaching import TaughtTarget, begun, is_kept, with_target
+from assistant.sources.tables.teaching import (
+    TaughtTarget,
+    is_otherwise_equal,
+    new_file_text,
+    with_target,
+)
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-OTHER_TOOL: Final = error(
+POSE_OF_OTHER_TOOL: Final = error(
     "CO701",
     "the controller shows a pose that is {distance:.2f} mm and {angle:.2f} degrees off where its "
     "joints put tool `{tool}` in frame `{frame}`",
     "declare in {file} the tool and the frame that the controller uses, and name them, or store "
     "joints",
 )
-OTHER_ARM: Final = error(
+JOINTS_OF_OTHER_ARM: Final = error(
     "CO702",
     "the controller tells joints {told}, and `{robot}` has {axes}",
     "correct `robot` of the controller in the project's file",
 )
-NOT_KEPT: Final = error(
+TARGET_CHANGES_OTHERS: Final = error(
     "CO703",
     "`{name}` cannot be written into {file} without changing the rest of it; it was not touched",
     "name another file",
 )
-NO_NUMBERS: Final = error(
+POSE_INCOMPLETE: Final = error(
     "CO704", "the controller tells no whole pose", "store joints, or ask it again"
 )
-MOST_OFF: Final = 2.0
+MOST_POSE_OFFSET: Final = 2.0
 """mm that a shown pose may be off: a hundredth of a degree in each joint, and the lengths of
 the catalogue, which are not those of one calibrated arm."""
-MOST_TURNED: Final = 0.5
+MOST_POSE_TURN: Final = 0.5
 """degrees, as well."""
 
-OF_THE_ARM: Final = 6
+MOST_ARM_JOINTS: Final = 6
 """Joints that no external axis has; those behind may be of the arm or not."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class TargetOptions:
     """How targets are stored.
 
     joints: as joint angles, not as a pose. tool, frame: that the controller shows the pose of
@@ -73,8 +78,8 @@ class Wanted:
     again: bool = False
 
 
-def teach(
-    file: FilePath, name: str, position: Position, robot: Robot | None, wanted: Wanted
+def teach_target(
+    file: FilePath, name: str, position: Position, robot: Robot | None, wanted: TargetOptions
 ) -> Reading:
     """Stores a position under a name into a file of taught targets, a new one if it is not there.
 
@@ -84,7 +89,9 @@ def teach(
     """
     own = own_joints(position, robot) if robot is not None else None
     arm = None if robot is None else robot.name
-    target = TaughtTarget(name, _values(position, robot, own, wanted), more_keys(wanted), arm)
+    target = TaughtTarget(
+        name, _target_values(position, robot, own, wanted), more_keys(wanted), arm
+    )
     source, changed, reading = taught_text(file, target, wanted)
     if robot is not None and own is not None and not wanted.joints:
         _check_pose(file, position, robot, own, reading, name)
@@ -93,49 +100,49 @@ def teach(
 
 
 def taught_text(
-    file: FilePath, target: TaughtTarget, wanted: Wanted
+    file: FilePath, target: TaughtTarget, wanted: TargetOptions
 ) -> tuple[SourceText, SourceText, Reading]:
     """The text of a file as it is and with a target, and what that reads as.
 
     Raises Refused and Unreadable.
     """
-    source = _source(file, target.robot)
+    source = _file_text(file, target.robot)
     changed, reading = with_target(source, file.stem, target, process_of(file), again=wanted.again)
     return source, changed, reading
 
 
 def write_taught(file: FilePath, source: SourceText, changed: SourceText, name: str) -> None:
     """Writes a text that says something else of one target only; raises Refused."""
-    if not is_kept(source.text, changed.text, name):
-        raise Refused(NOT_KEPT(path=str(file), name=name, file=file))
+    if not is_otherwise_equal(source.text, changed.text, name):
+        raise Refused(TARGET_CHANGES_OTHERS(path=str(file), name=name, file=file))
     write_files({file.name: encode(changed)}, file.parent)
 
 
 def own_joints(position: Position, robot: Robot) -> tuple[float, ...]:
     """(a,) joints of the arm's axes as a controller tells them; raises Refused for another arm."""
     told = {f"J{i}": joint for i, joint in enumerate(position.joints, 1) if joint is not None}
-    others = {f"J{i}" for i in range(1, OF_THE_ARM + 1)} & told.keys() - {*robot.axes}
+    others = {f"J{i}" for i in range(1, MOST_ARM_JOINTS + 1)} & told.keys() - {*robot.axes}
     if others or not told.keys() >= {*robot.axes}:
         there, axes = " ".join(told) or "none", " ".join(robot.axes)
-        raise Refused(OTHER_ARM(told=there, robot=robot.name, axes=axes), exit_status=2)
+        raise Refused(JOINTS_OF_OTHER_ARM(told=there, robot=robot.name, axes=axes), exit_status=2)
     return tuple(told[axis] for axis in robot.axes)
 
 
-def _source(file: FilePath, robot: str | None) -> SourceText:
+def _file_text(file: FilePath, robot: str | None) -> SourceText:
     if file.exists():
         return decode(read_bytes(file, allow_empty=True), str(file), ENCODINGS)
-    return SourceText(begun(robot), str(file), "utf-8", "\n")
+    return SourceText(new_file_text(robot), str(file), "utf-8", "\n")
 
 
-def _values(
-    position: Position, robot: Robot | None, own: tuple[float, ...] | None, wanted: Wanted
+def _target_values(
+    position: Position, robot: Robot | None, own: tuple[float, ...] | None, wanted: TargetOptions
 ) -> dict[str, str]:
     if wanted.joints:
         joints = (math.nan if joint is None else joint for joint in position.joints)
         return {"joints": number_list(joints_without_end(list(joints)), 4)}
     numbers = (*position.position, *position.quaternion)
     if not all(map(math.isfinite, numbers)):
-        raise Refused(NO_NUMBERS())
+        raise Refused(POSE_INCOMPLETE())
     found = {
         "position": number_list(position.position, 4),
         "quaternion": number_list(rotations.canonical(position.quaternion).tolist(), 9),
@@ -165,7 +172,7 @@ def joints_without_end(joints: list[float]) -> list[float]:
     return joints
 
 
-def more_keys(wanted: Wanted) -> dict[str, str]:
+def more_keys(wanted: TargetOptions) -> dict[str, str]:
     """Tool and frame as the TOML of a file of targets."""
     given = {"tool": wanted.tool, "frame": wanted.frame}
     return {key: json.dumps(name) for key, name in given.items() if name is not None}
@@ -173,10 +180,10 @@ def more_keys(wanted: Wanted) -> dict[str, str]:
 
 def number_list(values: Sequence[float], digits: int) -> str:
     """As the TOML of a file of targets."""
-    return "[" + ", ".join(_number(value, digits) for value in values) + "]"
+    return "[" + ", ".join(_number_text(value, digits) for value in values) + "]"
 
 
-def _number(value: float, digits: int) -> str:
+def _number_text(value: float, digits: int) -> str:
     """With as many digits as a controller tells, at least one behind the point; `nan` for none."""
     if math.isnan(value):
         return "nan"
@@ -204,8 +211,8 @@ def _check_pose(
     expected = tip if frame is None else frame.pose.inverse() @ tip
     distance = math.dist(expected.position, position.position)
     angle = float(rotations.angle_between(expected.quaternion, position.quaternion))
-    if distance > MOST_OFF or angle > MOST_TURNED:
-        finding = OTHER_TOOL(
+    if distance > MOST_POSE_OFFSET or angle > MOST_POSE_TURN:
+        finding = POSE_OF_OTHER_TOOL(
             path=str(file),
             distance=distance,
             angle=angle,

@@ -18,21 +18,21 @@ from assistant.base.source_text import SourceText
 if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment
 
-UNREADABLE: Final = error(
+TEMPLATE_UNREADABLE: Final = error(
     "CO601",
     "the template cannot be read: {reason}",
     "correct the line: `{{{{ author }}}}` writes a value, and each `{{% if author %}}` needs its"
     " end",
 )
-NO_VALUE: Final = error(
+TEMPLATE_WITHOUT_VALUE: Final = error(
     "CO602", "the template names `{name}`, which is not a value of programs", "write {known}"
 )
-NOT_DONE: Final = error(
+TEMPLATE_FAILED: Final = error(
     "CO603",
     "the template cannot be filled in: {reason}",
     "write only values and filters: a template runs no functions and reads no files",
 )
-TOO_LONG: Final = error(
+TEMPLATE_TOO_LONG: Final = error(
     "CO604",
     "the template writes more than {most:,} characters around a program",
     "shorten it: it holds the comments and the frame, no statements",
@@ -43,18 +43,18 @@ NOT_WRITABLE: Final = error(
     "write it in ASCII; values such as `{{{{ author }}}}` are converted",
 )
 
-MOST: Final = 200_000
+MOST_TEMPLATE_TEXT: Final = 200_000
 """Characters that a template may write, sections not counted."""
-FILTERS: Final = (
+SAFE_FILTERS: Final = (
     *("capitalize", "d", "default", "first", "join", "last", "length", "lower", "replace", "sort"),
     *("title", "trim", "unique", "upper"),
 )
 """Filters whose results are as long as what they are given, or nearly."""
-_PLAIN: Final = re.compile(r"\{\{ *([a-z]+) *\}\}")
+_PLACEHOLDER: Final = re.compile(r"\{\{ *([a-z]+) *\}\}")
 _OPENS, _CLOSES = "\ue000", "\ue001"
-_AT, _LINE = "\ue002", "\ue003"
-_MARKS: Final = re.compile(f"{_AT}([0-9]{{1,9}}){_LINE}")
-PRIVATE: Final = re.compile("[\ue000-\ue003]")
+_MARK_OPENS, _MARK_CLOSES = "\ue002", "\ue003"
+_LINE_MARKS: Final = re.compile(f"{_MARK_OPENS}([0-9]{{1,9}}){_MARK_CLOSES}")
+PRIVATE_CHARACTERS: Final = re.compile("[\ue000-\ue003]")
 """Characters of placeholders and marks while a template is filled in."""
 _SECTION: Final = re.compile(f"{_OPENS}(.*?){_CLOSES}")
 
@@ -69,7 +69,7 @@ class Section(str):
         return not self.empty
 
 
-def section(name: str, text: str) -> Section:
+def section_placeholder(name: str, text: str) -> Section:
     made = Section(f"{_OPENS}{name}{_CLOSES}")
     made.empty = not text
     return made
@@ -81,17 +81,17 @@ def section_on(line: str) -> str | None:
     return match[1] if match else None
 
 
-def shown(line: str) -> str:
+def with_placeholder_names(line: str) -> str:
     """Return a line with `{{ name }}` for each placeholder, as its author wrote it."""
     return _SECTION.sub(lambda match: f"{{{{ {match[1]} }}}}", line)
 
 
-def escaped(character: str) -> str:
+def escaped_character(character: str) -> str:
     """A character as a finding shows it."""
     return character if character.isprintable() else f"\\x{ord(character):02x}"
 
 
-def at_line(template: SourceText, line: int, rule: Rule, **fields: Any) -> Diagnostic:
+def finding_at_line(template: SourceText, line: int, rule: Rule, **fields: Any) -> Diagnostic:
     """The rule's finding at a line of a template."""
     lines = template.text.split("\n")
     line = min(max(line, 1), len(lines))
@@ -100,25 +100,25 @@ def at_line(template: SourceText, line: int, rule: Rule, **fields: Any) -> Diagn
     return template.finding(rule, Span(start, max(end, start)), **fields)
 
 
-def filled(template: SourceText, values: Mapping[str, str]) -> list[tuple[int, str]]:
+def fill_template(template: SourceText, values: Mapping[str, str]) -> list[tuple[int, str]]:
     """The lines that a template writes, each with the line of the template that it comes from.
 
     Raises Refused for a template that cannot be read or filled in.
     """
-    if own := PRIVATE.search(template.text):
-        line, character = template.text.count("\n", 0, own.start()) + 1, escaped(own[0])
-        raise Refused(at_line(template, line, NOT_WRITABLE, character=character))
-    known = set(_PLAIN.findall(template.text)) <= values.keys()
-    if known and not re.search(r"\{[{%#]", _PLAIN.sub("", template.text)):
-        if len(template.text) > MOST:
-            raise Refused(at_line(template, 1, TOO_LONG, most=MOST))
-        said = _PLAIN.sub(lambda match: values[match[1]], template.text)
-        return [(at, line.rstrip()) for at, line in enumerate(_lines(said), 1)]
+    if own := PRIVATE_CHARACTERS.search(template.text):
+        line, character = template.text.count("\n", 0, own.start()) + 1, escaped_character(own[0])
+        raise Refused(finding_at_line(template, line, NOT_WRITABLE, character=character))
+    known = set(_PLACEHOLDER.findall(template.text)) <= values.keys()
+    if known and not re.search(r"\{[{%#]", _PLACEHOLDER.sub("", template.text)):
+        if len(template.text) > MOST_TEMPLATE_TEXT:
+            raise Refused(finding_at_line(template, 1, TEMPLATE_TOO_LONG, most=MOST_TEMPLATE_TEXT))
+        said = _PLACEHOLDER.sub(lambda match: values[match[1]], template.text)
+        return [(at, line.rstrip()) for at, line in enumerate(_numbered_lines(said), 1)]
     with within(TEMPLATE, template.path, len(template.text)):
         return _by_jinja(template, values)
 
 
-def _lines(text: str) -> list[str]:
+def _numbered_lines(text: str) -> list[str]:
     return text.removesuffix("\n").replace("\r\n", "\n").split("\n") if text else []
 
 
@@ -126,46 +126,50 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
     from jinja2 import TemplateError, TemplateSyntaxError, UndefinedError
 
     try:
-        made = environment().from_string(template.text)
+        made = jinja_environment().from_string(template.text)
         text = "".join(_within_limit(template, made.generate(values)))
     except TemplateSyntaxError as wrong:
         reason = wrong.message or "it is not finished"
-        raise Refused(at_line(template, wrong.lineno, UNREADABLE, reason=reason)) from None
+        raise Refused(
+            finding_at_line(template, wrong.lineno, TEMPLATE_UNREADABLE, reason=reason)
+        ) from None
     except SyntaxError as wrong:  # of the Python that Jinja2 makes of it
-        raise Refused(at_line(template, 1, UNREADABLE, reason=wrong.msg)) from None
+        raise Refused(finding_at_line(template, 1, TEMPLATE_UNREADABLE, reason=wrong.msg)) from None
     except UndefinedError as wrong:
         at = _line_of(wrong)
         name = re.search(r"'(.*?)' is undefined", wrong.message or "")
         if name is None:
             reason = wrong.message or "a value is missing"
-            raise Refused(at_line(template, at, NOT_DONE, reason=reason)) from None
+            raise Refused(finding_at_line(template, at, TEMPLATE_FAILED, reason=reason)) from None
         near = near_names(name[1], list(values))
         fields = {"name": name[1], "known": " or ".join(f"`{one}`" for one in near or values)}
-        raise Refused(at_line(template, at, NO_VALUE, **fields)) from None
+        raise Refused(finding_at_line(template, at, TEMPLATE_WITHOUT_VALUE, **fields)) from None
     except (TemplateError, TypeError, ValueError, ArithmeticError, LookupError) as wrong:
         if isinstance(wrong, Refused | OverflowError):
             raise
         reason = str(wrong) or type(wrong).__name__
-        raise Refused(at_line(template, _line_of(wrong), NOT_DONE, reason=reason)) from None
+        raise Refused(
+            finding_at_line(template, _line_of(wrong), TEMPLATE_FAILED, reason=reason)
+        ) from None
     found, at = [], 1
-    for line in _lines(text):
-        if marks := _MARKS.findall(line):
+    for line in _numbered_lines(text):
+        if marks := _LINE_MARKS.findall(line):
             at = int(marks[0])
-        found.append((at, _MARKS.sub("", line).rstrip()))
+        found.append((at, _LINE_MARKS.sub("", line).rstrip()))
     if found and not found[-1][1]:
         found.pop()  # the mark after the last line end
     return found
 
 
 def _within_limit(template: SourceText, pieces: Iterator[str]) -> Iterator[str]:
-    most = MOST * max(1, budget_factor())
+    most = MOST_TEMPLATE_TEXT * max(1, budget_factor())
     length, at = 0, 1
     for piece in pieces:
-        if marks := _MARKS.findall(piece):
+        if marks := _LINE_MARKS.findall(piece):
             at = int(marks[-1])
-        length += len(_MARKS.sub("", piece))
+        length += len(_LINE_MARKS.sub("", piece))
         if length > most:
-            raise Refused(at_line(template, at, TOO_LONG, most=int(most)))
+            raise Refused(finding_at_line(template, at, TEMPLATE_TOO_LONG, most=int(most)))
         yield piece
 
 
@@ -182,7 +186,7 @@ def _line_of(raised: BaseException) -> int:
 
 
 @cache
-def environment() -> SandboxedEnvironment:
+def jinja_environment() -> SandboxedEnvironment:
     """Jinja2 for untrusted templates: no functions, no files, no arithmetic without end."""
     from jinja2 import StrictUndefined
     from jinja2.exceptions import SecurityError
@@ -200,7 +204,10 @@ def environment() -> SandboxedEnvironment:
                     yield token
                     continue
                 lines = token.value.split("\n")
-                marked = (f"{_AT}{token.lineno + at}{_LINE}{line}" for at, line in enumerate(lines))
+                marked = (
+                    f"{_MARK_OPENS}{token.lineno + at}{_MARK_CLOSES}{line}"
+                    for at, line in enumerate(lines)
+                )
                 yield Token(token.lineno, "data", "\n".join(marked))
 
     class Sandbox(SandboxedEnvironment):
@@ -224,5 +231,5 @@ def environment() -> SandboxedEnvironment:
         keep_trailing_newline=True,
     )
     made.globals.clear()
-    made.filters = {name: made.filters[name] for name in FILTERS}
+    made.filters = {name: made.filters[name] for name in SAFE_FILTERS}
     return made

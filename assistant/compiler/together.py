@@ -9,52 +9,52 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.compiler.loading import Loaded
-from assistant.compiler.naming import TABLES, entry_called, kept_text, prefixed
+from assistant.compiler.naming import NAMED_TABLES, first_vendor_text, with_entry_name, with_prefix
 from assistant.compiler.opening import load
 from assistant.program.program import STANDALONE, Interface, Procedure, Program, identifier
 from assistant.program.statements import Call
 
 if TYPE_CHECKING:
-    from assistant.sources.placements import Placing
-    from assistant.sources.surroundings import ByRobot
+    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.surroundings import SurroundingsByRobot
 
-ONLY_DRAWN = error(
+NO_DRAWN_SOURCE = error(
     "CL070",
     "`{source}` is a robot program, or keeps text of one, and cannot be part of another one",
     "name drawings, tables and pseudo-programs only",
 )
-SAID_TWICE = error(
+STATED_DIFFERENTLY = error(
     "CL071",
     "`{first}` and `{second}` say different things of the {kind} `{name}`",
     "say the same of it in both, or give it two names",
 )
-SAME_NAMES = error(
+NAME_IN_BOTH = error(
     "CL072",
     "`{first}` and `{second}` both have a {kind} `{name}`",
     "give one of them another `prefix` under [program] of its process file, and with `as` another"
     " name",
 )
-OWN_MAIN = error(
+NAME_OF_MAIN = error(
     "CL075",
     "`{source}` has a routine `{name}`, and so is the one called that runs all of them",
     "rename the file, or name the routine by `as` under [program] of its process file",
 )
 
-MAIN: Final = "main"
+MAIN_PROCEDURE: Final = "main"
 """What runs all of them, and where a controller begins."""
-SHARED: Final = ("tools", "frames", "signals")
+SHARED_TABLES: Final = ("tools", "frames", "signals")
 """What all drawings of a cell have in common."""
-OWN: Final = tuple(table for table in TABLES if table not in SHARED)
+SEPARATE_TABLES: Final = tuple(table for table in NAMED_TABLES if table not in SHARED_TABLES)
 
 
-def together(
+def combine_sources(
     sources: Sequence[str | FilePath],
     name: str,
     *,
     process: str | FilePath | None = None,
     unit: str | None = None,
-    placement: Placing | None = None,
-    around: ByRobot | None = None,
+    placement: DrawingPlacement | None = None,
+    around: SurroundingsByRobot | None = None,
 ) -> Loaded:
     """One program of several sources, whose main calls a routine of each in their order.
 
@@ -67,31 +67,31 @@ def together(
     findings: list[Diagnostic] = []
     for source in sources:
         loaded = load(source, process=process, unit=unit, placement=placement, around=around)
-        if loaded.language is not None or kept_text(loaded.program, None) is not None:
-            raise Refused(ONLY_DRAWN(source=source, path=str(source)))
+        if loaded.language is not None or first_vendor_text(loaded.program, None) is not None:
+            raise Refused(NO_DRAWN_SOURCE(source=source, path=str(source)))
         findings += (one.within(str(source)) for one in loaded.findings)
-        parts.append((str(source), _part(FilePath(source), loaded.program)))
-    return Loaded(_joined(parts, identifier(name)), None, tuple(findings))
+        parts.append((str(source), _with_own_names(FilePath(source), loaded.program)))
+    return Loaded(_combined_program(parts, identifier(name)), None, tuple(findings))
 
 
-def _part(source: FilePath, program: Program) -> Program:
+def _with_own_names(source: FilePath, program: Program) -> Program:
     """A program under names of its own, so that it can stand beside the others."""
     stands = program.interface or STANDALONE
     called = stands.called or identifier(source.stem)
     common = (*program.tools, *program.frames)
-    made = prefixed(program, stands.prefix or f"{called}_", {one.lower() for one in common})
+    made = with_prefix(program, stands.prefix or f"{called}_", {one.lower() for one in common})
     if made.procedure(made.entry or "") is None:
         return made
     if not stands.main:
         return made
-    return entry_called(made, called)
+    return with_entry_name(made, called)
 
 
-def _joined(parts: Sequence[tuple[str, Program]], name: str) -> Program:
+def _combined_program(parts: Sequence[tuple[str, Program]], name: str) -> Program:
     programs = [program for _, program in parts]
-    tables: dict[str, Any] = {table: _common(parts, table) for table in SHARED}
-    tables |= {table: _apart(parts, table) for table in OWN}
-    procedures = list(_apart(parts, "procedures").values())
+    tables: dict[str, Any] = {table: _common_entries(parts, table) for table in SHARED_TABLES}
+    tables |= {table: _separate_entries(parts, table) for table in SEPARATE_TABLES}
+    procedures = list(_separate_entries(parts, "procedures").values())
     calls: list[Call] = []
     for program in programs:
         stands, begins = program.interface or STANDALONE, program.procedure(program.entry or "")
@@ -104,28 +104,30 @@ def _joined(parts: Sequence[tuple[str, Program]], name: str) -> Program:
             calls += (one for one in begins.body if isinstance(one, Call))
     for source, program in parts:
         for one in program.procedures:
-            if one in procedures and one.name.lower() == MAIN:
-                raise Refused(OWN_MAIN(source=source, path=source, name=one.name))
+            if one in procedures and one.name.lower() == MAIN_PROCEDURE:
+                raise Refused(NAME_OF_MAIN(source=source, path=source, name=one.name))
     return Program(
         name,
-        (Procedure(MAIN, tuple(calls)), *procedures),
-        entry=MAIN,
-        robot=_robot(parts),
+        (Procedure(MAIN_PROCEDURE, tuple(calls)), *procedures),
+        entry=MAIN_PROCEDURE,
+        robot=_common_robot(parts),
         comments=tuple(chain.from_iterable(program.comments for program in programs)),
-        interface=_interface(programs),
+        interface=_combined_interface(programs),
         **tables,
     )
 
 
-def _robot(parts: Sequence[tuple[str, Program]]) -> str | None:
+def _common_robot(parts: Sequence[tuple[str, Program]]) -> str | None:
     stated = [(source, program.robot) for source, program in parts if program.robot is not None]
     for source, robot in stated[1:]:
         if robot != stated[0][1]:
-            raise Refused(SAID_TWICE(first=stated[0][0], second=source, kind="robot", name=robot))
+            raise Refused(
+                STATED_DIFFERENTLY(first=stated[0][0], second=source, kind="robot", name=robot)
+            )
     return stated[0][1] if stated else None
 
 
-def _interface(programs: Iterable[Program]) -> Interface | None:
+def _combined_interface(programs: Iterable[Program]) -> Interface | None:
     stated = [one.interface for one in programs if one.interface is not None]
     if not stated:
         return None
@@ -133,24 +135,26 @@ def _interface(programs: Iterable[Program]) -> Interface | None:
     return Interface(local=any(one.local for one in stated), there=there)
 
 
-def _common(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
+def _common_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
     """What all say of the same names, each of which is said only once."""
     found: dict[str, tuple[str, str, Any]] = {}
     for source, program in parts:
         stands = program.interface or STANDALONE
         for name, value in getattr(program, table).items():
-            key, said = name.lower(), (value, _there(stands.there, name))
+            key, said = name.lower(), (value, _spelling_of(stands.there, name))
             first, _, known = found.setdefault(key, (source, name, said))
             if known != said:
-                raise Refused(SAID_TWICE(first=first, second=source, kind=table[:-1], name=name))
+                raise Refused(
+                    STATED_DIFFERENTLY(first=first, second=source, kind=table[:-1], name=name)
+                )
     return {name: said[0] for _, name, said in found.values()}
 
 
-def _there(there: Mapping[str, int | None], name: str) -> tuple[bool, int | None]:
+def _spelling_of(there: Mapping[str, int | None], name: str) -> tuple[bool, int | None]:
     return name.lower() in there, there.get(name.lower())
 
 
-def _apart(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
+def _separate_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
     """What each has for itself; two of them must not have the same name."""
     found: dict[str, tuple[str, str, Any]] = {}
     for source, program in parts:
@@ -160,5 +164,5 @@ def _apart(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
             first, _, _ = found.setdefault(name.lower(), (source, name, value))
             if first != source:
                 kind = table[:-1].replace("_", " ")
-                raise Refused(SAME_NAMES(first=first, second=source, kind=kind, name=name))
+                raise Refused(NAME_IN_BOTH(first=first, second=source, kind=kind, name=name))
     return {name: value for _, name, value in found.values()}

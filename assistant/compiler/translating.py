@@ -27,28 +27,33 @@ from assistant.base.diagnostics import (
     fold,
 )
 from assistant.base.source_text import lines_of
-from assistant.compiler.arms import in_arms, robot_of, standing
-from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion, told
-from assistant.compiler.controller_files import STATED
-from assistant.compiler.drafting import draft as drafted
-from assistant.compiler.entering import entered
-from assistant.compiler.filling import UNFILLED, UNPROVEN, as_draft, with_cell
+from assistant.compiler.arms import arms_of_loaded, robot_of, with_robot_of_cell
+from assistant.compiler.compiling import (
+    Compiled,
+    compile_program,
+    lowered_for_language,
+    proven_by_motion,
+)
+from assistant.compiler.controller_files import STATED_TEXT_NAME
+from assistant.compiler.drafting import draft_program as drafted
+from assistant.compiler.entering import with_entry
+from assistant.compiler.filling import UNFILLED, UNPROVEN, marked_as_draft, with_values_of_file
 from assistant.compiler.keeping.remembered import write_unedited
 from assistant.compiler.loading import Loaded, language_of
 from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.naming import without_names
 from assistant.compiler.opening import load
 from assistant.compiler.proof import Proof
-from assistant.compiler.scenes import in_cell
-from assistant.compiler.seen_frames import with_known
+from assistant.compiler.scenes import open_cell
+from assistant.compiler.seen_frames import with_located_frames
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.style import style_beside
 from assistant.compiler.uncalled import NOT_CALLED
-from assistant.compiler.unsaid import lose
+from assistant.compiler.unsaid import add_losses
 from assistant.lazy import pictured
 from assistant.program import statements as p
 from assistant.program.program import Program, bodies, walk
-from assistant.sources.cell import said
+from assistant.sources.cell import wanted_in_words
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
@@ -69,7 +74,7 @@ LONGEST_TEXT: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ReportRow:
     """What becomes of one statement or declaration of the source.
 
     text: its first line. count: how many of them it is.
@@ -183,7 +188,7 @@ def translate(
     """
     target, stands = (
         language_of(to).with_frames(frames).with_sampling(grammar),
-        in_cell(cell, robot, values=True),
+        open_cell(cell, robot, values=True),
     )
     arms = replace(stands, seeing=seeing).arms(robot_of(from_robot))
     loaded = source
@@ -192,13 +197,13 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
-        loaded = with_cell(loaded, cell, taught=arms.written_for is not None, to=target)
+        loaded = with_values_of_file(loaded, cell, taught=arms.written_for is not None, to=target)
     loaded = without_names(loaded, process)
-    program = entered(loaded.program, entry)
-    program = as_draft(program, loaded.wanting)
+    program = with_entry(loaded.program, entry)
+    program = marked_as_draft(program, loaded.wanting)
     places = Places(program)
-    arms = standing(program, in_arms(loaded, arms))
-    program, sights = with_known(program, arms)
+    arms = with_robot_of_cell(program, arms_of_loaded(loaded, arms))
+    program, sights = with_located_frames(program, arms)
     style = style_beside(program, loaded.text, None)
     compiled = compile_program(program, places, target, arms, most_targets, style)
     written, later = compiled, tuple[Diagnostic, ...]()
@@ -211,7 +216,7 @@ def translate(
         written = compiled = proven_by_motion(compiled, arms, sought, entry)
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
-    unfilled = tuple(UNFILLED(what=said(one), place=one.name) for one in loaded.wanting)
+    unfilled = tuple(UNFILLED(what=wanted_in_words(one), place=one.name) for one in loaded.wanting)
     if loaded.wanting and proving is not None:
         unfilled += (UNPROVEN(),)
     return Translation(
@@ -267,13 +272,13 @@ class _Part:
             about.append(finding)
 
 
-class SourceRows(Sequence[Row]):
+class SourceRows(Sequence[ReportRow]):
     """The rows of a report; those of many lines that are alike are made when they are asked for."""
 
     def __init__(
         self,
         parts: Sequence[_Part],
-        row: Callable[[_Part, int | None], Row | None],
+        row: Callable[[_Part, int | None], ReportRow | None],
         level: Callable[[Sequence[Diagnostic]], Level],
     ) -> None:
         self._row, self._level = row, level
@@ -286,34 +291,34 @@ class SourceRows(Sequence[Row]):
         return int(self._starts[-1])
 
     @overload
-    def __getitem__(self, at: int) -> Row: ...
+    def __getitem__(self, at: int) -> ReportRow: ...
     @overload
-    def __getitem__(self, at: slice) -> tuple[Row, ...]: ...
-    def __getitem__(self, at: int | slice) -> Row | tuple[Row, ...]:
+    def __getitem__(self, at: slice) -> tuple[ReportRow, ...]: ...
+    def __getitem__(self, at: int | slice) -> ReportRow | tuple[ReportRow, ...]:
         if isinstance(at, slice):
             return tuple(self[k] for k in range(*at.indices(len(self))))
         at = range(len(self))[at]
         number = int(np.searchsorted(self._starts, at, side="right")) - 1
         return self._line(self._parts[number], at - int(self._starts[number]))
 
-    def __iter__(self) -> Iterator[Row]:
+    def __iter__(self) -> Iterator[ReportRow]:
         for one in self._parts:
-            if isinstance(one, Row):
+            if isinstance(one, ReportRow):
                 yield one
             else:
                 assert one.lines is not None
                 yield from (self._line(one, line) for line in range(len(one.lines)))
 
-    def _line(self, one: Row | _Part, line: int) -> Row:
-        made = one if isinstance(one, Row) else self._row(one, line)
+    def _line(self, one: ReportRow | _Part, line: int) -> ReportRow:
+        made = one if isinstance(one, ReportRow) else self._row(one, line)
         assert made is not None
         return made
 
     @property
-    def noted(self) -> Iterator[Row]:
+    def noted(self) -> Iterator[ReportRow]:
         """Those about which something is found."""
         for one in self._parts:
-            if isinstance(one, Row):
+            if isinstance(one, ReportRow):
                 if one.reasons:
                     yield one
                 continue
@@ -326,7 +331,7 @@ class SourceRows(Sequence[Row]):
         """Number of rows at each level."""
         counts = dict.fromkeys(LEVELS, 0)
         for one in self._parts:
-            if isinstance(one, Row):
+            if isinstance(one, ReportRow):
                 counts[one.level] += one.count
                 continue
             assert one.lines is not None
@@ -338,7 +343,7 @@ class SourceRows(Sequence[Row]):
 
 def _is_stated(place: Place | None) -> bool:
     """Whether it is in no file that was read, but in what a cell file says."""
-    return place is not None and (place.path or "").startswith(STATED)
+    return place is not None and (place.path or "").startswith(STATED_TEXT_NAME)
 
 
 def _report(
@@ -351,15 +356,15 @@ def _report(
     places = compiled.places
     parts: dict[Span, _Part] = {}
     names: dict[_Name, _Part] = {}
-    plain = told(compiled.source, language_of(compiled.language))
-    also = () if plain is compiled.source else _told_parts(plain)
+    plain = lowered_for_language(compiled.source, language_of(compiled.language))
+    also = () if plain is compiled.source else _lowered_parts(plain)
     lifted = {q.span for program in (compiled.source, plain) for q in program.procedures}
-    for part in chain(_parts(compiled.source, places, lifted), also):
+    for part in chain(_parts_of_source(compiled.source, places, lifted), also):
         known = parts.setdefault(part.span, part)
         known.silent = known.silent and part.silent
         for name in part.names:
             names.setdefault(name, known)
-    about = _About(parts, names, compiled.source)
+    about = _PartFinder(parts, names, compiled.source)
     back = Trace(compiled.program, compiled.proof.lifted)
     whole: list[Diagnostic] = []
     for finding in compiled.found:
@@ -374,20 +379,20 @@ def _report(
             one, line = about.at(finding.span)
             if one is not None:
                 one.note(finding, line)
-    _hand_on(parts)
-    _hand_in(parts, [f for f in (*compiled.found, *later) if f.code == NOT_CALLED.code])
-    lose(compiled.source, {span: part.found for span, part in parts.items()})
+    _pass_on_findings(parts)
+    _pass_down_findings(parts, [f for f in (*compiled.found, *later) if f.code == NOT_CALLED.code])
+    add_losses(compiled.source, {span: part.found for span, part in parts.items()})
     shown = [part for part in parts.values() if part.found or part.at or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
-    level = _levels(_advice(compiled))
+    level = _levels(_advice_test(compiled))
     shown = [
         part for part in shown if not _is_stated(places.of(part.span)) or level(part.found) == "not"
     ]
-    return SourceRows(shown, partial(_row, places, trace, level), level), fold(whole)
+    return SourceRows(shown, partial(_report_row, places, trace, level), level), fold(whole)
 
 
-class _About:
+class _PartFinder:
     """Which part of a source, and which line of it, a finding is about."""
 
     def __init__(
@@ -413,7 +418,9 @@ class _About:
             return (self._parts[inmost] if inmost is not None else None), None
         if not named:
             return None, None
-        part = next((self._names[n] for n in _named(finding.about) if n in self._names), None)
+        part = next(
+            (self._names[n] for n in _name_of_finding(finding.about) if n in self._names), None
+        )
         if part is not None and part.lines is not None and isinstance(finding.about, PathRow):
             return part, part.line(self._row_of(finding.about) or part.span)
         return part, None
@@ -433,7 +440,7 @@ class _About:
         return None
 
 
-def _hand_on(parts: Mapping[Span, _Part]) -> None:
+def _pass_on_findings(parts: Mapping[Span, _Part]) -> None:
     """What is found about a part is found about those that are said with it."""
     for part in parts.values():
         holder = None if part.within is None else parts.get(part.within)
@@ -442,7 +449,7 @@ def _hand_on(parts: Mapping[Span, _Part]) -> None:
             part.found += (f for f in holder.found if f.message not in known)
 
 
-def _hand_in(parts: Mapping[Span, _Part], left_out: Iterable[Diagnostic]) -> None:
+def _pass_down_findings(parts: Mapping[Span, _Part], left_out: Iterable[Diagnostic]) -> None:
     """What is found about a routine that is left out is found about each statement and each
     declaration in it.
     """
@@ -458,12 +465,14 @@ def _hand_in(parts: Mapping[Span, _Part], left_out: Iterable[Diagnostic]) -> Non
             part.note(about[outer[at]], None)
 
 
-def _parts(program: Program, places: Places, lifted: Container[Span | None]) -> Iterator[_Part]:
+def _parts_of_source(
+    program: Program, places: Places, lifted: Container[Span | None]
+) -> Iterator[_Part]:
     """Each part of the source once or twice: as it is lifted, then as it stands in the tree.
 
     lifted: procedures whose statements are parts by themselves; of others each is what its text is.
     """
-    yield from _said(program)
+    yield from _lifted_parts(program)
     for part in places.parts():
         if part.within is not None and part.within in lifted:
             continue
@@ -472,9 +481,9 @@ def _parts(program: Program, places: Places, lifted: Container[Span | None]) -> 
         yield _Part(part.span, called, head=True, within=part.within, lines=part.lines)
 
 
-def _told_parts(program: Program) -> Iterator[_Part]:
+def _lowered_parts(program: Program) -> Iterator[_Part]:
     """The same of a source with the data that other languages are told of it."""
-    yield from _said(program)
+    yield from _lifted_parts(program)
     owners = (("", program.variables), *((q.name.lower(), q.variables) for q in program.procedures))
     for owner, variables in owners:
         for name, variable in variables.items():
@@ -484,16 +493,16 @@ def _told_parts(program: Program) -> Iterator[_Part]:
                 yield _Part(variable.span, names=called, head=True)
 
 
-def _said(program: Program) -> Iterator[_Part]:
+def _lifted_parts(program: Program) -> Iterator[_Part]:
     """The parts of a program as it is lifted."""
     for procedure in program.procedures:
         if procedure.span is not None:
-            called = _names("procedures", procedure.name)
+            called = _part_names("procedures", procedure.name)
             yield _Part(procedure.span, names=called, head=True)
         for statement in walk(procedure.body):
             match statement:
                 case p.Follow(path, span=Span() as span):
-                    called = _names("paths", path.name)
+                    called = _part_names("paths", path.name)
                     yield _Part(span, called, head=True, lines=statement.lines)
                 case p.Comment(span=Span() as span) | p.Label(span=Span() as span):
                     yield _Part(span, silent=True)
@@ -504,11 +513,11 @@ def _said(program: Program) -> Iterator[_Part]:
             yield _Part(declaration.span, head=True)
 
 
-def _names(table: ProgramTable, name: str) -> tuple[_Name, ...]:
+def _part_names(table: ProgramTable, name: str) -> tuple[_Name, ...]:
     return (None, "", name.lower()), (table, "", name.lower())
 
 
-def _named(about: Subject | str | None) -> tuple[_Name, ...]:
+def _name_of_finding(about: Subject | str | None) -> tuple[_Name, ...]:
     """What the part is known by that a finding is about, the surest first; not if of several."""
     match about:
         case Declared(name=name, table="procedures" | "paths" as table):
@@ -520,7 +529,7 @@ def _named(about: Subject | str | None) -> tuple[_Name, ...]:
     return ()
 
 
-def _advice(compiled: Compiled) -> Callable[[Diagnostic], bool]:
+def _advice_test(compiled: Compiled) -> Callable[[Diagnostic], bool]:
     """Whether a finding is a remark of a rule on the program, not on its translation."""
     origin = compiled.source.origin
     names = {compiled.language} if origin is None else {compiled.language, origin.language}
@@ -546,13 +555,13 @@ def _levels(is_advice: Callable[[Diagnostic], bool]) -> Callable[[Sequence[Diagn
     return level
 
 
-def _row(
+def _report_row(
     places: Places,
     trace: Trace,
     level: Callable[[Sequence[Diagnostic]], Level],
     part: _Part,
     line: int | None,
-) -> Row | None:
+) -> ReportRow | None:
     """line: of a part with many, counted from 0."""
     span = part.span
     if line is not None and part.lines is not None:
@@ -566,4 +575,4 @@ def _row(
     if len(text) > LONGEST_TEXT:
         text = text[: LONGEST_TEXT - 1] + "…"
     went = trace.written(span) if line is None else trace.written_line(part.span, line)
-    return Row(place, text, level(reasons), tuple(reasons), tuple(went))
+    return ReportRow(place, text, level(reasons), tuple(reasons), tuple(went))

@@ -14,15 +14,15 @@ from assistant.base.diagnostics import Diagnostic, Refused, Rule, has_errors
 from assistant.base.rotations import to_matrix
 from assistant.compiler.source_map import Places, at_moves
 from assistant.compiler.travel_rules import (
-    EXTERNAL,
     FROM_HOME,
     GOAL_UNKNOWN,
-    NEVER,
-    NO_CELL,
-    NO_NUMBER,
-    SEVERAL,
     START_UNKNOWN,
-    UNDECLARED,
+    TRAVEL_EXTERNAL_AXES,
+    TRAVEL_FROM_SEVERAL,
+    TRAVEL_NO_NUMBER,
+    TRAVEL_NOT_REACHED,
+    TRAVEL_UNDECLARED,
+    TRAVEL_WITHOUT_CELL,
 )
 from assistant.program.analysis.uses import base_variable
 from assistant.program.expressions import Expression, Name
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.robots.timing.program_walk import Arrival
 
-SECONDS: Final = 30.0
+SEARCH_SECONDS: Final = 30.0
 """That a search for a way takes at most."""
 MOST_PLANS: Final = 3
 """Ways that are planned for one statement, when what comes before it changes."""
 
 
 @dataclass(frozen=True, slots=True)
-class Travelled:
+class PlannedTravels:
     """A program whose travels are moves, or findings that tell why it is not."""
 
     program: Program
@@ -53,7 +53,7 @@ class Travelled:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Way:
+class _PlannedPath:
     """A way that was planned, and for which arrival."""
 
     arrival: Arrival
@@ -64,14 +64,14 @@ class _Way:
         return (mine.places, mine.carried, mine.goal) == (other.places, other.carried, other.goal)
 
 
-def travels(program: Program) -> bool:
+def has_travels(program: Program) -> bool:
     """Whether ways have to be planned for it."""
     return any(isinstance(statement, Travel) for statement in program.statements())
 
 
-def travelled(
+def with_planned_travels(
     program: Program, robot: Robot | None, scene: Scene | None, places: Places
-) -> Travelled:
+) -> PlannedTravels:
     """The program with planned joint moves in place of each `travel to`, behind a comment.
 
     robot: that runs it. scene: its cell, None if none is told. places: of its statements. The same
@@ -79,22 +79,24 @@ def travelled(
     called twice, or in a loop, has one way, so it has to begin and end at the same places each
     time, with the same bodies held. Findings with an error mean that not all ways are planned.
     """
-    if not travels(program):
-        return Travelled(program)
+    if not has_travels(program):
+        return PlannedTravels(program)
     if scene is None or robot is None:
         statements = [s for s in program.statements() if isinstance(s, Travel)]
-        return Travelled(program, tuple(_said(NO_CELL, s) for s in statements))
-    planning = _Planning(replace(program, robot=robot.name), robot, scene, places)
+        return PlannedTravels(
+            program, tuple(_travel_finding(TRAVEL_WITHOUT_CELL, s) for s in statements)
+        )
+    planning = _TravelPlanner(replace(program, robot=robot.name), robot, scene, places)
     try:
         ways = planning.ways()
     except Refused as refused:
-        return Travelled(program, refused.findings)
-    done = _exchanged(program, lambda number, one: planning.moves(ways[number], one, said=True))
-    return Travelled(done, tuple(planning.findings(ways)))
+        return PlannedTravels(program, refused.findings)
+    done = _with_moves(program, lambda number, one: planning.moves(ways[number], one, said=True))
+    return PlannedTravels(done, tuple(planning.findings(ways)))
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _TravelGoal:
     """A way that is asked for. tip: in the flange. tilt: degrees. seconds: of the search."""
 
     arrival: Arrival
@@ -102,7 +104,7 @@ class _Asked:
     tilt: float | None
     seconds: float
 
-    def same(self, other: _Asked) -> bool:
+    def same(self, other: _TravelGoal) -> bool:
         """Whether one way does for both."""
         return replace(self, arrival=other.arrival) == other and (
             replace(self.arrival, number=0, first=False)
@@ -110,22 +112,22 @@ class _Asked:
         )
 
 
-class _Planning:
+class _TravelPlanner:
     """planned_ways: of which travels that are alike take the same."""
 
     def __init__(self, program: Program, robot: Robot, scene: Scene, places: Places) -> None:
         self.program, self.robot, self.scene, self.places = program, robot, scene, places
         self.statements = [s for s in program.statements() if isinstance(s, Travel)]
         self.names = Names(program)
-        self.planned_ways: list[tuple[_Asked, Planned]] = []
+        self.planned_ways: list[tuple[_TravelGoal, Planned]] = []
 
-    def ways(self) -> dict[int, _Way]:
+    def ways(self) -> dict[int, _PlannedPath]:
         """A way for each travel, by its number. Raises Refused.
 
         What was planned stands in the program, what was not as a move, whose end the branches
         behind it are chosen with; so often until every travel begins where its way does.
         """
-        ways: dict[int, _Way] = {}
+        ways: dict[int, _PlannedPath] = {}
         plans = Counter[int]()
         while True:
             found = self.arrivals(ways)
@@ -145,18 +147,18 @@ class _Planning:
             for number, statement in enumerate(self.statements):
                 theirs = [arrival for arrival in found if arrival.number == number]
                 if not theirs:
-                    raise Refused(_said(NEVER, statement))
+                    raise Refused(_travel_finding(TRAVEL_NOT_REACHED, statement))
                 self.same(statement, theirs)
                 if not ways[number].fits(theirs[0]):
                     if plans[number] == MOST_PLANS:
                         what = "begins elsewhere each time that it is planned"
-                        raise Refused(_said(SEVERAL, statement, what=what))
+                        raise Refused(_travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what))
                     del ways[number]
                     break
             else:
                 return ways
 
-    def arrivals(self, ways: Mapping[int, _Way]) -> tuple[Arrival, ...]:
+    def arrivals(self, ways: Mapping[int, _PlannedPath]) -> tuple[Arrival, ...]:
         """With each travel, the moves that stand for it. Raises Refused for what is not reached."""
         from assistant import robots
         from assistant.cell.clearances import CarriedBodies
@@ -167,7 +169,7 @@ class _Planning:
                 return one, *self.moves(ways[number], one)
             return one, self.straight(one)
 
-        solution = robots.solve_program(_exchanged(self.program, standing), self.robot)
+        solution = robots.solve_program(_with_moves(self.program, standing), self.robot)
         if has_errors(solution.findings):
             raise Refused(*at_moves(solution.findings, solution.program, self.places))
         holding = CarriedBodies.at_first(self.scene, self.placed())
@@ -206,7 +208,9 @@ class _Planning:
         for arrival in arrivals:
             if first.setdefault(arrival.number, arrival).goal != arrival.goal:
                 what = "leads to several places"
-                raise Refused(_said(SEVERAL, self.statements[arrival.number], what=what))
+                raise Refused(
+                    _travel_finding(TRAVEL_FROM_SEVERAL, self.statements[arrival.number], what=what)
+                )
 
     def same(self, statement: Travel, arrivals: list[Arrival]) -> None:
         """Raises Refused unless a travel is the same each time, from a place that is known."""
@@ -218,7 +222,9 @@ class _Planning:
         ):
             count = len(set(values))
             if count > 1:
-                raise Refused(_said(SEVERAL, statement, what=what.format(count=count)))
+                raise Refused(
+                    _travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what.format(count=count))
+                )
 
     def known(self, statement: Travel, arrival: Arrival) -> None:
         target, motion = statement.target, statement.motion
@@ -227,26 +233,28 @@ class _Planning:
             ("frame", motion.frame, self.names.frame(motion.frame)),
         ):
             if there is None:
-                raise Refused(_said(UNDECLARED, statement, what=what, name=name))
+                raise Refused(_travel_finding(TRAVEL_UNDECLARED, statement, what=what, name=name))
         if arrival.goal is None and isinstance(target, Name) and self.nowhere(target.name):
-            raise Refused(_said(UNDECLARED, statement, what="target", name=target.name))
+            raise Refused(
+                _travel_finding(TRAVEL_UNDECLARED, statement, what="target", name=target.name)
+            )
         changed = {
             base_variable(s.target) for s in self.program.statements() if isinstance(s, Assign)
         }
         if arrival.goal is None or {motion.tool.lower(), motion.frame.lower()} & changed:
-            raise Refused(_said(GOAL_UNKNOWN, statement))
+            raise Refused(_travel_finding(GOAL_UNKNOWN, statement))
         if arrival.external:
-            raise Refused(_said(EXTERNAL, statement))
+            raise Refused(_travel_finding(TRAVEL_EXTERNAL_AXES, statement))
         if arrival.doubt is not None:
             doubt = arrival.doubt
-            raise Refused(_said(START_UNKNOWN, statement, why=doubt.why, cure=doubt.cure))
+            raise Refused(_travel_finding(START_UNKNOWN, statement, why=doubt.why, cure=doubt.cure))
         if len(arrival.places) > 1:
             what = f"begins at {len(arrival.places)} places"
-            raise Refused(_said(SEVERAL, statement, what=what))
+            raise Refused(_travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what))
         if not arrival.places:
             why = "only running the program tells what moves before it"
             cure = "move to a place that the text tells, right before it"
-            raise Refused(_said(START_UNKNOWN, statement, why=why, cure=cure))
+            raise Refused(_travel_finding(START_UNKNOWN, statement, why=why, cure=cure))
 
     def nowhere(self, name: str) -> bool:
         """Whether nothing of a name is declared in the program."""
@@ -261,28 +269,28 @@ class _Planning:
             tables.append({parameter.name: parameter for parameter in procedure.parameters})
         return name.lower() not in {one.lower() for table in tables for one in table}
 
-    def planned(self, arrival: Arrival) -> _Way:
+    def planned(self, arrival: Arrival) -> _PlannedPath:
         """Raises Refused if the start is not known, or if there is no way."""
         statement = self.statements[arrival.number]
         self.known(statement, arrival)
         if arrival.joints is None or arrival.goal is None:
-            raise Refused(_said(GOAL_UNKNOWN, statement))
+            raise Refused(_travel_finding(GOAL_UNKNOWN, statement))
         tool = self.names.tool(statement.motion.tool) or Tool()
         tip = tool.tip if tool.held else IDENTITY
         seconds = self.value(statement, "search", statement.search)
         tilt = self.value(statement, "tilt", statement.tilt)
-        asked = _Asked(arrival, tip, tilt, SECONDS if seconds is None else seconds)
+        asked = _TravelGoal(arrival, tip, tilt, SEARCH_SECONDS if seconds is None else seconds)
         same = next((way for known, way in self.planned_ways if known.same(asked)), None)
         if same is not None:
-            return _Way(arrival, same)
+            return _PlannedPath(arrival, same)
         try:
             way = self.way(asked, free=self.open(arrival.number))
         except Refused as refused:
-            raise Refused(*(_at(statement, one) for one in refused.findings)) from None
+            raise Refused(*(_located_finding(statement, one) for one in refused.findings)) from None
         self.planned_ways.append((asked, way))
-        return _Way(arrival, way)
+        return _PlannedPath(arrival, way)
 
-    def way(self, asked: _Asked, *, free: bool) -> Planned:
+    def way(self, asked: _TravelGoal, *, free: bool) -> Planned:
         """To the joints that suit what comes behind; free: else in any way to hold the arm there,
         with the half of the time.
         """
@@ -318,10 +326,12 @@ class _Planning:
             return None
         number = self.names.number(said)
         if number is None or not number > 0.0:
-            raise Refused(_said(NO_NUMBER, statement, word=word, value=_text(said)))
+            raise Refused(
+                _travel_finding(TRAVEL_NO_NUMBER, statement, word=word, value=_goal_text(said))
+            )
         return number
 
-    def moves(self, way: _Way, one: Travel, *, said: bool = False) -> Body:
+    def moves(self, way: _PlannedPath, one: Travel, *, said: bool = False) -> Body:
         """The moves of a way, the last with the blend of the travel; said: behind a comment."""
         made = way.planned.statements(tool=one.motion.tool)
         moves: list[Statement] = []
@@ -333,31 +343,31 @@ class _Planning:
             place = None if one.span is None else self.places.of(one.span)
             line = "" if place is None else f", line {place.line}"
             many = "a planned move" if len(made) == 1 else f"{len(made)} planned moves"
-            target = _text(one.target)
+            target = _goal_text(one.target)
             moves.insert(0, Comment(f"travel to {target}{line}: {many}"))
         return tuple(moves)
 
-    def findings(self, ways: Mapping[int, _Way]) -> Iterator[Diagnostic]:
+    def findings(self, ways: Mapping[int, _PlannedPath]) -> Iterator[Diagnostic]:
         for number, statement in enumerate(self.statements):
             way = ways[number]
             if way.arrival.first:
-                yield _said(FROM_HOME, statement)
+                yield _travel_finding(FROM_HOME, statement)
             for finding in way.planned.findings:
-                yield _at(statement, finding)
+                yield _located_finding(statement, finding)
 
 
-def _said(rule: Rule, statement: Travel, **values: Any) -> Diagnostic:
-    return rule(target=_text(statement.target), span=statement.span, **values)
+def _travel_finding(rule: Rule, statement: Travel, **values: Any) -> Diagnostic:
+    return rule(target=_goal_text(statement.target), span=statement.span, **values)
 
 
-def _at(statement: Travel, finding: Diagnostic) -> Diagnostic:
+def _located_finding(statement: Travel, finding: Diagnostic) -> Diagnostic:
     """A finding about a way at its line; where no text has it, with what the way leads to."""
     if statement.span is not None:
         return replace(finding, span=statement.span)
-    return replace(finding, about=f"travel to {_text(statement.target)}")
+    return replace(finding, about=f"travel to {_goal_text(statement.target)}")
 
 
-def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program:
+def _with_moves(program: Program, made: Callable[[int, Travel], Body]) -> Program:
     """The program with what is made of each travel, which are counted in order of text.
 
     A travel that stands in it again is another object there, as those that walk through a program
@@ -380,7 +390,7 @@ def _exchanged(program: Program, made: Callable[[int, Travel], Body]) -> Program
     return replace(program, procedures=procedures)
 
 
-def _text(expression: Expression) -> str:
+def _goal_text(expression: Expression) -> str:
     from assistant.program.pseudo.expressions import expression_text  # it loads the grammar
 
     return expression_text(expression)

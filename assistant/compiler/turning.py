@@ -18,7 +18,7 @@ def has_free_turns(program: Program) -> bool:
     return any(tool.free_turn for tool in program.tools.values())
 
 
-def with_turns(
+def with_chosen_turns(
     program: Program, arm: Robot | None, scene: Scene | None = None
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program whose tools have the turns that suit an arm best, where they are free.
@@ -32,10 +32,10 @@ def with_turns(
         return program, ()
     if arm is None:
         return without_free_turns(program), (NO_ARM(),)
-    return with_chosen_turns(program, arm, () if scene is None else _clear(scene, arm))
+    return with_chosen_turns(program, arm, () if scene is None else _clear_of_scene(scene, arm))
 
 
-def _clear(scene: Scene, arm: Robot) -> tuple[ClearTest, ...]:
+def _clear_of_scene(scene: Scene, arm: Robot) -> tuple[ClearTest, ...]:
     """What keeps the margins of a scene, and what touches nothing in it, while all else stands."""
     from assistant.cell.clearances import robot_of
     from assistant.cell.planning.space import Space

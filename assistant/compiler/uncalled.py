@@ -21,7 +21,7 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
 T = TypeVar("T")
-_TABLES: Final[tuple[ProgramTable, ...]] = ("tools", "frames", "targets", "joint_targets")
+_DATA_TABLES: Final[tuple[ProgramTable, ...]] = ("tools", "frames", "targets", "joint_targets")
 """Data without a place in the text."""
 
 NOT_CALLED: Final = warning(
@@ -43,29 +43,29 @@ def without_uncalled(
     if program.entry is None or not wrong:
         return None
     routines: list[Procedure | Declaration] = [*program.procedures, *_kept_routines(program)]
-    named = {_name(one): _named(one) for one in routines}
-    if _may_call_any(program, named):
+    named = {_name_of(one): _names_in(one) for one in routines}
+    if _may_call_unknown(program, named):
         return None
     called = program.origin.called if program.origin is not None else frozenset[str]()
-    live = _reached({program.entry.lower(), *called}, program, named)
-    dead = {name: one for one in routines if (name := _name(one)) not in live}
-    bad = _bad_data(program, wrong) - _alive(program, named, live)
+    live = _routines_reached({program.entry.lower(), *called}, program, named)
+    dead = {name: one for one in routines if (name := _name_of(one)) not in live}
+    bad = _data_without_equivalent(program, wrong) - _names_alive(program, named, live)
     faulty = {
         name
         for name, one in dead.items()
-        if named[name] & bad or any(_is_in(x, name, one) for x in wrong)
+        if named[name] & bad or any(_is_about_routine(x, name, one) for x in wrong)
     }
     if not faulty and not bad:
         return None
-    gone = {name for name in dead if not faulty.isdisjoint(_all_from(name, named))}
+    gone = {name for name in dead if not faulty.isdisjoint(_reached_from(name, named))}
     idle = _named_only_in(gone, program, named)
     left = replace(
         program,
-        tools=_without(program.tools, bad),
-        frames=_without(program.frames, bad),
-        targets=_without(program.targets, bad),
-        joint_targets=_without(program.joint_targets, bad),
-        variables=_without(program.variables, bad),
+        tools=_without_names(program.tools, bad),
+        frames=_without_names(program.frames, bad),
+        targets=_without_names(program.targets, bad),
+        joint_targets=_without_names(program.joint_targets, bad),
+        variables=_without_names(program.variables, bad),
         procedures=tuple(one for one in program.procedures if one.name.lower() not in gone),
         declarations=tuple(
             one
@@ -79,7 +79,7 @@ def without_uncalled(
         x
         for name, one in dead.items()
         if name in gone and one.span not in kept
-        for x in _told(one, name, language)
+        for x in _left_out_finding(one, name, language)
     ]
     told += [
         NOT_CALLED(name=name, language=language, span=one.span)
@@ -89,32 +89,32 @@ def without_uncalled(
     ]
     told += [
         NOT_CALLED(name=name, language=language, span=span, about=about)
-        for name, span, about in _data(program)
+        for name, span, about in _routine_data(program)
         if name.lower() in bad
     ]
     return left, tuple(told)
 
 
-def _data(program: Program) -> Iterator[tuple[str, Span | None, Declared]]:
+def _routine_data(program: Program) -> Iterator[tuple[str, Span | None, Declared]]:
     """Names in routines, with their places if these are known."""
     for name, one in program.variables.items():
         yield name, one.span, Declared(name, "variables")
-    for table in _TABLES:
+    for table in _DATA_TABLES:
         yield from ((name, None, Declared(name, table)) for name in getattr(program, table))
 
 
-def _bad_data(program: Program, wrong: Sequence[Diagnostic]) -> set[str]:
+def _data_without_equivalent(program: Program, wrong: Sequence[Diagnostic]) -> set[str]:
     """Names in lower case of data that the language has no equivalent for."""
     about = {(x.about.table, x.about.name) for x in wrong if isinstance(x.about, Declared)}
     spans = {x.span for x in wrong if x.span is not None}
     return {
         name.lower()
-        for name, span, subject in _data(program)
+        for name, span, subject in _routine_data(program)
         if (subject.table, name) in about or span in spans
     }
 
 
-def _alive(program: Program, named: Mapping[str, Set[str]], live: Set[str]) -> set[str]:
+def _names_alive(program: Program, named: Mapping[str, Set[str]], live: Set[str]) -> set[str]:
     """Names in lower case that anything says but routines that nothing calls."""
     found = {name for key in live for name in named.get(key, ())}
     found |= texts_in(tuple(program.variables.values()))
@@ -125,7 +125,7 @@ def _alive(program: Program, named: Mapping[str, Set[str]], live: Set[str]) -> s
     return found
 
 
-def _without(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
+def _without_names(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
     return {name: one for name, one in table.items() if name.lower() not in names}
 
 
@@ -149,7 +149,9 @@ def _named_only_in(
     return frozenset(data & inside - outside)
 
 
-def _told(one: Procedure | Declaration, name: str, language: str) -> Iterator[Diagnostic]:
+def _left_out_finding(
+    one: Procedure | Declaration, name: str, language: str
+) -> Iterator[Diagnostic]:
     """A finding for the routine, which is about all that its span holds."""
     spelled = one.name if isinstance(one, Procedure) else name
     spans = [one.span]
@@ -160,7 +162,7 @@ def _told(one: Procedure | Declaration, name: str, language: str) -> Iterator[Di
             yield NOT_CALLED(name=spelled, language=language, span=span)
 
 
-def is_of(finding: Diagnostic, told: Sequence[Diagnostic]) -> bool:
+def is_about_left_out(finding: Diagnostic, told: Sequence[Diagnostic]) -> bool:
     """True if a finding is about what is left out, and would stop the program."""
     spans = [one.span for one in told if one.span is not None]
     return finding.severity is Severity.ERROR and _is_inside(finding.span, spans)
@@ -170,7 +172,7 @@ def _is_inside(span: Span | None, outer: Sequence[Span]) -> bool:
     return span is not None and any(o.start <= span.start and span.end <= o.end for o in outer)
 
 
-def _name(one: Procedure | Declaration) -> str:
+def _name_of(one: Procedure | Declaration) -> str:
     if isinstance(one, Procedure):
         return one.name.lower()
     return next(iter(sorted(effect_of(one).writes)), "")
@@ -189,7 +191,7 @@ def _is_routine(one: Declaration) -> bool:
     return len(lines_of(one.text.strip())) > 1
 
 
-def _named(one: Procedure | Declaration) -> frozenset[str]:
+def _names_in(one: Procedure | Declaration) -> frozenset[str]:
     """Every name and text in a routine, in lower case."""
     if isinstance(one, Declaration):
         return effect_of(one).names
@@ -200,7 +202,9 @@ def _named(one: Procedure | Declaration) -> frozenset[str]:
     return frozenset(found)
 
 
-def _reached(called: Set[str], program: Program, named: Mapping[str, Set[str]]) -> set[str]:
+def _routines_reached(
+    called: Set[str], program: Program, named: Mapping[str, Set[str]]
+) -> set[str]:
     """Routines that run as the program does, or as what it declares does.
 
     called: by the controller; names that are no routines do not matter.
@@ -221,7 +225,7 @@ def _reached(called: Set[str], program: Program, named: Mapping[str, Set[str]]) 
     return found
 
 
-def _all_from(name: str, named: Mapping[str, Set[str]]) -> set[str]:
+def _reached_from(name: str, named: Mapping[str, Set[str]]) -> set[str]:
     found: set[str] = set()
     pending = [name]
     while pending:
@@ -232,7 +236,7 @@ def _all_from(name: str, named: Mapping[str, Set[str]]) -> set[str]:
     return found
 
 
-def _may_call_any(program: Program, named: Mapping[str, Set[str]]) -> bool:
+def _may_call_unknown(program: Program, named: Mapping[str, Set[str]]) -> bool:
     """True if a kept statement calls what is no routine of the program, and may go on anywhere."""
     return any(
         effect.jumps and not effect.calls <= named.keys()
@@ -242,7 +246,7 @@ def _may_call_any(program: Program, named: Mapping[str, Set[str]]) -> bool:
     )
 
 
-def _is_in(finding: Diagnostic, name: str, one: Procedure | Declaration) -> bool:
+def _is_about_routine(finding: Diagnostic, name: str, one: Procedure | Declaration) -> bool:
     if finding.span is not None:
         return one.span is not None and _is_inside(finding.span, (one.span,))
     match finding.about:

@@ -15,17 +15,17 @@ from assistant.program.analysis.uses import along_calls
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
 
-NOT_IN_FULL = warning(
+CALLS_PARTLY_TRANSLATED = warning(
     "CO013",
     "`{name}` is called, and not all that it does is said",
     "see to its statements; the call itself is said",
 )
-CALLS_NOTHING = error(
+CALLS_NOT_TRANSLATED = error(
     "CO014", "`{name}` is called, which is not said", "see to that procedure first"
 )
 
 
-def lose(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
+def add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
     """Adds to what is found about the parts of a program, by their spans, what they lose by others.
 
     What stands in what is not said is not said for the same reasons; calls of it are told of.
@@ -33,16 +33,16 @@ def lose(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
     wrong: set[Span | None] = {span for span, told in found.items() if has_errors(told)}
     if not wrong:
         return
-    for span, holder in _inside(program, wrong).items():
+    for span, holder in _losses_inside(program, wrong).items():
         if span in found and span not in wrong:
             found[span].extend(f for f in found[holder] if f.severity is Severity.ERROR)
             wrong.add(span)
-    for span, finding in _calls(program, wrong):
+    for span, finding in _losses_by_calls(program, wrong):
         if span in found:
             found[span].append(finding)
 
 
-def _inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span]:
+def _losses_inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span]:
     """What stands in procedures and statements that are not said, each with the one it stands in.
 
     wrong: the spans of what is not said.
@@ -61,7 +61,9 @@ def _inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span]:
     return found
 
 
-def _calls(program: Program, wrong: Set[Span | None]) -> Iterator[tuple[Span, Diagnostic]]:
+def _losses_by_calls(
+    program: Program, wrong: Set[Span | None]
+) -> Iterator[tuple[Span, Diagnostic]]:
     """Calls of what is not said, or not in full: spans of their statements, and what is found.
 
     wrong: the spans of what is not said, and of what stands in it.
@@ -78,13 +80,13 @@ def _calls(program: Program, wrong: Set[Span | None]) -> Iterator[tuple[Span, Di
             span = statement.span
             if span is None or span in wrong:
                 continue
-            for name in dict.fromkeys(_called(statement)):
+            for name in dict.fromkeys(_names_called(statement)):
                 if lacks.get(name):
-                    rule = CALLS_NOTHING if name in gone else NOT_IN_FULL
+                    rule = CALLS_NOT_TRANSLATED if name in gone else CALLS_PARTLY_TRANSLATED
                     yield span, rule(span=span, name=named[name].name)
 
 
-def _called(statement: p.Statement) -> Iterator[str]:
+def _names_called(statement: p.Statement) -> Iterator[str]:
     """The procedures and functions that a statement itself calls, in lower case."""
     for part in records(head(statement)):
         match part:

@@ -20,8 +20,8 @@ from assistant.base.source_text import SourceText, lines_of
 from assistant.compiler.checking import Checked, check_text
 from assistant.compiler.compiling import compile
 from assistant.compiler.formatting import NOT_THE_SAME, format_text
-from assistant.compiler.loading import Loaded, lifted, parse_pseudo, read_trees
-from assistant.compiler.project import configured
+from assistant.compiler.loading import Loaded, lift_trees, parse_pseudo, read_trees
+from assistant.compiler.project import with_project_settings
 from assistant.compiler.scenes import InCell
 from assistant.compiler.source_map import Places, Trace, at_its_line
 from assistant.compiler.translating import translate
@@ -261,7 +261,9 @@ class _VendorAdapter(LanguageAdapter):
         self, text: SourceText, others: Sequence[SourceText]
     ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
         folder = folder_of(text)
-        language = self._language if folder is None else configured(self._language, folder)
+        language = (
+            self._language if folder is None else with_project_settings(self._language, folder)
+        )
         tree = language.parse(text)
         trees = [tree, *map(language.parse, others)]
         found = [one for one in language.check(trees) if one.path in (text.path, None)]
@@ -313,7 +315,7 @@ class _VendorAdapter(LanguageAdapter):
     ) -> Translated:
         trees = read_trees(self._language, (text, *others), beside=folder_of(text))
         robot = None if stands.robot is None else stands.robot.name
-        loaded = lifted(self._language, trees, stands.robot)
+        loaded = lift_trees(self._language, trees, stands.robot)
         if to == PSEUDO:
             return _as_pseudo(loaded.program, text)
         done = translate(loaded, to=to, robot=robot, draft=True)

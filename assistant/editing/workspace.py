@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.budgets import internal_error, without_gc
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.scenes import InCell, open_cell
 from assistant.compiler.tasks import tasks_of
 from assistant.editing.answers import Change
 from assistant.editing.excerpts import Excerpt, Structure, excerpt, newline_of, structure
@@ -293,9 +293,9 @@ class Workspace:
         source: SourceText,
         found: Sequence[Diagnostic],
     ) -> tuple[Diagnostic, ...]:
-        from assistant.compiler.checking import Text
+        from assistant.compiler.checking import CheckedText
 
-        text = Text(source, speaks.mark, complete=False)
+        text = CheckedText(source, speaks.mark, complete=False)
         placed = [one.within(document.path) for one in found]
         left = apply_severities(placed, {document.path: text}).left
         return tuple(one for one in left if one.path == document.path)
@@ -316,7 +316,7 @@ class Workspace:
         """Cell and robot of the project, what else it says, and what is wrong with it."""
         try:
             given = completed(document.path, Stated(), ("robot", "process", "cell"))
-            stands = in_cell(given.cell, given.robot)
+            stands = open_cell(given.cell, given.robot)
         except Refused as refused:
             return InCell(), {}, tuple(one.within(document.path) for one in refused.findings[:1])
         process = {} if given.process is None else {"process": given.process}

@@ -34,7 +34,7 @@ from assistant.base.diagnostics import (
     warning,
 )
 from assistant.base.source_text import SourceText, comments
-from assistant.compiler.checking import Text
+from assistant.compiler.checking import CheckedText
 from assistant.findings import rulebook
 from assistant.findings.rulebook import is_adjustable
 from assistant.sources.project import (
@@ -280,7 +280,7 @@ def _next_code(source: SourceText, line: int, mark: str) -> int:
 
 
 def apply_severities(
-    findings: Sequence[Diagnostic], texts: Mapping[str, Text] | None = None
+    findings: Sequence[Diagnostic], texts: Mapping[str, CheckedText] | None = None
 ) -> Sifted:
     """The findings as the project wants them, in their order, and the ignored ones.
 

@@ -12,7 +12,7 @@ from typing import Any
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import file_in_folder, write_all
-from assistant.compiler.keeping import WRITTEN, Keeper, Kept, Wishes
+from assistant.compiler.keeping import WRITTEN, Keeper, Kept, MergeChoices
 from assistant.findings.formats import finding_record
 from assistant.findings.severities import apply_severities
 from assistant.program.settings_tables import listed, nearest, shown
@@ -87,7 +87,7 @@ def build(
     jobs: int | None = None,
     anew: bool = False,
     working: Working | None = None,
-    wishes: Wishes | None = None,
+    wishes: MergeChoices | None = None,
 ) -> Build:
     """Builds what has changed; what fails keeps nothing else from being built.
 
@@ -95,7 +95,7 @@ def build(
     has not changed. working: around the making of so many. wishes: what becomes of edits of built
     files. Raises Refused for an unknown name.
     """
-    return _Run(project, names, wishes or Wishes()).done(
+    return _Run(project, names, wishes or MergeChoices()).done(
         jobs, anew, working or (lambda _: contextlib.nullcontext())
     )
 
@@ -122,7 +122,7 @@ def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]
 class _Run:
     """One build. entries: of what is built, those of other targets among them."""
 
-    def __init__(self, project: Project, names: Sequence[str], wishes: Wishes) -> None:
+    def __init__(self, project: Project, names: Sequence[str], wishes: MergeChoices) -> None:
         self.project = project
         self.wishes = wishes
         self.edits: set[str] = set()

@@ -16,9 +16,9 @@ from assistant.compiler import compile
 from assistant.compiler.arms import robot_of
 from assistant.compiler.loading import language_of, load, read_trees
 from assistant.compiler.motion import Proving
-from assistant.compiler.scenes import in_cell
+from assistant.compiler.scenes import open_cell
 from assistant.compiler.style import style_of
-from assistant.compiler.together import together
+from assistant.compiler.together import combine_sources
 from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
 from assistant.program.settings_tables import listed
@@ -27,7 +27,7 @@ from assistant.project.inputs import Digests, digests, watched
 from assistant.project.layout import Place, Recipe
 from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.project import FILES
+from assistant.sources.project import PROJECT_FILES
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ def make(order: Order) -> Made:
     with watched(order.folder) as opened:
         made = _made(order, name)
     # What the project's own file says of the style is in the digest of what is wanted.
-    inputs = digests(order.folder, (opened | set(_asked_for(order))) - set(FILES))
+    inputs = digests(order.folder, (opened | set(_asked_for(order))) - set(PROJECT_FILES))
     found = apply_severities([finding.within(name) for finding in made.findings]).left
     files = {} if has_errors(found) else made.files
     return replace(made, inputs=inputs, findings=found, files=files)
@@ -204,12 +204,12 @@ def _compiled(order: Order, name: str) -> Made:
             unit=recipe.unit,
         )
     if recipe.also:
-        given = together(
+        given = combine_sources(
             [source, *map(shown_path, recipe.also)],
             recipe.name,
             process=_named(recipe.process),
             unit=recipe.unit,
-            around=in_cell(_named(recipe.cell), robot_of(order.arm)).around,
+            around=open_cell(_named(recipe.cell), robot_of(order.arm)).around,
         )
     script = _named(recipe.signals)
     language = _language(order, spoken)

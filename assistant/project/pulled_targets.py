@@ -14,7 +14,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText, decode, encode
 from assistant.base.toml_text import value_spans
-from assistant.compiler.loading import PSEUDO_ENCODINGS, lift, parse_pseudo
+from assistant.compiler.loading import PSEUDO_ENCODINGS, lift_texts, parse_pseudo
 from assistant.compiler.teaching import branch_words, number_list
 from assistant.deploy import PlannedFile
 from assistant.languages import Language
@@ -27,7 +27,7 @@ from assistant.robots import Robot
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.tables.taught import ORIENTATIONS, read_taught
-from assistant.sources.tables.teaching import TaughtTarget, is_kept, with_target
+from assistant.sources.tables.teaching import TaughtTarget, is_otherwise_equal, with_target
 
 TAUGHT: Final = ".toml"
 PLACES_OF: Final = (TAUGHT, pseudo.SUFFIX)
@@ -61,7 +61,8 @@ def changed_targets(
     Raises Refused if they differ in anything else: a source that is compiled cannot be given that.
     """
     old, new = (
-        lift(language, [language.decode(data, file.path)], robot).program for data in (base, there)
+        lift_texts(language, [language.decode(data, file.path)], robot).program
+        for data in (base, there)
     )
     moved = replace(new, targets=old.targets, joint_targets=old.joint_targets, origin=None)
     same_names = old.targets.keys() == new.targets.keys()
@@ -151,7 +152,7 @@ def _taught(
     }
     target = TaughtTarget(entry["name"], dict(_values(change, as_it_is)), {})
     changed, _ = with_target(text, source.stem, target, process_of(source), again=True)
-    if not is_kept(text.text, changed.text, entry["name"]):
+    if not is_otherwise_equal(text.text, changed.text, entry["name"]):
         raise Refused(
             rules.OTHER_TARGET(path=str(source), target=change.name, name=source, source=source)
         )

@@ -27,7 +27,7 @@ from typing import Any, Final, get_args
 
 from assistant import languages
 from assistant.base.length_units import UNITS
-from assistant.compiler.style import KEYS
+from assistant.compiler.style import STYLE_KEYS
 from assistant.controllers.named import LONGEST_TIMEOUT, keys
 from assistant.languages.language_types import Frames
 from assistant.program import settings_tables
@@ -142,10 +142,12 @@ DEPLOYING: Final[Mapping[str, Key]] = {
     "canary": _text("Target that goes first, alone; the others follow if it goes well."),
 }
 STYLE: Final[Mapping[str, Key]] = {
-    "template": Key(KEYS["template"], TEXT, "Folder with the templates of written programs."),
-    "project": Key(KEYS["project"], TEXT, "Name of the project, for templates."),
-    "author": Key(KEYS["author"], TEXT, "Who is responsible for the programs, for templates."),
-    "revision": Key(KEYS["revision"], TEXT, "Revision of the programs, for templates."),
+    "template": Key(STYLE_KEYS["template"], TEXT, "Folder with the templates of written programs."),
+    "project": Key(STYLE_KEYS["project"], TEXT, "Name of the project, for templates."),
+    "author": Key(
+        STYLE_KEYS["author"], TEXT, "Who is responsible for the programs, for templates."
+    ),
+    "revision": Key(STYLE_KEYS["revision"], TEXT, "Revision of the programs, for templates."),
 }
 CONTROLLER: Final[Mapping[str, Key]] = {
     name: Key(read, *FORMS[name]) for name, read in keys().items()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.compiler.source_map import Place
-from assistant.compiler.translating import Level, Row
+from assistant.compiler.translating import Level, ReportRow
 
 MOST: Final = 10
 """Reasons that a report tells of a program."""
@@ -29,7 +29,7 @@ class Cost:
     message: str
     cure: str
     place: Place
-    rows: tuple[Row, ...] = ()
+    rows: tuple[ReportRow, ...] = ()
 
     def record(self) -> dict[str, Any]:
         return {
@@ -43,9 +43,9 @@ class Cost:
         }
 
 
-def costs(rows: Iterable[Row], most: int = MOST) -> list[Cost]:
+def costs(rows: Iterable[ReportRow], most: int = MOST) -> list[Cost]:
     """The reasons of the most statements, of those that are not said before the others."""
-    found: dict[tuple[Level, str, str], list[Row]] = {}
+    found: dict[tuple[Level, str, str], list[ReportRow]] = {}
     for row in rows:
         if row.level != "supported" and row.reasons:
             first = row.reasons[0]
@@ -55,7 +55,7 @@ def costs(rows: Iterable[Row], most: int = MOST) -> list[Cost]:
     return ordered[:most]
 
 
-def _cost(level: Level, alike: Sequence[Row]) -> Cost:
+def _cost(level: Level, alike: Sequence[ReportRow]) -> Cost:
     row, count = alike[0], sum(one.count for one in alike)
     first = row.reasons[0]
     return Cost(first.code, level, count, first.message, first.cure, row.place, tuple(alike))

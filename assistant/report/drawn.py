@@ -12,7 +12,7 @@ from assistant.program.geometry import BASE, Frame
 from assistant.sources import process_of
 
 if TYPE_CHECKING:
-    from assistant.sources.placements import Placing
+    from assistant.sources.placements import DrawingPlacement
 
 SUFFIX: Final = ".dxf"
 
@@ -33,7 +33,7 @@ def drawn_lines(
     source: str | FilePath,
     process: str | FilePath | None = None,
     unit: str | None = None,
-    placement: Placing | None = None,
+    placement: DrawingPlacement | None = None,
 ) -> list[Line]:
     """The curves of a drawing in order; nothing for other sources, and for a drawing whose frame
     the robot or something else carries.

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.compiler.source_map import Place
-from assistant.compiler.translating import Row, Translation
+from assistant.compiler.translating import ReportRow, Translation
 from assistant.findings.formats import finding_record
 from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown
@@ -141,7 +141,7 @@ def record(one: Translated) -> dict[str, Any]:
     }
 
 
-def _row(row: Row) -> dict[str, Any]:
+def _row(row: ReportRow) -> dict[str, Any]:
     return {
         "path": row.place.path,
         "line": row.place.line,
@@ -160,11 +160,11 @@ def _at(place: Place) -> str:
     return f"{place.path or STANDARD}:{place.line}"
 
 
-def _statement(row: Row) -> str:
+def _statement(row: ReportRow) -> str:
     return f"{row.text} ({row.count} rows)" if row.count > 1 else row.text
 
 
-def _went(row: Row) -> str:
+def _went(row: ReportRow) -> str:
     return f" -> {_at(row.went[0])}" if row.went else ""
 
 

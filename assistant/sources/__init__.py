@@ -13,11 +13,11 @@ from assistant.base.budgets import TABLE, most_unpacked, within
 from assistant.base.diagnostics import Unreadable, error
 from assistant.base.length_units import known_unit, unit_stated
 from assistant.base.source_text import is_file
-from assistant.sources.placements import INSTEAD, Placing, check_drawn
+from assistant.sources.placements import PLACED_BY_OPTIONS, DrawingPlacement, check_drawn
 from assistant.sources.process import NO_PROCESS, Process
-from assistant.sources.process.seen import NOT_SAID
+from assistant.sources.process.seen import NO_SEEN_SETTINGS
 from assistant.sources.reading import Reader, Reading
-from assistant.sources.surroundings import ByRobot
+from assistant.sources.surroundings import SurroundingsByRobot
 
 __all__ = ["READERS", "Reading", "process_of", "read"]
 
@@ -48,8 +48,8 @@ def read(
     path: str | FilePath,
     process: str | FilePath | None = None,
     unit: str | None = None,
-    around: ByRobot | None = None,
-    placement: Placing | None = None,
+    around: SurroundingsByRobot | None = None,
+    placement: DrawingPlacement | None = None,
     *,
     merging: bool = False,
 ) -> Reading:
@@ -74,7 +74,7 @@ def read(
         if source.suffix.lower() in STATE_LENGTHS:
             findings += (unit_stated(path, unit),)
     if placement is not None:
-        told = () if chosen.placement is None else (INSTEAD(path=str(path)),)
+        told = () if chosen.placement is None else (PLACED_BY_OPTIONS(path=str(path)),)
         findings += (*(f.within(str(path)) for f in placement.findings), *told)
         chosen = replace(chosen, placement=placement.pose)
     if merging:
@@ -88,7 +88,7 @@ def read(
     program = reading.program
     if chosen.interface is not None:
         program = replace(program, interface=chosen.interface)
-    seen = chosen.seen if reading.seen == NOT_SAID else reading.seen
+    seen = chosen.seen if reading.seen == NO_SEEN_SETTINGS else reading.seen
     return Reading(program, (*findings, *reading.findings), chosen.joint_percent, seen)
 
 

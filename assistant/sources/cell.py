@@ -65,38 +65,38 @@ from assistant.sources.process.file import ENCODINGS, process_in, read_toml
 
 V = TypeVar("V")
 
-OPEN: Final = "?"
+OPEN_VALUE: Final = "?"
 """Stands where a value is to be filled in."""
-TABLES: Final[Mapping[WantedKind, str]] = {
+TABLE_OF_KIND: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
     "routine": "routines", "record": "records", "arm": "arms", "line": "lines",
 }  # fmt: skip
-OWN: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
+CELL_TABLES: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
 """Tables that a process file has not."""
-WORLD: Final = ("world", "robots", "bodies")
+SCENE_TABLES: Final = ("world", "robots", "bodies")
 """Tables of the same file that `assistant.cell` reads."""
-ENTRIES: Final = tuple(dict.fromkeys(TABLES.values()))
+ENTRIES: Final = tuple(dict.fromkeys(TABLE_OF_KIND.values()))
 
 
-def _plain(value: Any) -> Plain:
+def _read_plain_value(value: Any) -> Plain:
     match value:
         case bool() | str():
             return value
         case int() | float():
             return settings_tables.number("", least=-9e9, most=9e9)(value)  # type: ignore[no-any-return]
         case list():
-            return tuple(map(_plain, value))
+            return tuple(map(_read_plain_value, value))
     raise Wrong("is a date or a table", "write a number, true, false, a text, or these in brackets")
 
 
-def _joints(value: Any) -> JointTarget:
+def _read_joints(value: Any) -> JointTarget:
     if not isinstance(value, list) or not 1 <= len(value) <= 6:
         raise Wrong("is no list of joint angles", "write up to six numbers of degrees in brackets")
     return JointTarget(tuple(settings_tables.number("degrees")(one) for one in value))
 
 
-def _components(value: Any) -> Plain:
+def _read_components(value: Any) -> Plain:
     if not isinstance(value, list) or not value or not all(map(_is_component, value)):
         raise Wrong(
             "is no list of components",
@@ -109,18 +109,18 @@ def _is_component(value: Any) -> bool:
     return isinstance(value, str) and bool(re.fullmatch(r"[^\W\d]\w* [^\W\d]\w*", value))
 
 
-SPEED: Final[Mapping[str, Read]] = {"speed": settings_tables.speed}
-BLEND: Final[Mapping[str, Read]] = {"blend": settings_tables.blend}
-POSITION: Final[Mapping[str, Read]] = {
+SPEED_KEYS: Final[Mapping[str, Read]] = {"speed": settings_tables.speed}
+BLEND_KEYS: Final[Mapping[str, Read]] = {"blend": settings_tables.blend}
+POSITION_KEYS: Final[Mapping[str, Read]] = {
     "position": settings_tables.position,
     "quaternion": settings_tables.quaternion,
     "euler_zyx": settings_tables.euler_zyx,
-    "joints": _joints,
+    "joints": _read_joints,
 }
-DATA: Final[Mapping[str, Read]] = {"type": settings_tables.name, "value": _plain}
-ROUTINE: Final[Mapping[str, Read]] = {"routine": settings_tables.text}
-RECORD: Final[Mapping[str, Read]] = {"components": _components}
-ARM: Final[Mapping[str, Read]] = {"arm": settings_tables.text}
+DATA_KEYS: Final[Mapping[str, Read]] = {"type": settings_tables.name, "value": _read_plain_value}
+ROUTINE_KEYS: Final[Mapping[str, Read]] = {"routine": settings_tables.text}
+RECORD_KEYS: Final[Mapping[str, Read]] = {"components": _read_components}
+ARM_KEYS: Final[Mapping[str, Read]] = {"arm": settings_tables.text}
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,23 +144,23 @@ class Cell:
         """What the file says of a name, None if nothing or if that is not filled in."""
         low = wanted.name.lower()
         if wanted.kind == "tool":
-            return _of(self.process.tools, low)
+            return _entries_of(self.process.tools, low)
         if wanted.kind == "frame":
-            return _of(self.process.frames, low)
+            return _entries_of(self.process.frames, low)
         if wanted.kind == "line":
             return next(
                 (v for n, v in self.process.lines.items() if LINE_NAME.format(n) == low), None
             )
-        return self.given.get((TABLES[wanted.kind], low))
+        return self.given.get((TABLE_OF_KIND[wanted.kind], low))
 
     def signal(self, name: str) -> Signal | None:
-        return _of(self.process.signals, name.lower())
+        return _entries_of(self.process.signals, name.lower())
 
 
 NO_CELL: Final = Cell()
 
 
-def _of(table: Mapping[str, V], low: str) -> V | None:
+def _entries_of(table: Mapping[str, V], low: str) -> V | None:
     return next((value for name, value in table.items() if name.lower() == low), None)
 
 
@@ -190,12 +190,14 @@ def parse_cell(source: SourceText) -> Cell:
     rest = replace(top, content=content)
     given: dict[tuple[str, str], SuppliedValue] = {}
     types: dict[str, str] = {}
-    for table in OWN:
+    for table in CELL_TABLES:
         for name, entry in rest.table(table).named():
             value = _entry(table, entry, types, name.lower())
             if value is not None:
                 given[table, name.lower()] = value
-    process = process_in(rest, (*OWN, *WORLD))  # raises what the tables above have found as well
+    process = process_in(
+        rest, (*CELL_TABLES, *SCENE_TABLES)
+    )  # raises what the tables above have found as well
     return Cell(process, given, types, frozenset(known), frozenset(opened), source.text)
 
 
@@ -204,37 +206,37 @@ def _is_open(entry: Any) -> bool:
         return any(map(_is_open, entry.values()))
     if isinstance(entry, list):
         return any(map(_is_open, entry))
-    return isinstance(entry, str) and entry == OPEN
+    return isinstance(entry, str) and entry == OPEN_VALUE
 
 
 def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> SuppliedValue | None:
     match table:
         case "speeds":
-            speed: Speed | None = entry.read(SPEED).get("speed")
+            speed: Speed | None = entry.read(SPEED_KEYS).get("speed")
             return speed
         case "blends":
-            blend: Blend | None = entry.read(BLEND).get("blend")
+            blend: Blend | None = entry.read(BLEND_KEYS).get("blend")
             return blend
         case "positions":
             return _position(entry)
         case "data":
-            found = entry.read(DATA)
+            found = entry.read(DATA_KEYS)
             if "type" in found:
                 types[low] = found["type"]
             plain: Plain | None = found.get("value")
             return plain
         case "records":
-            components: Plain | None = entry.read(RECORD).get("components")
+            components: Plain | None = entry.read(RECORD_KEYS).get("components")
             return components
         case "arms":
-            arm: str | None = entry.read(ARM).get("arm")
+            arm: str | None = entry.read(ARM_KEYS).get("arm")
             return arm
-    routine: str | None = entry.read(ROUTINE).get("routine")
+    routine: str | None = entry.read(ROUTINE_KEYS).get("routine")
     return routine
 
 
 def _position(entry: Table) -> Target | JointTarget:
-    found = entry.read(POSITION)
+    found = entry.read(POSITION_KEYS)
     if "joints" in found:
         joints: JointTarget = found["joints"]
         return joints
@@ -245,7 +247,7 @@ def _position(entry: Table) -> Target | JointTarget:
 
 # ------------------------------------------------------------------------------------ write
 
-HEAD: Final = (
+CELL_FILE_HEAD: Final = (
     '# What programs of this cell use and do not declare. Write a value for each "?", then run',
     "# the command again; see docs/translating.md for what each table takes.",
 )
@@ -256,13 +258,13 @@ def with_entries(text: str, entries: Iterable[tuple[Wanted, SuppliedValue | None
 
     None: a place. A signal's value is in its `Wanted`, without a number for a place.
     """
-    parts = [text.rstrip("\n")] if text.strip() else ["\n".join(HEAD)]
+    parts = [text.rstrip("\n")] if text.strip() else ["\n".join(CELL_FILE_HEAD)]
     for wanted, value in entries:
         parts.append("\n".join(_lines(wanted, value)))
     return "\n\n".join(parts) + "\n"
 
 
-def questions(wanted: Wanted) -> Iterator[tuple[str, str]]:
+def open_keys(wanted: Wanted) -> Iterator[tuple[str, str]]:
     """The keys of an entry that are to be filled in, each with a remark on its value."""
     if wanted.signal is not None:
         wanted = replace(wanted, signal=replace(wanted.signal, number=None))
@@ -277,7 +279,9 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
     The answer is TOML; what is none is a text. The text itself, if there is no such place.
     """
     head = re.search(
-        rf"^\[{TABLES[wanted.kind]}\.{re.escape(wanted.name)}\]", text, re.MULTILINE | re.IGNORECASE
+        rf"^\[{TABLE_OF_KIND[wanted.kind]}\.{re.escape(wanted.name)}\]",
+        text,
+        re.MULTILINE | re.IGNORECASE,
     )
     if head is None:
         return text
@@ -308,14 +312,14 @@ def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
     places = ", ".join(wanted.uses[:MOST_USES])
     more = len(wanted.uses) - MOST_USES
     used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
-    yield f"# {_said(wanted)}{used}"
-    yield f"[{TABLES[wanted.kind]}.{wanted.name}]"
+    yield f"# {_wanted_words(wanted)}{used}"
+    yield f"[{TABLE_OF_KIND[wanted.kind]}.{wanted.name}]"
     for key, given, remark in _keys(wanted, value):
         line = f"{key} = {OPEN_TEXT if given is None else toml_value(given)}"
         yield line + (f"  # {remark}" if remark else "")
 
 
-OPEN_TEXT: Final = f'"{OPEN}"'
+OPEN_TEXT: Final = f'"{OPEN_VALUE}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
@@ -323,12 +327,12 @@ _WORDS: Final[Mapping[WantedKind, str]] = {
 }  # fmt: skip
 
 
-def said(wanted: Wanted) -> str:
+def wanted_in_words(wanted: Wanted) -> str:
     """What a wanted name is, in words: `tool tGrip`."""
-    return _said(wanted)
+    return _wanted_words(wanted)
 
 
-def _said(wanted: Wanted) -> str:
+def _wanted_words(wanted: Wanted) -> str:
     if wanted.kind == "routine":
         given = ", ".join(map(_argument, wanted.arguments))
         result = f" that gives {wanted.type}" if wanted.type else ""

@@ -16,7 +16,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Rule, Span, Unreadable
 from assistant.base.source_text import SourceText, decode, read_bytes
 
-FILES: Final[Mapping[str, tuple[str, ...]]] = {
+PROJECT_FILES: Final[Mapping[str, tuple[str, ...]]] = {
     "assistant.toml": (),
     "pyproject.toml": ("tool", "robot-assistant"),
 }
@@ -32,9 +32,11 @@ DEPLOY: Final = "deploy"
 """How they are brought there."""
 STYLE: Final = "style"
 """Templates, and values for them, of the comments and frames of written programs."""
-DOUBTFUL: Final = re.compile(r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL)
+DOUBTFUL_ADDRESS: Final = re.compile(
+    r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL
+)
 """What may be an address with a password, well written or not."""
-SECRET: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
+SECRET_WORD: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
 """What somebody may write a password behind."""
 
 
@@ -43,16 +45,16 @@ class SettingsText(SourceText):
 
     def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
         said = {
-            key: "***" if isinstance(value, str) and DOUBTFUL.search(value) else value
+            key: "***" if isinstance(value, str) and DOUBTFUL_ADDRESS.search(value) else value
             for key, value in fields.items()
         }
-        return _unspoken(super().finding(rule, span, **said))
+        return _without_secret_line(super().finding(rule, span, **said))
 
 
-def _unspoken(finding: Diagnostic) -> Diagnostic:
+def _without_secret_line(finding: Diagnostic) -> Diagnostic:
     """Without its line, if a password may stand in it."""
     line = finding.excerpt or ""
-    doubtful = DOUBTFUL.search(line) or SECRET.search(line)
+    doubtful = DOUBTFUL_ADDRESS.search(line) or SECRET_WORD.search(line)
     return replace(finding, excerpt=None) if doubtful else finding
 
 
@@ -77,7 +79,7 @@ class Project:
 def project_of(folder: FilePath) -> Project | None:
     """The nearest file with a table of ours, in a folder or above it; raises Unreadable."""
     for here in (folder, *folder.parents):
-        for name, table in FILES.items():
+        for name, table in PROJECT_FILES.items():
             file = here / name
             if file.is_file() and (found := read_project(file, table)) is not None:
                 return found
@@ -96,7 +98,7 @@ def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     try:
         content: Any = read_toml(source).content
     except Unreadable as refused:
-        raise Unreadable(*map(_unspoken, refused.findings)) from None
+        raise Unreadable(*map(_without_secret_line, refused.findings)) from None
     for key in table:
         content = content.get(key) if isinstance(content, Mapping) else None
     if content is None:

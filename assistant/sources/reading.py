@@ -9,7 +9,7 @@ from typing import Protocol
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Program
 from assistant.sources.process import Process
-from assistant.sources.process.seen import NOT_SAID, Seen
+from assistant.sources.process.seen import NO_SEEN_SETTINGS, SeenSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Reading:
     program: Program
     findings: tuple[Diagnostic, ...] = ()
     joint_percent: float | None = None
-    seen: Seen = NOT_SAID
+    seen: SeenSettings = NO_SEEN_SETTINGS
 
 
 class Reader(Protocol):

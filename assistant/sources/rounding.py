@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from assistant.base.arrays import Floats, Truths
 from assistant.program.motion import Kind
 
-SIZES: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20.0, 50.0])
+ROUNDING_RADII: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20.0, 50.0])
 """mm; a few for all rows, as each is a declaration. Controllers have many of them built in."""
 
 
-def radii(positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance: float) -> Floats:
+def rounding_radii(
+    positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance: float
+) -> Floats:
     """How far (n,) each corner may be rounded, in mm, one of `SIZES` or 0 for a stop.
 
     positions: (n, 3) mm. kinds: (n,). whole: (n - 1,), whether rows i and i + 1 are in one frame
@@ -38,21 +40,21 @@ def radii(positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance:
     if via.size:
         leaving, arriving = leaving.copy(), arriving.copy()
         start, middle, end = (positions[via + k] for k in (-1, 0, 1))
-        leaving[via - 1], bend[via - 1] = _tangent(start, middle, end)
-        back, bend[via] = _tangent(end, middle, start)
+        leaving[via - 1], bend[via - 1] = _arc_tangents(start, middle, end)
+        back, bend[via] = _arc_tangents(end, middle, start)
         arriving[via] = -back
     cosine = np.einsum("ij,ij->i", arriving[:-1], leaving[1:])
     half = np.sqrt(np.clip((1.0 - cosine) / 2.0, 0.0, 1.0))  # sin(turn / 2)
     with np.errstate(divide="ignore"):
         most = np.minimum(tolerance / half, np.minimum(inner[:-1], inner[1:]) / 2.0)
     most = np.minimum(most, np.sqrt(2.0 * tolerance * np.minimum(bend[:-1], bend[1:])))
-    place = np.searchsorted(SIZES, most * (1.0 + 1e-9), "right")
-    found[1:-1] = np.where(place > 0, SIZES[np.maximum(place - 1, 0)], 0.0)
+    place = np.searchsorted(ROUNDING_RADII, most * (1.0 + 1e-9), "right")
+    found[1:-1] = np.where(place > 0, ROUNDING_RADII[np.maximum(place - 1, 0)], 0.0)
     found[kinds == Kind.VIA] = 0.0  # a point on the way, no corner
     return found
 
 
-def _tangent(start: Floats, via: Floats, end: Floats) -> tuple[Floats, Floats]:
+def _arc_tangents(start: Floats, via: Floats, end: Floats) -> tuple[Floats, Floats]:
     """Unit directions (m, 3) in which arcs leave their start, and their radii (m,).
 
     An inversion about the start makes a line of the circle, which runs along the tangent. Floats

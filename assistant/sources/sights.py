@@ -27,8 +27,8 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import REPAIRED, Read, Table, Wrong, kind_of, listed, shown
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.process.seen import NOT_SAID as NOT_STATED
-from assistant.sources.process.seen import TRUSTED, Asking, Seen, Trust
+from assistant.sources.process.seen import DEFAULT_TRUST, PoseServer, SeenSettings, Trust
+from assistant.sources.process.seen import NO_SEEN_SETTINGS as NOT_STATED
 
 NOTHING_FOUND: Final = error(
     "SR010",
@@ -100,10 +100,10 @@ class Seeing:
     """
 
     found: Mapping[str, Sight] | None = field(default=None, hash=False)
-    ask: Asking | None = None
-    trust: Trust = TRUSTED
+    ask: PoseServer | None = None
+    trust: Trust = DEFAULT_TRUST
 
-    def beside(self, stated: Seen) -> Seeing:
+    def beside(self, stated: SeenSettings) -> Seeing:
         """With what a process file says, where nothing else was said.
 
         Raises Unreadable or Refused for the file of what was found that it names.
@@ -122,7 +122,7 @@ def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seein
     asked = None
     if ask is not None:
         try:
-            asked = Asking.parse(ask)
+            asked = PoseServer.parse(ask)
         except Wrong as wrong:
             raise Refused(NO_ADDRESS(what=wrong.what, cure=wrong.cure), exit_status=2) from None
     return Seeing(None if found is None else read_sights(found), asked)
@@ -145,7 +145,7 @@ def read_sights(path: str | FilePath) -> Mapping[str, Sight]:
 
 
 def doubts(
-    sight: Sight, trust: Trust = TRUSTED, now: datetime.datetime | None = None
+    sight: Sight, trust: Trust = DEFAULT_TRUST, now: datetime.datetime | None = None
 ) -> Iterator[Diagnostic]:
     """Why a sight is not to be trusted with a robot; nothing for one that is."""
     now = now or datetime.datetime.now(datetime.UTC)

@@ -17,7 +17,7 @@ from assistant.sources.surroundings import Surroundings, WayIn
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class FramedSurroundings:
     """frame: in the base of the robot. tool: its tip in the flange."""
 
     around: Surroundings
@@ -25,7 +25,7 @@ class Standing:
     tool: Pose
 
     @staticmethod
-    def of(process: Process, motion: Motion) -> Standing | None:
+    def of(process: Process, motion: Motion) -> FramedSurroundings | None:
         """None where nobody knows what is around, or work or tool move."""
         frames = {BASE: Frame(), **process.frames}
         tools = {FLANGE: Tool(), **process.tools}
@@ -34,7 +34,7 @@ class Standing:
             return None
         if frame.held or frame.mechanism or not tool.held:
             return None
-        return Standing(process.around, frame.pose, tool.tip)
+        return FramedSurroundings(process.around, frame.pose, tool.tip)
 
     def places(self, positions: Floats, quaternions: Floats) -> Floats | None:
         """As of `Surroundings`, in the frame; one quaternion (4,) may be that of all."""
@@ -50,24 +50,30 @@ class Standing:
         return self.around.way_in(self.frame @ pose, self.tool, distance, place)
 
 
-def way_in(standing: Standing | None, pose: Pose, distance: float, place: str) -> WayIn:
+def approach_of(
+    standing: FramedSurroundings | None, pose: Pose, distance: float, place: str
+) -> WayIn:
     """Along the tool where nobody knows what is around."""
     return WayIn() if standing is None or not distance else standing.way_in(pose, distance, place)
 
 
-def backed_off(target: str, distance: float, way: WayIn) -> Expression:
+def backed_off_target(target: str, distance: float, way: WayIn) -> Expression:
     """Mm away from a named target, in the direction of a way."""
-    numbers = (_number(round(part * distance, ROUNDED)) for part in way.direction)
+    numbers = (
+        _number_expression(round(part * distance, BACKED_OFF_DECIMALS)) for part in way.direction
+    )
     return Apply("relative", (Name(target), *numbers))
 
 
-def to(kind: Literal["joint", "linear", "travel"], target: Expression, motion: Motion) -> Statement:
+def move_to(
+    kind: Literal["joint", "linear", "travel"], target: Expression, motion: Motion
+) -> Statement:
     return Travel(target, motion) if kind == "travel" else Move(kind, target, motion)
 
 
-def _number(value: float) -> Number:
+def _number_expression(value: float) -> Number:
     return Number(int(value) if value == int(value) else value)
 
 
-ROUNDED: Final = 3
+BACKED_OFF_DECIMALS: Final = 3
 """Decimals of mm that a place is backed off by."""

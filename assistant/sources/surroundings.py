@@ -13,11 +13,11 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose, Vector
 
-ALONG: Vector = (0.0, 0.0, -1.0)
+ALONG_TOOL: Vector = (0.0, 0.0, -1.0)
 """Back from a place along the tool, in the tool's own axes."""
 
 
-def seconds(one: tuple[float, ...], other: tuple[float, ...]) -> float:
+def travel_seconds(one: tuple[float, ...], other: tuple[float, ...]) -> float:
     """Of a joint move between two of `Surroundings.places`: the axes move together."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
@@ -28,7 +28,7 @@ class WayIn:
     or goes to. findings: what is said of it.
     """
 
-    direction: Vector = ALONG
+    direction: Vector = ALONG_TOOL
     findings: tuple[Diagnostic, ...] = ()
 
 
@@ -48,5 +48,5 @@ class Surroundings(Protocol):
         """
 
 
-ByRobot = Callable[[str | None], Surroundings | None]
+SurroundingsByRobot = Callable[[str | None], Surroundings | None]
 """The surroundings by the robot that a source names, if it names one."""

@@ -33,15 +33,15 @@ from assistant.base.length_units import UNITS
 from assistant.base.source_text import decode, read_bytes
 from assistant.program.motion import Kind, Path
 from assistant.program.program import Program, identifier
-from assistant.sources.contours.thinning import shortest
+from assistant.sources.contours.thinning import shortest_piece
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.arrays import read_npy, read_npz
 from assistant.sources.tables.headers import shown
 from assistant.sources.tables.poses import (
-    like_metres,
-    of_matrices,
+    metres_finding,
+    poses_of_matrices,
     position_findings,
     unit_quaternions,
 )
@@ -145,14 +145,14 @@ def _read_npz(data: bytes, path: str, stem: str, process: Process) -> Reading:
     for text in texts:
         notes.append(UNKNOWN_KEY(path=path, name=shown(text), known="`unit` or arrays"))
     if {"positions", "quaternions"} & set(arrays):
-        given = _joined(arrays, path)
+        given = _joined_parts(arrays, path)
         parts = {"": given}
     else:
         parts = arrays
-    return _several(name, parts, process, unit, path, notes)
+    return _program_of_arrays(name, parts, process, unit, path, notes)
 
 
-def _joined(arrays: Mapping[str, Floats], path: str) -> Floats:
+def _joined_parts(arrays: Mapping[str, Floats], path: str) -> Floats:
     """`positions` (n, 3) and `quaternions` (n, 4) as one array (n, 7)."""
     known = {"positions": 3, "quaternions": 4}
     findings = [
@@ -176,7 +176,9 @@ def _joined(arrays: Mapping[str, Floats], path: str) -> Floats:
 def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
     source = decode(data, path, ("utf-8-sig", "utf-8"))
     try:
-        document = json.loads(source.text, object_pairs_hook=lambda pairs: _object(pairs, path))
+        document = json.loads(
+            source.text, object_pairs_hook=lambda pairs: _unique_keys(pairs, path)
+        )
     except json.JSONDecodeError as error:
         found = source.finding(NOT_JSON, Span(error.pos, error.pos + 1), reason=error.msg)
         excerpt = found.excerpt or ""
@@ -205,11 +207,11 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
         raise Refused(*notes)
     if not isinstance(lists, dict):
         raise Refused(JSON_FORM(path=path, what="the file"))
-    parts = {key: _of_json(value, path, key) for key, value in lists.items()}
-    return _several(name, parts, process, unit, path, notes)
+    parts = {key: _array_of_json(value, path, key) for key, value in lists.items()}
+    return _program_of_arrays(name, parts, process, unit, path, notes)
 
 
-def _object(pairs: list[tuple[str, Any]], path: str) -> dict[str, Any]:
+def _unique_keys(pairs: list[tuple[str, Any]], path: str) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) != len(pairs):
         keys = [key for key, _ in pairs]
@@ -218,7 +220,7 @@ def _object(pairs: list[tuple[str, Any]], path: str) -> dict[str, Any]:
     return found
 
 
-def _of_json(poses: Any, path: str, key: str) -> Floats:
+def _array_of_json(poses: Any, path: str, key: str) -> Floats:
     """A list of poses, all of the form of the first, as an array (n, 7) or (n, 4, 4)."""
     what = shown(key) if key else "the file"
     if not isinstance(poses, list):
@@ -268,7 +270,7 @@ def _is_named_pose(pose: Any) -> bool:
     )
 
 
-def _several(
+def _program_of_arrays(
     name: str,
     parts: Mapping[str, Floats],
     process: Process,
@@ -281,7 +283,7 @@ def _several(
         raise Refused(UNKNOWN_UNIT(path=path, place="`unit`", unit=shown(str(unit))))
     if not parts:
         raise Refused(NO_POSES(path=path))
-    names, paths, findings = rows.Names(), list[Path](), list(notes)
+    names, paths, findings = rows.RowNames(), list[Path](), list(notes)
     first = next(iter(parts))
     for key, array in parts.items():
         path_name = names.of(key, {"path": path, "place": shown(key)}, shown(key)) if key else name
@@ -301,7 +303,7 @@ def _begins_where(before: Path, path: Path) -> bool:
         for a, b in ((before.positions, path.positions), (before.quaternions, path.quaternions))
     )
     positions, quaternions = both
-    return not rows.different(positions, quaternions, np.full(2, Kind.LINEAR, np.uint8))[1]
+    return not rows.moving_rows(positions, quaternions, np.full(2, Kind.LINEAR, np.uint8))[1]
 
 
 def _path_of(
@@ -328,7 +330,7 @@ def _path_of(
     if not len(array):
         raise Refused(NO_POSES(**where))
     if array.ndim == 3:
-        positions, quaternions, findings = of_matrices(array, locate)
+        positions, quaternions, findings = poses_of_matrices(array, locate)
     else:
         positions = array[:, :3]
         quaternions, findings = unit_quaternions(array[:, 3:], locate)
@@ -341,11 +343,11 @@ def _path_of(
     if has_errors(findings):
         raise Refused(*findings)
     if measured is None:
-        findings += like_metres(positions, where)
+        findings += metres_finding(positions, where)
     kinds = np.full(len(array), rows.default_kind(process), dtype=np.uint8)
     kept = np.ones(len(array), dtype=np.bool_)
     if process.merges:
-        kept = rows.different(positions, quaternions, kinds)
+        kept = rows.moving_rows(positions, quaternions, kinds)
     if not kept.all():
         row, count = int(np.argmin(kept)), int(np.count_nonzero(~kept))
         findings.append(rows.REPEATED(**locate(row), count=count, first=f"row {row}"))
@@ -355,14 +357,14 @@ def _path_of(
         needed, off = rows.needed_rows(positions, quaternions, kinds, motions, process.tolerance)
         if not needed.all():
             row = int(np.flatnonzero(kept)[int(np.argmin(needed))])
-            about: dict[str, Any] = {"short": shortest(process.tolerance), "deviation": off}
+            about: dict[str, Any] = {"short": shortest_piece(process.tolerance), "deviation": off}
             count = int(np.count_nonzero(~needed))
             told = rows.THINNED_ROWS(**locate(row), count=count, first=f"row {row}", **about)
             findings.append(told)
             positions, quaternions, kinds = positions[needed], quaternions[needed], kinds[needed]
             motions = motions.those(needed)
     columns = motions.rounded(positions, kinds, process.tolerance - off)
-    kinds = rows.begun(kinds, stated=not first)
+    kinds = rows.beginning_kinds(kinds, stated=not first)
     return Path.of(name, positions, quaternions, kinds=kinds, **columns), findings
 
 

@@ -22,7 +22,7 @@ from typing import Any, Final, TypeVar
 
 from assistant.base.budgets import internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.jogging import ABOUT, ALONG, JOINTS, check_jog
+from assistant.compiler.jogging import JOINT_AXES, LINEAR_AXES, TURNING_AXES, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.arm_stop import PATIENCE, Rest, stop_at_once
@@ -52,7 +52,7 @@ INSISTS: Final = 8.0
 """Seconds in which motors that do not go off are switched off again and again."""
 AGAIN: Final = 0.5
 """Seconds between two such trials."""
-AXES: Final = frozenset({*JOINTS, *ALONG, *ABOUT})
+AXES: Final = frozenset({*JOINT_AXES, *LINEAR_AXES, *TURNING_AXES})
 T = TypeVar("T")
 
 
@@ -360,5 +360,5 @@ def _step(message: Mapping[str, Any]) -> Jog | None:
         return None
     if isinstance(speed, bool) or not isinstance(speed, int | float) or not 1 <= speed <= FASTEST:
         return None
-    size = (LENGTH if axis in ALONG else DEGREES) * speed
+    size = (LENGTH if axis in LINEAR_AXES else DEGREES) * speed
     return Jog(axis, size * by, frame, float(speed))

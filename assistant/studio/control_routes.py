@@ -33,12 +33,12 @@ def take(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def _taken(studio: Studio, asked: Asked) -> dict[str, Any]:
-    from assistant.compiler.jogging import check_place
+    from assistant.compiler.jogging import check_position
     from assistant.studio.control import FASTEST, WATCH, Control
 
     found = connection_of(studio)
     confirm(found.one, asked, "lets this window move the arm")
-    told = check_place(found.do(lambda one: one.position()), found.robot)
+    told = check_position(found.do(lambda one: one.position()), found.robot)
     studio.drop("control")
 
     def say(message: Mapping[str, object]) -> None:
@@ -105,15 +105,15 @@ def hand(studio: Studio, asked: Asked) -> dict[str, Any]:
 def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Stores where the arm is under a name, as the command of that name does."""
     from assistant.base.source_text import is_file
-    from assistant.compiler.teaching import Wanted
-    from assistant.compiler.teaching import teach as stored
+    from assistant.compiler.teaching import TargetOptions
+    from assistant.compiler.teaching import teach_target as stored
     from assistant.studio.dropping import check_name
 
     control_of(studio, asked)
     found, file = connection_of(studio), studio.place(asked.text("file"))
     if not is_file(file):
         check_name(file.name)
-    wanted = Wanted(joints=asked.truth("joints"), again=asked.truth("replace"))
+    wanted = TargetOptions(joints=asked.truth("joints"), again=asked.truth("replace"))
     position = found.do(lambda one: one.position())
     reading = stored(file, asked.text("name"), position, found.robot, wanted)
     return {"file": studio.named(file), "findings": findings(reading.findings)}

@@ -17,7 +17,7 @@ from assistant.project.layout import Project
 from assistant.project.starting import PROJECT, Started, start
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.placements import DRAWN
+from assistant.sources.placements import DRAWING_SUFFIXES
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.studio import Studio
@@ -149,13 +149,13 @@ def _kind(name: str) -> str:
     """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
     check_name(name)
     suffix = PurePosixPath(name).suffix.lower()
-    if suffix in DRAWN:
+    if suffix in DRAWING_SUFFIXES:
         return "drawing"
     if suffix in programs():
         return "program"
     if suffix in READERS and suffix not in (".toml", ".json"):
         return "table"
-    known = ", ".join(sorted({*DRAWN, *programs(), *READERS} - {".toml", ".json"}))
+    known = ", ".join(sorted({*DRAWING_SUFFIXES, *programs(), *READERS} - {".toml", ".json"}))
     raise Refused(rules.NOT_TAKEN(path=name, name=name, known=known), exit_status=2)
 
 

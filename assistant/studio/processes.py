@@ -183,12 +183,12 @@ def _stated(drawing: FilePath, file: FilePath) -> tuple[dict[str, Any], Process,
 
 def _half(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
     from assistant.base.length_units import known_unit
-    from assistant.sources.process import DEFAULTS, Layer
+    from assistant.sources.process import DEFAULT_MOTION, Layer
 
     found = replace(NO_PROCESS, leave_out=left)
     tables = content.get(LAYERS, {})
     named = tables if isinstance(tables, dict) else {}
-    kept = {name: Layer(name, DEFAULTS.motion) for name in named}
+    kept = {name: Layer(name, DEFAULT_MOTION.motion) for name in named}
     try:
         return replace(found, layers=kept, unit=None if unit is None else known_unit(unit))
     except Refused:

@@ -19,7 +19,7 @@ import numpy as np
 
 from assistant.base.budgets import Reached, internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.script_file import not_visited
+from assistant.compiler.script_file import unknown_visits
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals
@@ -245,7 +245,7 @@ class Running:
         )
         kernel = prepared(wanted.programs, settings)
         self.findings += wanted.programs.findings
-        self.findings += not_visited(wanted.script, self.sources)
+        self.findings += unknown_visits(wanted.script, self.sources)
         if wanted.robot is None:
             self.findings.append(rules.RUN_WITHOUT_ARM())
         self.given = follow(kernel, wanted.script, self.sources)

@@ -13,17 +13,17 @@ from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import SourceText, read_bytes
 from assistant.checks import robot_rules
 from assistant.compiler.arms import robot_of
-from assistant.compiler.entering import entered
+from assistant.compiler.entering import with_entry
 from assistant.compiler.loading import (
     Loaded,
     configured_beside,
     language_of,
-    lift,
+    lift_texts,
     parse_pseudo,
     with_process,
 )
 from assistant.compiler.opening import load
-from assistant.compiler.scenes import InCell, in_cell
+from assistant.compiler.scenes import InCell, open_cell
 from assistant.compiler.solving import Solved, solve
 from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
@@ -31,7 +31,7 @@ from assistant.program import pseudo
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
 from assistant.project.stated import Stated, completed
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
-from assistant.sources.placements import DRAWN, INSTEAD, Placing
+from assistant.sources.placements import DRAWING_SUFFIXES, PLACED_BY_OPTIONS, DrawingPlacement
 from assistant.sources.process.file import parse_process
 from assistant.sources.tables.taught import read_taught
 from assistant.studio import rules
@@ -75,7 +75,7 @@ def _source_of(studio: Studio, path: str) -> str:
     if not path.lower().endswith(PROCESS_SUFFIX):
         return path
     stem = path[: -len(PROCESS_SUFFIX)]
-    for suffix in DRAWN:
+    for suffix in DRAWING_SUFFIXES:
         if studio.place(f"{stem}{suffix}").is_file():
             return f"{stem}{suffix}"
     raise Refused(rules.NOT_SHOWN(path=path, name=path), exit_status=2)
@@ -83,7 +83,7 @@ def _source_of(studio: Studio, path: str) -> str:
 
 def _process_of(studio: Studio, source: str) -> str:
     """The process file that places a drawing, empty if there is none."""
-    if FilePath(source).suffix.lower() not in DRAWN:
+    if FilePath(source).suffix.lower() not in DRAWING_SUFFIXES:
         return ""
     stated = completed(source, Stated(), ("process",)).process
     file = studio.file(source).with_suffix(PROCESS_SUFFIX) if stated is None else stated.absolute()
@@ -92,7 +92,7 @@ def _process_of(studio: Studio, source: str) -> str:
 
 def _made(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
     given = completed(source, Stated(), STATED)
-    stands = in_cell(given.cell, given.robot or _only_robot(studio))
+    stands = open_cell(given.cell, given.robot or _only_robot(studio))
     loaded = _loaded(studio, source, process, text, given, stands)
     found: list[Diagnostic] = []
     solved: Solved | None = None
@@ -146,11 +146,11 @@ def _loaded(
             around=stands.around,
             placement=None if saved else _placing(process, text),
         )
-        found = tuple(one for one in loaded.findings if one.code != INSTEAD.code)
+        found = tuple(one for one in loaded.findings if one.code != PLACED_BY_OPTIONS.code)
         loaded = replace(loaded, findings=found)
     else:
         loaded = _typed(file, source_of(text, source), given, stands.robot)
-    return replace(loaded, program=entered(loaded.program, given.entry))
+    return replace(loaded, program=with_entry(loaded.program, given.entry))
 
 
 def _typed(file: FilePath, text: SourceText, given: Stated, reader: Robot | None) -> Loaded:
@@ -167,17 +167,17 @@ def _typed(file: FilePath, text: SourceText, given: Stated, reader: Robot | None
         language = language_of(named) if named else language
         if language is None:
             raise Refused(rules.NOT_SHOWN(path=text.path, name=text.path), exit_status=2)
-        loaded = lift(language, [text], reader, beside=file.parent)
+        loaded = lift_texts(language, [text], reader, beside=file.parent)
         loaded = configured_beside(loaded, language, file)
     return loaded if given.process is None else with_process(loaded, given.process)
 
 
-def _placing(process: str, text: str) -> Placing | None:
+def _placing(process: str, text: str) -> DrawingPlacement | None:
     """Where the text of a process file puts its drawing; None where it says nothing of that."""
     if not process:
         return None
     stated = parse_process(source_of(text, process))
-    return None if stated.placement is None else Placing(stated.placement)
+    return None if stated.placement is None else DrawingPlacement(stated.placement)
 
 
 def _lines(source: str, given: Stated, process: str, text: str) -> Sequence[Line]:

@@ -11,13 +11,13 @@ from typing import Any, Final
 from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.sources import PROCESS_SUFFIX
-from assistant.sources.placements import DRAWN
+from assistant.sources.placements import DRAWING_SUFFIXES
 from assistant.studio.studio import KEPT_OUT
 
 MOST_FILES: Final = 5_000
 """That are listed."""
 KINDS: Final[Mapping[str, str]] = {
-    **dict.fromkeys(DRAWN, "drawing"),
+    **dict.fromkeys(DRAWING_SUFFIXES, "drawing"),
     **dict.fromkeys((".stl", ".obj", ".glb", ".gltf"), "shape"),
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg"), "picture"),
     ".toml": "settings",

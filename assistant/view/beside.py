@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from assistant.base.source_text import SourceText, lines_of, visible
-from assistant.compiler.comparing import Comparison, statements
+from assistant.compiler.comparing import Comparison, paired_statements
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translating import LEVELS, Translation
 from assistant.report.names import renamed
@@ -88,7 +88,7 @@ def compared(done: Comparison) -> Beside:
     own = _Counted(Places(one.program, one.text).texts)
     others = _Counted(Places(other.program, other.text).texts)
     links, levels, reasons = list[tuple[list[int], list[int]]](), dict[int, int](), dict[int, str]()
-    for row in done.rows or statements(done):
+    for row in done.rows or paired_statements(done):
         first = 0 if row.first is None else own.line(row.first)
         second = 0 if row.second is None else others.line(row.second)
         if first:

@@ -23,7 +23,7 @@ from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import shown
-from assistant.sources.process.seen import TRUSTED, Trust
+from assistant.sources.process.seen import DEFAULT_TRUST, Trust
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
 NO_QUESTION: Final = error(
@@ -67,7 +67,7 @@ def answer(
     link: DataLink,
     look: Look,
     *,
-    trust: Trust = TRUSTED,
+    trust: Trust = DEFAULT_TRUST,
     base: Pose | None = None,
     patience: float = math.inf,
 ) -> Iterator[Answer]:
@@ -90,7 +90,9 @@ def answer(
         link.close()
 
 
-def answered(line: str, look: Look, *, trust: Trust = TRUSTED, base: Pose | None = None) -> Answer:
+def answered(
+    line: str, look: Look, *, trust: Trust = DEFAULT_TRUST, base: Pose | None = None
+) -> Answer:
     """What is answered to a line of a program."""
     word, _, name = line.strip().partition(" ")
     name = name.strip()

@@ -11,7 +11,7 @@ from typing import Any
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.compiler import Loaded, load, translate
 from assistant.compiler.arms import robot_of
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import Task, load_task
 from assistant.compiler.translating import LEVELS, Translation
@@ -67,7 +67,7 @@ def _crossed(task: Task, how: Crossing) -> dict[str, Any]:
     plain = _into(loaded, how, None)
     alone = plain.totals
     out = {"alone": [alone[level] for level in LEVELS], "alone_whole": _whole(plain, library)}
-    filled = in_neutral_cell(loaded)
+    filled = with_neutral_cell(loaded)
     first = _into(filled, how, None)
     totals = first.totals
     reasons: Counter[str] = Counter()

@@ -15,7 +15,7 @@ from assistant.cell.cell_file import read_scene
 from assistant.cell.planning.approaches import CellSurroundings
 from assistant.cell.planning.space import goal_joints
 from assistant.program.geometry import Pose
-from assistant.sources.surroundings import ALONG, seconds
+from assistant.sources.surroundings import ALONG_TOOL, travel_seconds
 
 pytest.importorskip("coal")
 
@@ -57,7 +57,7 @@ def gaps(
 def test_along_the_tool_where_nothing_is_in_the_way(tmp_path: Path) -> None:
     free = around(tmp_path, post=((420.0, 200.0, 300.0), (20.0, 20.0, 600.0)))
     found = free.way_in(PLACE, TIP, DISTANCE, "seam_start")
-    assert found.direction == ALONG
+    assert found.direction == ALONG_TOOL
     assert found.findings == ()
 
 
@@ -65,8 +65,8 @@ def test_along_the_tool_where_nothing_is_in_the_way(tmp_path: Path) -> None:
 def test_aside_under_a_lip(tmp_path: Path, gap: float) -> None:
     lip = (490.0, 0.0, 342.0 + gap + 5.0), (60.0, 100.0, 10.0)
     found = around(tmp_path, lip=lip).way_in(PLACE, TIP, DISTANCE, "seam_start")
-    assert gaps(ALONG, *lip).min() == 0.0
-    assert found.direction != ALONG
+    assert gaps(ALONG_TOOL, *lip).min() == 0.0
+    assert found.direction != ALONG_TOOL
     assert np.linalg.norm(found.direction) == pytest.approx(1.0, abs=1e-3)
     assert gaps(found.direction, *lip).min() > min(gap, 5.0) - 0.3
     (finding,) = found.findings
@@ -125,7 +125,7 @@ def test_places_are_seconds_of_the_joints_that_hold_them(tmp_path: Path, name: s
     tips = p + rotations.rotate(q, np.array(TIP.position))
     assert np.abs(tips - points).max() < 1e-6
     slowest = max(abs(places[0] - places[1]))
-    assert seconds(tuple(places[0]), tuple(places[1])) == pytest.approx(slowest)
+    assert travel_seconds(tuple(places[0]), tuple(places[1])) == pytest.approx(slowest)
     assert CellSurroundings(scene, scene.robots[0]).places(points + 5000.0, turns, TIP) is None
 
 
@@ -137,7 +137,7 @@ def test_aside_where_the_arm_cannot_go_along_the_tool(tmp_path: Path) -> None:
     found = CellSurroundings(scene, scene.robots[0]).way_in(place, tip, DISTANCE, "high")
     (finding,) = found.findings
     assert (finding.code, finding.place) == ("CK477", "high")
-    for direction, can in ((ALONG, False), (found.direction, True)):
+    for direction, can in ((ALONG_TOOL, False), (found.direction, True)):
         x, y, z = (part * DISTANCE for part in direction)
         flange = place @ Pose((x, y, z)) @ tip.inverse()
         _, valid = robots.get("rv-2aj").ik([flange.position], [flange.quaternion])
@@ -159,11 +159,11 @@ def test_no_way_that_is_taken_touches_anything(tmp_path: Path) -> None:
         at_place = [gaps((0.0, 0.0, 0.0), *box).min() for box in boxes.values()]
         if min(at_place) == 0.0 or any(one.code == "CK479" for one in found.findings):
             continue
-        aside += found.direction != ALONG
+        aside += found.direction != ALONG_TOOL
         codes = [one.code for one in found.findings]
-        assert (found.direction != ALONG) == bool(codes)
+        assert (found.direction != ALONG_TOOL) == bool(codes)
         if min(gaps(found.direction, *box).min() for box in boxes.values()) == 0.0:
-            assert found.direction == ALONG  # the arm touches something at the place itself
+            assert found.direction == ALONG_TOOL  # the arm touches something at the place itself
             rows = goal_joints(asked.robot, PLACE, asked.robot.home, TIP)
             assert all(asked.space.distances(row).min() <= 0.0 for row in rows)
     assert aside > 5

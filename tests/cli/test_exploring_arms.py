@@ -13,7 +13,7 @@ from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.occupancy import CellState, load_map
 from assistant.cli import exploring_arms
 from assistant.cli.exploring_arms import NO_CONTACT
-from assistant.compiler.exploring import touching
+from assistant.compiler.exploring import contact_test
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.virtual.cr import Contact, VirtualCr
@@ -55,7 +55,7 @@ def cell(tmp_path, monkeypatch, pace):
     files = {"cell.toml": CELL, "real.toml": CELL + POST, "cameras.toml": CAMERA}
     for name, text in files.items():
         Path(name).write_text(text, encoding="utf-8")
-    felt = Contact("10", touching(Path("real.toml"), "rv-2aj"))
+    felt = Contact("10", contact_test(Path("real.toml"), "rv-2aj"))
     virtual = VirtualCr(servo_time=0.02, pace=pace, contact=felt)
     virtual.state.parameters.write("COMDEV", NETWORK, all_levels=True)
     with virtual:

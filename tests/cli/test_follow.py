@@ -16,7 +16,7 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.compiler.following import led_along
+from assistant.compiler.following import trajectory_of_source
 from assistant.controllers import connect, parse
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position
@@ -203,13 +203,13 @@ HOME = Position((0.0, 0.0, 90.0, None, 90.0, 0.0), (160.0, 0.0, 478.0), (0.0, 0.
 def test_the_motion_begins_where_the_arm_is_and_ends_at_the_last_target(here):
     (here / "way.csv").write_text(FIVE, encoding="utf-8")
     bent = Position((20.0, 0.0, 90.0, None, 90.0, 0.0), HOME.position, HOME.quaternion)
-    found = led_along("way.csv", ARM, bent, 0.05, 100.0)
+    found = trajectory_of_source("way.csv", ARM, bent, 0.05, 100.0)
     assert np.allclose(found.joints[0], (20.0, 0.0, 90.0, 90.0, 0.0))
     assert np.allclose(found.positions[-1], (175.0, 0.0, 470.0))
     assert np.diff(found.seconds).max() <= 0.05 + 1e-9
-    slow = led_along("way.csv", ARM, bent, 0.05, 50.0)
+    slow = trajectory_of_source("way.csv", ARM, bent, 0.05, 50.0)
     assert slow.seconds[-1] == pytest.approx(2.0 * found.seconds[-1])
-    first = led_along("way.csv", ARM, None, 0.05, 100.0)
+    first = trajectory_of_source("way.csv", ARM, None, 0.05, 100.0)
     assert np.allclose(first.positions[0], (160.0, 0.0, 478.0))
     six = found.numbered(found.joints, np.nan)
     assert six.shape == (len(found.seconds), 6) and np.isnan(six[:, 3]).all()
@@ -217,7 +217,7 @@ def test_the_motion_begins_where_the_arm_is_and_ends_at_the_last_target(here):
 
 def test_a_wait_is_a_part_of_the_motion(here):
     seconds = [
-        led_along(str(_program(here, line)), ARM, HOME, 0.05, 100.0).seconds[-1]
+        trajectory_of_source(str(_program(here, line)), ARM, HOME, 0.05, 100.0).seconds[-1]
         for line in ("# nothing", "wait 1 s")
     ]
     assert seconds[1] - seconds[0] == pytest.approx(1.0, abs=0.01)
@@ -226,7 +226,7 @@ def test_a_wait_is_a_part_of_the_motion(here):
 @pytest.mark.parametrize("line", ["stop", "if 1 = 1\n    stop\n  end"])
 def test_a_program_that_does_more_than_move_is_not_followed(here, line):
     with pytest.raises(Refused) as refused:
-        led_along(str(_program(here, line)), ARM, HOME, 0.05, 100.0)
+        trajectory_of_source(str(_program(here, line)), ARM, HOME, 0.05, 100.0)
     assert [finding.code for finding in refused.value.findings] == ["CO721"]
 
 

@@ -16,8 +16,8 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.compiler.running import programs
-from assistant.compiler.shown_places import check_reached, placed
-from assistant.compiler.teaching import Wanted
+from assistant.compiler.shown_places import check_reached, target_of_shown
+from assistant.compiler.teaching import TargetOptions
 from assistant.controllers import Controller, connect
 from assistant.program.geometry import Pose
 from assistant.sources import read
@@ -152,13 +152,13 @@ def test_what_an_arm_of_five_axes_turns_and_where_it_must_come_to_rest(here: Pat
     x, y, z = PLACES[0].position
     aside = rotations.about(np.array([1.0, 0.0, 0.0]), 4.0)
     tilted = Pose.of(np.array([x, y, z]), rotations.multiply(aside, PLACES[0].quaternion))
-    place = placed(here / "points.toml", "a", tilted, ARM, Wanted())
+    place = target_of_shown(here / "points.toml", "a", tilted, ARM, TargetOptions())
     assert [finding.code for finding in place.findings] == ["CO733"]
     assert place.joints is not None
     positions, quaternions = ARM.fk([place.joints])
     assert positions[0] == pytest.approx((x, y, z), abs=1e-6)
     assert rotations.angle_between(quaternions[0], tilted.quaternion) == pytest.approx(4.0, abs=0.2)
-    assert not placed(here / "points.toml", "a", PLACES[0], ARM, Wanted()).findings
+    assert not target_of_shown(here / "points.toml", "a", PLACES[0], ARM, TargetOptions()).findings
     assert check_reached(place, place.tip) == pytest.approx((0.0, 0.0), abs=1e-9)
     for off in (Pose((0.0, 0.0, 2.0)), Pose((0.0, 0.0, 0.0), (0.99995, 0.01, 0.0, 0.0))):
         with pytest.raises(Refused) as refused:

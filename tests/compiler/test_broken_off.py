@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation
@@ -22,7 +22,7 @@ HEAD = "Tool P_NTool\nBase P_NBase\nSpd 100\nMvs P1\n"
 def crossed(lines: str) -> Translation:
     text = "".join(f"{n} {x}\n" for n, x in enumerate((HEAD + lines + "\nEnd").split("\n"), 1))
     loaded = load_text(SourceText(text + POINTS), language="melfa-basic-5")
-    done = translate(in_neutral_cell(loaded), to="rapid", proving=Proving(seconds=2))
+    done = translate(with_neutral_cell(loaded), to="rapid", proving=Proving(seconds=2))
     reasons = [f.message for row in done.rows if row.level == "not" for f in row.reasons]
     assert not reasons, reasons
     assert done.motion is not None

@@ -17,7 +17,7 @@ from assistant.base.diagnostics import Refused
 from assistant.compiler import Compiled, compile, translate
 from assistant.compiler.checking import check_files
 from assistant.compiler.loading import Loaded
-from assistant.compiler.together import together
+from assistant.compiler.together import combine_sources
 from assistant.languages.language_types import Frames
 from assistant.program.geometry import Pose
 from assistant.project import build, project_of
@@ -186,7 +186,7 @@ def test_units_of_a_long_program_see_what_it_declares(tmp_path: Path) -> None:
 def test_several_drawings_are_routines_of_one_module(tmp_path: Path) -> None:
     alone = dict(whole(tmp_path))
     files = [drawn(tmp_path, name, at, there=THERE) for name, at in (("left", 0), ("right", 50))]
-    (text,) = texts(made(together(files, "glue"), main=False))
+    (text,) = texts(made(combine_sources(files, "glue"), main=False))
     modules = [CELL.format(calls="right;\nleft;"), text]
     assert ran(*modules).events == (*alone["right"].events, *alone["left"].events)
     assert checked(tmp_path, *modules) == []
@@ -199,7 +199,7 @@ def test_several_drawings_are_one_program(tmp_path: Path) -> None:
         drawn(tmp_path, "left", 0, process.format("Glue_Left")),
         drawn(tmp_path, "right", 50, process.format("Glue_Right") + "main = true\n"),
     ]
-    (text,) = texts(made(together(files, "glue")))
+    (text,) = texts(made(combine_sources(files, "glue")))
     assert ran(text).events == (*alone["left"].events, *alone["right"].events)
     assert text.count("PERS tooldata gun") == 1  # which both drawings have in common
     assert "LOCAL PROC Glue_Left()" in text
@@ -211,7 +211,7 @@ def test_one_of_them_without_a_routine_of_its_own(tmp_path: Path) -> None:
         drawn(tmp_path, "left", 0, '[program]\nprefix = "l_"\nmain = false\n'),
         drawn(tmp_path, "right", 50),
     ]
-    (text,) = texts(made(together(files, "glue")))
+    (text,) = texts(made(combine_sources(files, "glue")))
     assert ran(text).events == (*alone["left"].events, *alone["right"].events)
     assert "PROC l_Aussen()" in text and "PROC left()" not in text
 
@@ -226,17 +226,17 @@ def test_drawings_that_do_not_go_together_are_refused_once(tmp_path: Path) -> No
     module.write_text("MODULE cell\nPROC main()\nENDPROC\nENDMODULE\n", encoding="ascii")
     for files, code in (([left, same], "CL072"), ([left, right], "CL071"), ([module], "CL070")):
         with pytest.raises(Refused) as refused:
-            together(files, "glue")
+            combine_sources(files, "glue")
         assert [one.code for one in refused.value.findings] == [code]
 
 
 def test_no_drawing_takes_the_place_of_what_runs_all_of_them(tmp_path: Path) -> None:
     files = [drawn(tmp_path, "left"), drawn(tmp_path, "Main", 50)]
     with pytest.raises(Refused) as refused:
-        together(files, "glue")
+        combine_sources(files, "glue")
     assert [one.code for one in refused.value.findings] == ["CL075"]
     files[1] = drawn(tmp_path, "Main", 50, '[program]\nas = "right"\n')
-    (text,) = texts(made(together(files, "glue")))
+    (text,) = texts(made(combine_sources(files, "glue")))
     assert text.index("PROC main()") < text.index("PROC right()")
 
 

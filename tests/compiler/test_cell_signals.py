@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.compiler import load, translate
-from assistant.compiler.filling import with_cell
+from assistant.compiler.filling import with_values_of_file
 
 RAPID = """MODULE M
 CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -50,7 +50,7 @@ def test_a_signal_is_what_statements_use_it_as(
     process = written(tmp_path, "m.process.toml", f"[signals.part]\n{stated}\n")
     with pytest.raises(Refused, match="CO010") as refused:
         if with_cell_file:
-            with_cell(load(program), process)
+            with_values_of_file(load(program), process)
         else:
             load(program, process=process)
     (finding,) = refused.value.findings

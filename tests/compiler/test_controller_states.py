@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.compiler import load, translate
-from assistant.compiler.filling import neutral_cell, with_cell
+from assistant.compiler.filling import neutral_cell, with_values_of_file
 from assistant.compiler.motion import Proving
 
 ASKING = """MODULE Asking
@@ -36,7 +36,9 @@ def test_the_cell_is_asked_for_it_and_both_do_the_same(tmp_path: Path) -> None:
     assert '[data.controller_task]\ntype = "string"\nvalue = "T_ROB1"' in text
     cell = tmp_path / "cell.toml"
     cell.write_text(text, encoding="utf-8")
-    done = translate(with_cell(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5))
+    done = translate(
+        with_values_of_file(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5)
+    )
     assert done.totals["not"] == 0
     assert [f.code for f in done.findings].count("RA391") == 4
     assert done.motion is not None
@@ -52,7 +54,9 @@ def test_units_and_networks_are_as_the_cell_says(tmp_path: Path) -> None:
     loaded = load(file(tmp_path, asking))
     cell = tmp_path / "cell.toml"
     cell.write_text(neutral_cell(loaded), encoding="utf-8")
-    done = translate(with_cell(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5))
+    done = translate(
+        with_values_of_file(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5)
+    )
     assert done.totals["not"] == 0
     assert done.motion is not None
     assert done.motion.holds
@@ -70,7 +74,9 @@ def test_texts_of_the_system_and_constants_of_its_types(tmp_path: Path) -> None:
     text = neutral_cell(loaded)
     assert '[data.controller_serial_number]\ntype = "string"\nvalue = "14-21858"' in text
     cell.write_text(text, encoding="utf-8")
-    done = translate(with_cell(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5))
+    done = translate(
+        with_values_of_file(loaded, cell), to="melfa-basic-6", proving=Proving(seconds=5)
+    )
     assert done.totals["not"] == 0, [f.message for row in done.rows for f in row.reasons]
     assert done.motion is not None
     assert done.motion.holds

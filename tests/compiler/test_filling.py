@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from assistant.base.diagnostics import Refused
 from assistant.cli.app import app
 from assistant.compiler import load, translate
-from assistant.compiler.filling import cell_text, in_neutral_cell, neutral_cell
+from assistant.compiler.filling import cell_text, neutral_cell, with_neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.sources.cell import read_cell
 
@@ -241,7 +241,7 @@ ENDMODULE
 def test_data_of_the_cell_stands_before_its_routines(tmp_path: Path) -> None:
     moves = "rFirst;\nMoveL [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
     text = f"MODULE Cell\nPROC main()\n{moves},v100,fine,tGrip;\nENDPROC\nENDMODULE\n"
-    loaded = in_neutral_cell(load(program(tmp_path, text)))
+    loaded = with_neutral_cell(load(program(tmp_path, text)))
     assert translate(loaded, to="melfa-basic-6").ok
 
 
@@ -257,7 +257,7 @@ def test_a_neutral_cell_names_no_arm_though_the_files_of_the_controller_do(tmp_p
     )
     loaded = load(path)
     assert loaded.arm == "irb1200-5-0.9"
-    done = translate(in_neutral_cell(loaded), to="melfa-basic-6")
+    done = translate(with_neutral_cell(loaded), to="melfa-basic-6")
     assert done.ok, [f.message for f in done.findings]
 
 

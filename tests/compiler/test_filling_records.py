@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.compiler import Translation, load, translate
-from assistant.compiler.filling import cell_text, in_cell, neutral_cell
+from assistant.compiler.filling import cell_text, neutral_cell, with_cell_values
 from assistant.compiler.motion import Proving
 from assistant.sources.cell import NO_CELL
 from tests.compiler.test_filling import program
@@ -85,7 +85,7 @@ def test_with_the_components_of_the_cell_file_it_is_whole_and_proven(
 
 
 def test_a_place_for_them_tells_what_they_may_be(tmp_path: Path) -> None:
-    loaded = in_cell(load(program(tmp_path, USES)), NO_CELL, tmp_path / "cell.toml")
+    loaded = with_cell_values(load(program(tmp_path, USES)), NO_CELL, tmp_path / "cell.toml")
     text = cell_text(NO_CELL, loaded.wanting)
     assert 'components = "?"  # type and name of each in their order; perhaps ["num n"]' in text
 

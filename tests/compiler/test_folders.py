@@ -8,7 +8,7 @@ import pytest
 
 import assistant
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.folders import Output, programs_in
+from assistant.compiler.folders import OutputFolder, programs_in
 
 PROGRAM = "Mvs P1\nEnd\nP1=(+400.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
 MODULE = "MODULE {0}\n    PROC {1}()\n        SetDO do1,1;\n    ENDPROC\nENDMODULE\n"
@@ -94,9 +94,9 @@ def test_what_was_written_into_a_folder_of_it_is_no_source(tmp_path: Path) -> No
     }
     folder = written(tmp_path, texts)
     told: list[Diagnostic] = []
-    made = Output(str(tmp_path / "out"), "melfa-basic-6")
+    made = OutputFolder(str(tmp_path / "out"), "melfa-basic-6")
     found = [Path(one) for one in programs_in(folder, None, told.append, made)]
     assert found == [tmp_path / "A.prg", tmp_path / "b.mod"]
     assert [(one.code, "`out/A.prg`" in one.message) for one in told] == [("CO308", True)]
-    inside = Output(folder, "melfa-basic-6")  # a program may be translated where it is
+    inside = OutputFolder(folder, "melfa-basic-6")  # a program may be translated where it is
     assert len(list(programs_in(folder, None, None, inside))) == 3

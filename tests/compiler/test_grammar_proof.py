@@ -13,7 +13,7 @@ from lark import Lark
 from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.compiler import compile
-from assistant.compiler.proof import NOT_IN_GRAMMAR, prove
+from assistant.compiler.proof import NOT_IN_GRAMMAR, prove_read_back
 from assistant.languages import lark_parsing
 from assistant.languages.lark_parsing import (
     SAMPLED,
@@ -51,7 +51,7 @@ def test_a_text_that_the_grammar_refuses_is_not_written() -> None:
 
     compiled = compile(SAMPLES / "positioning.csv", language="rapid")
     files = {"m.mod": b"MODULE m\nPROC main()\n  Stop;\n  WaitTime 1;\nENDPROC\nENDMODULE\n"}
-    proof = prove(Narrow(), compiled.program, files)
+    proof = prove_read_back(Narrow(), compiled.program, files)
     assert not proof.holds
     (found,) = proof.findings
     assert (found.code, found.path, found.line, found.column) == ("CO108", "m.mod", 4, 3)

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation
@@ -48,7 +48,7 @@ OPENED = f"{CONNECTED}ISignalDI diDoor,1,opened;\n"
 def crossed(main: str, to: str = "melfa-basic-6", answer: str = "Incr count;") -> Translation:
     """What becomes of a module, run on both sides with inputs that change."""
     text = MODULE.format(main=main, answer=answer)
-    cell = in_neutral_cell(load_text(SourceText(text), language="rapid"))
+    cell = with_neutral_cell(load_text(SourceText(text), language="rapid"))
     return translate(cell, to=to, proving=Proving(seconds=2))
 
 
@@ -170,7 +170,7 @@ P2=(400,200,500,180,0,180)(7,0)
 
 def of_lines(condition: str, back: str = "0") -> Translation:
     text = SourceText(LINES.format(condition=condition, back=back))
-    cell = in_neutral_cell(load_text(text, language="melfa-basic-5"))
+    cell = with_neutral_cell(load_text(text, language="melfa-basic-5"))
     return translate(cell, to="rapid", proving=Proving(seconds=2))
 
 
@@ -199,7 +199,7 @@ def test_an_error_of_the_program_stops_it_for_good() -> None:
 
     def stopped(number: int) -> Translation:
         text = SourceText(lines.format(number))
-        cell = in_neutral_cell(load_text(text, language="melfa-basic-5"))
+        cell = with_neutral_cell(load_text(text, language="melfa-basic-5"))
         return translate(cell, to="rapid", proving=Proving(seconds=2))
 
     done = stopped(9100)

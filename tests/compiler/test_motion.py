@@ -12,8 +12,8 @@ from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import load, load_text
-from assistant.compiler.motion import MotionProof, Proving, Terms, prove_motion
-from assistant.compiler.motion_sides import written
+from assistant.compiler.motion import ComparisonTerms, MotionProof, Proving, prove_motion
+from assistant.compiler.motion_sides import written_pair
 from assistant.virtual.proving import search
 
 CELL = """
@@ -82,7 +82,7 @@ def made(text: str, to: str, folder: Path, more: str = "") -> Compiled:
 
 
 def proof(done: Compiled, proving: Proving | None = None) -> MotionProof:
-    given = written(done.source, done.program, done.language, done.files)
+    given = written_pair(done.source, done.program, done.language, done.files)
     return prove_motion(given, Arms(), proving or Proving())
 
 
@@ -91,14 +91,14 @@ def with_fault(
     line: str,
     other: str,
     proving: Proving | None = None,
-    terms: Terms | None = None,
+    terms: ComparisonTerms | None = None,
 ) -> MotionProof:
     """The proof of what was written with another line in it."""
     ((name, data),) = done.files.items()
     assert data.decode().count(line) == 1, data.decode()
     files = {name: data.decode().replace(line, other).encode()}
-    given = written(done.source, done.program, done.language, files)
-    return prove_motion(given, Arms(), proving or Proving(), None, terms or Terms())
+    given = written_pair(done.source, done.program, done.language, files)
+    return prove_motion(given, Arms(), proving or Proving(), None, terms or ComparisonTerms())
 
 
 def test_every_branch_of_the_source_is_taken(compiled: Compiled) -> None:
@@ -120,7 +120,7 @@ def test_of_a_library_nothing_is_run() -> None:
     assert done.ok
     (finding,) = proof(done).findings
     assert finding.code == "CO111" and "nothing of it was run" in finding.message
-    made_of = written(done.source, done.program, done.language, done.files)
+    made_of = written_pair(done.source, done.program, done.language, done.files)
     assert prove_motion(made_of, Arms(), Proving(), "count").found is not None
 
 
@@ -202,7 +202,7 @@ def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
 
 def test_warnings_are_named_beside_a_difference(compiled: Compiled) -> None:
     line, other, *_ = next(iter(FAULTS.values()))
-    found = with_fault(compiled, line, other, terms=Terms(warnings=("MB206", "MB233")))
+    found = with_fault(compiled, line, other, terms=ComparisonTerms(warnings=("MB206", "MB233")))
     (finding,) = [f for f in found.findings if f.code == "CO110"]
     assert "a warning explains it (MB206, MB233); if not, report this" in finding.cure
     (finding,) = [f for f in with_fault(compiled, line, other).findings if f.code == "CO110"]

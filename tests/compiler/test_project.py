@@ -9,7 +9,7 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Refused
 from assistant.compiler import check_files
-from assistant.compiler.project import configured
+from assistant.compiler.project import with_project_settings
 from assistant.findings.severities import severities_for
 from assistant.sources.project import project_of
 
@@ -63,7 +63,7 @@ def test_settings_that_are_none(tmp_path: Path, table: str, code: str, line: int
     assert [(f.code, f.line, f.path) for f in checked.findings] == [(code, line, str(settings))]
     assert checked.unreadable
     with pytest.raises(Refused) as refused:
-        configured(languages.get("melfa-basic-6"), tmp_path)
+        with_project_settings(languages.get("melfa-basic-6"), tmp_path)
     assert refused.value.exit_status == 2
 
 
@@ -75,11 +75,11 @@ def test_settings_of_a_language_are_no_odd_keys_of_a_project(tmp_path: Path) -> 
 def test_a_language_without_settings_is_as_it_is(tmp_path: Path) -> None:
     write(tmp_path / "assistant.toml", "[melfa-basic]\nname-length = 20\n")
     rapid = languages.get("rapid")
-    assert configured(rapid, tmp_path) is rapid
+    assert with_project_settings(rapid, tmp_path) is rapid
     melfa = languages.get("melfa-basic-5")
-    assert configured(melfa, tmp_path) is not melfa
+    assert with_project_settings(melfa, tmp_path) is not melfa
     (tmp_path / "assistant.toml").unlink()
-    assert configured(melfa, tmp_path) is melfa
+    assert with_project_settings(melfa, tmp_path) is melfa
     assert project_of(tmp_path) is None
 
 

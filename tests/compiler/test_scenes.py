@@ -12,7 +12,7 @@ import pytest
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.cli import main
 from assistant.compiler import check_files, compile, translate
-from assistant.compiler.scenes import in_cell
+from assistant.compiler.scenes import open_cell
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 DRAWING = SAMPLES / "plate.dxf"
@@ -160,7 +160,7 @@ def test_a_cell_file_that_is_wrong_is_told_at_its_place(
 ) -> None:
     cell = written(tmp_path / "wrong.toml", text)
     try:
-        found: tuple[Diagnostic, ...] = in_cell(cell).findings
+        found: tuple[Diagnostic, ...] = open_cell(cell).findings
     except Refused as refused:
         found = refused.findings
     assert [(finding.code, finding.path) for finding in found] == [(code, str(cell))]

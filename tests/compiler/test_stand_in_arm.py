@@ -6,7 +6,7 @@ import pytest
 
 import assistant
 from assistant.base.source_text import SourceText
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.loading import load_text
 from assistant.compiler.motion import MotionProof, Proving
 
@@ -19,7 +19,7 @@ VAR jointtarget j;
 
 def proven(body: str) -> MotionProof:
     text = f"{HEAD}PROC main()\n{body}\nENDPROC\nENDMODULE\n"
-    loaded = in_neutral_cell(load_text(SourceText(text), language="rapid"))
+    loaded = with_neutral_cell(load_text(SourceText(text), language="rapid"))
     done = assistant.translate(loaded, to="melfa-basic-6", proving=Proving(seconds=5))
     assert done.motion is not None
     return done.motion

@@ -12,8 +12,8 @@ from assistant import languages, robots
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.cli import main
 from assistant.compiler import compile, translate
-from assistant.compiler.style import PLAIN, Style, in_comment, in_style, style_of
-from assistant.compiler.templates import environment
+from assistant.compiler.style import PLAIN_STYLE, Style, apply_style, comment_value, style_of
+from assistant.compiler.templates import jinja_environment
 from assistant.program import pseudo
 from assistant.resources import resource
 
@@ -97,7 +97,7 @@ def test_the_templates_of_the_package_are_what_the_printer_writes(language, robo
     adapted = compile(program, language=language, **arm).program
     printed = spoken.encode(spoken.build(adapted, robots.get(robot)))
     assert written.encode() == printed
-    styled = in_style(printed, spoken, PLAIN, adapted, None)
+    styled = apply_style(printed, spoken, PLAIN_STYLE, adapted, None)
     assert styled.data == printed
     assert not styled.lines
 
@@ -110,7 +110,7 @@ def test_jinja_reads_the_templates_of_the_package_as_we_do(name, text):
     assert shipped == text
     values = dict.fromkeys(re.findall(r"\w+", text), "X\nY")
     plain = re.sub(r"\{\{ (\w+) \}\}", lambda match: values[match[1]], text)
-    rendered = environment().from_string(shipped).render(values)
+    rendered = jinja_environment().from_string(shipped).render(values)
     assert re.sub("\ue002[0-9]+\ue003", "", rendered) == plain
 
 
@@ -275,7 +275,7 @@ def test_values_of_a_project_stay_in_their_comments(project, value, said):
     compiled = project(template, style=f"project = {json.dumps(value)}\n")
     assert compiled.ok, compiled.findings
     assert said is None or f"    ! P {said}\r\n" in text_of(compiled)
-    assert len(in_comment("x" * 1000)) < 200
+    assert len(comment_value("x" * 1000)) < 200
 
 
 def test_a_value_that_reads_as_an_item_is_refused(project):

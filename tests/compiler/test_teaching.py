@@ -9,8 +9,8 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.compiler.jogging import check_jog, check_place
-from assistant.compiler.teaching import Wanted, teach
+from assistant.compiler.jogging import check_jog, check_position
+from assistant.compiler.teaching import TargetOptions, teach_target
 from assistant.controllers.states import Jog, Position
 from assistant.program.geometry import Pose
 from assistant.sources import read
@@ -33,7 +33,7 @@ def position(robot, joints, tool: Pose | None = None) -> Position:
 def test_a_pose_is_stored_with_the_branch_of_the_arm(tmp_path, robot):
     joints = robot.own_joints(BENT) if robot is SIX else (10.0, 20.0, 90.0, 30.0, 0.0)
     file = tmp_path / "points.toml"
-    teach(file, "there", position(robot, joints), robot, Wanted())
+    teach_target(file, "there", position(robot, joints), robot, TargetOptions())
     program = read(file).program
     stored = program.targets["there"]
     assert program.robot == robot.name and stored.configuration is not None
@@ -46,18 +46,18 @@ def test_a_pose_is_stored_with_the_branch_of_the_arm(tmp_path, robot):
 def test_joints_are_stored_with_a_gap_for_the_axis_that_is_not_there(tmp_path):
     file = tmp_path / "points.toml"
     joints = (10.0, 20.0, 90.0, 30.0, 0.5)
-    teach(file, "there", position(FIVE, joints), FIVE, Wanted(joints=True))
+    teach_target(file, "there", position(FIVE, joints), FIVE, TargetOptions(joints=True))
     stored = read(file).program.joint_targets["there"].joints
     assert [j for j in stored if not math.isnan(j)] == list(joints) and math.isnan(stored[3])
 
 
 def test_without_a_robot_only_the_pose_is_known(tmp_path):
     file = tmp_path / "points.toml"
-    teach(file, "there", position(SIX, BENT), None, Wanted())
+    teach_target(file, "there", position(SIX, BENT), None, TargetOptions())
     stored = read(file).program
     assert stored.targets["there"].configuration is None and stored.robot is None
     with pytest.raises(Refused) as refused:
-        teach(file, "here", position(SIX, BENT), None, Wanted(joints=True))
+        teach_target(file, "here", position(SIX, BENT), None, TargetOptions(joints=True))
     assert refused.value.findings[0].code == "TB512"
 
 
@@ -71,16 +71,16 @@ def test_a_pose_of_another_tool_is_refused(tmp_path):
     file.write_text(WITH_TOOL, encoding="utf-8")
     shown = position(SIX, BENT, GRIPPER)
     with pytest.raises(Refused) as refused:
-        teach(file, "there", shown, SIX, Wanted())
+        teach_target(file, "there", shown, SIX, TargetOptions())
     (finding,) = refused.value.findings
     assert finding.code == "CO701" and "60.00 mm" in finding.message
     assert file.read_text(encoding="utf-8") == WITH_TOOL
-    teach(file, "there", shown, SIX, Wanted(tool="gripper"))
+    teach_target(file, "there", shown, SIX, TargetOptions(tool="gripper"))
     with pytest.raises(Refused):
-        teach(file, "on_table", shown, SIX, Wanted(tool="gripper", frame="table"))
+        teach_target(file, "on_table", shown, SIX, TargetOptions(tool="gripper", frame="table"))
     x, y, z = shown.position
     moved = Position(shown.joints, (x - 100.0, y, z), shown.quaternion)
-    teach(file, "on_table", moved, SIX, Wanted(tool="gripper", frame="table"))
+    teach_target(file, "on_table", moved, SIX, TargetOptions(tool="gripper", frame="table"))
     assert set(read(file).program.targets) == {"there", "on_table"}
 
 
@@ -88,15 +88,17 @@ def test_the_tool_of_a_process_file_beside_counts(tmp_path):
     (tmp_path / "points.process.toml").write_text(
         WITH_TOOL + '[motion]\ntool = "gripper"\n', encoding="utf-8"
     )
-    teach(tmp_path / "points.toml", "there", position(SIX, BENT, GRIPPER), SIX, Wanted())
+    teach_target(
+        tmp_path / "points.toml", "there", position(SIX, BENT, GRIPPER), SIX, TargetOptions()
+    )
     with pytest.raises(Refused):
-        teach(tmp_path / "points.toml", "bare", position(SIX, BENT), SIX, Wanted())
+        teach_target(tmp_path / "points.toml", "bare", position(SIX, BENT), SIX, TargetOptions())
 
 
 def test_the_joints_of_another_arm(tmp_path):
     for robot, shown in ((FIVE, position(SIX, BENT)), (SIX, position(FIVE, FIVE.home))):
         with pytest.raises(Refused) as refused:
-            teach(tmp_path / "points.toml", "there", shown, robot, Wanted())
+            teach_target(tmp_path / "points.toml", "there", shown, robot, TargetOptions())
         assert refused.value.findings[0].code == "CO702"
     assert list(tmp_path.iterdir()) == []
 
@@ -104,7 +106,7 @@ def test_the_joints_of_another_arm(tmp_path):
 def test_a_pose_without_numbers(tmp_path):
     shown = Position((), (math.nan, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
     with pytest.raises(Refused) as refused:
-        teach(tmp_path / "points.toml", "there", shown, None, Wanted())
+        teach_target(tmp_path / "points.toml", "there", shown, None, TargetOptions())
     assert refused.value.findings[0].code == "CO704"
 
 
@@ -158,12 +160,12 @@ def test_an_arm_of_five_axes_keeps_its_tool_in_its_plane(jog, code):
 def test_where_no_robot_is_known_that_is_said():
     shown = position(SIX, BENT)
     assert [f.code for f in check_jog(Jog("J1", 500.0), shown, None)] == ["CO714"]
-    assert [f.code for f in check_place(shown, None)] == ["CO714"]
+    assert [f.code for f in check_position(shown, None)] == ["CO714"]
 
 
 def test_an_arm_outside_of_its_limits_is_another_arm():
-    assert check_place(position(SIX, BENT), SIX) == ()
+    assert check_position(position(SIX, BENT), SIX) == ()
     joints = (*BENT[:4], SIX.limits[4, 1] + 1.0, BENT[5])
     with pytest.raises(Refused) as refused:
-        check_place(position(SIX, joints), SIX)
+        check_position(position(SIX, joints), SIX)
     assert refused.value.findings[0].code == "CO715"

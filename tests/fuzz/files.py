@@ -21,7 +21,7 @@ from assistant.cell.cell_file import read_scene
 from assistant.cell.link_bodies import drawn_links
 from assistant.cell.scene_export import cell_files
 from assistant.compiler.checking import check_files
-from assistant.compiler.filling import in_cell
+from assistant.compiler.filling import with_cell_values
 from assistant.compiler.script_file import parse_script
 from assistant.controllers.named import controllers_of
 from assistant.deploy.history import read_journal, steps_of
@@ -85,7 +85,7 @@ def cell(data: bytes) -> None:
     program = file("uses.mod", text)
     with refusing():
         promise(read_cell(path).text != "" or not data.strip(), "a cell file is read as nothing")
-        in_cell(assistant.load(program), read_cell(path), path)
+        with_cell_values(assistant.load(program), read_cell(path), path)
 
 
 def scene(data: bytes) -> None:

@@ -105,7 +105,7 @@ def test_every_key_of_a_layer_is_there_and_can_be_had_by_taking_the_mark_away(
         taken = text.replace(choice, choice.removeprefix("# "))
         assert not codes(taken) & {"CT301", "CT302", "CT303", "CT304", "CT309"}, choice
     told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER, *CHOICES)}
-    assert told | {"tool", "frame"} == set(process_layers.LAYER)
+    assert told | {"tool", "frame"} == set(process_layers.LAYER_KEYS)
 
 
 def test_what_stands_at_the_top_can_be_had_by_taking_the_mark_away(home, drawing: Path) -> None:

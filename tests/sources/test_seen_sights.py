@@ -15,7 +15,7 @@ from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Frame, Pose
 from assistant.program.settings_tables import Wrong
 from assistant.sources.process.file import read_process
-from assistant.sources.process.seen import Asking, Trust
+from assistant.sources.process.seen import PoseServer, Trust
 from assistant.sources.sights import Sight, doubts, read_sights, seeing
 
 NOW = datetime.datetime(2026, 1, 31, 12, 0, tzinfo=datetime.UTC)
@@ -128,7 +128,7 @@ def test_a_process_file_says_what_is_seen_and_how_it_is_trusted(tmp_path: Path):
     )
     process = read_process(written(tmp_path, text, "p.toml"))
     assert process.frames == {"part": Frame(Pose((300.0, 0.0, 20.0)), seen="M6 bolt")}
-    assert process.seen.ask == Asking("client", "192.168.0.5", 10010)
+    assert process.seen.ask == PoseServer("client", "192.168.0.5", 10010)
     assert process.seen.trust == Trust(oldest=60.0, within=50.0)
     assert process.seen.found == str(tmp_path / "now.toml")
 
@@ -149,18 +149,18 @@ def test_what_is_wrong_of_it_is_told_there(tmp_path: Path, line: str):
 @pytest.mark.parametrize(
     ("text", "asking"),
     [
-        ("pc-2.local:10010", Asking("client", "pc-2.local", 10010)),
-        ("listen:192.168.0.20:10003", Asking("server", "192.168.0.20", 10003)),
-        ("line:3", Asking("line", "", 3)),
+        ("pc-2.local:10010", PoseServer("client", "pc-2.local", 10010)),
+        ("listen:192.168.0.20:10003", PoseServer("server", "192.168.0.20", 10003)),
+        ("line:3", PoseServer("line", "", 3)),
     ],
 )
-def test_whom_a_program_asks(text: str, asking: Asking):
-    assert Asking.parse(text) == asking
+def test_whom_a_program_asks(text: str, asking: PoseServer):
+    assert PoseServer.parse(text) == asking
 
 
 def test_an_address_of_nobody_is_refused():
     with pytest.raises(Wrong):
-        Asking.parse('pc":1')
+        PoseServer.parse('pc":1')
     with pytest.raises(Refused) as caught:
         seeing(ask="pc")
     assert [one.code for one in caught.value.findings] == ["SR016"]

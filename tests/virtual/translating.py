@@ -18,7 +18,7 @@ from assistant.base.source_text import SourceText
 from assistant.compiler.arms import Arms as KnownArms
 from assistant.compiler.loading import Loaded, load, load_text
 from assistant.compiler.motion import Proving, prove_motion
-from assistant.compiler.motion_sides import written as written_files
+from assistant.compiler.motion_sides import written_pair as written_files
 from assistant.compiler.tasks import Task, load_task
 from assistant.program.geometry import Pose
 from assistant.robots import Robot

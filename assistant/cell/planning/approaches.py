@@ -22,7 +22,7 @@ from assistant.cell.collision.continuous import RESOLUTION, JointPath, hits
 from assistant.cell.planning.space import Space, goal_joints
 from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import Pose, Vector
-from assistant.sources.surroundings import ALONG, WayIn
+from assistant.sources.surroundings import ALONG_TOOL, WayIn
 
 APPROACH_TILTED: Final = info(
     "CK478",
@@ -52,7 +52,7 @@ DIRECTION_DECIMALS: Final = 3
 
 def approach_directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
     """Those that are tried, in the tool's own axes, by their angles from its axis."""
-    yield 0.0, (ALONG,)
+    yield 0.0, (ALONG_TOOL,)
     around = 2.0 * np.pi * np.arange(TILT_SIDES) / TILT_SIDES
     for tilt in TILTS:
         t = np.radians(tilt)
@@ -97,7 +97,7 @@ class CellSurroundings:
         What is within its margin at the place itself, such as the work, may be as near on the way.
         A place that is out of reach, or in contact itself, is told by whoever looks at the program.
         """
-        along = _Line(pose, np.array(ALONG), distance, tool)
+        along = _Line(pose, np.array(ALONG_TOOL), distance, tool)
         rows = list[Floats]()
         for row in self._held(pose, tool):
             rows.append(row)

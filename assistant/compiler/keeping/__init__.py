@@ -13,7 +13,7 @@ from assistant.compiler.keeping.remembered import (
     write_unedited,
     written_in,
 )
-from assistant.compiler.keeping.sides import Wishes
+from assistant.compiler.keeping.sides import MergeChoices
 
 __all__ = [
     "WRITTEN",

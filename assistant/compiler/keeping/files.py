@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.compiler.keeping import rules, texts
-from assistant.compiler.keeping.made import Made
+from assistant.compiler.keeping.made import ContourOrigins
 from assistant.compiler.keeping.merging import Merge
-from assistant.compiler.keeping.remembered import SUFFIX, bytes_of
-from assistant.compiler.keeping.sides import Wishes
-from assistant.compiler.loading import language_of, lift, load_text
-from assistant.compiler.proof import prove
+from assistant.compiler.keeping.remembered import WRITTEN_SUFFIX, bytes_of
+from assistant.compiler.keeping.sides import MergeChoices
+from assistant.compiler.loading import language_of, lift_texts, load_text
+from assistant.compiler.proof import prove_read_back
 from assistant.deploy.site import difference
 from assistant.program.program import Program
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-NOT_SAID: Final = "the new program changes what programs of its kind do not say"
+NOT_EXPRESSIBLE: Final = "the new program changes what programs of its kind do not say"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +69,13 @@ class Keeper:
     language: str
     robot: str | Robot | None = None
     cell: str | InCell | None = None
-    wishes: Wishes = field(default_factory=Wishes)
+    wishes: MergeChoices = field(default_factory=MergeChoices)
     known: set[str] = field(default_factory=set)
     """Names of the edits that were met."""
 
     def kept(self, files: Mapping[FilePath, bytes], memory: FilePath) -> Kept:
         """What is to be written of one program, by its files. memory: see `written_in`."""
-        memories = {path: memory / f"{path.name}{SUFFIX}" for path in files}
+        memories = {path: memory / f"{path.name}{WRITTEN_SUFFIX}" for path in files}
         remembered = {memories[path]: data for path, data in files.items()}
         there = {path: bytes_of(path) for path in files}
         before = {path: bytes_of(memories[path]) for path in files}
@@ -124,26 +124,28 @@ class Keeper:
         if count > 1 and base != made:
             raise Refused(rules.SEVERAL(path=str(path), file=path, count=count))
         old, now, new = (self._read(path, language, data) for data in (base, edited, made))
-        merge = Merge(str(path), Made(old), Made(now), Made(new), self.wishes)
+        merge = Merge(
+            str(path), ContourOrigins(old), ContourOrigins(now), ContourOrigins(new), self.wishes
+        )
         program = merge.program()
         self.known |= merge.names
         if merge.conflicts:
             raise Refused(*merge.conflicts)
         told: list[Diagnostic] = []
         if merge.dropped:
-            told.append(rules.LEFT_OUT(path=str(path), file=path, edits=_listed(merge.dropped)))
+            told.append(rules.LEFT_OUT(path=str(path), file=path, edits=_words_text(merge.dropped)))
         text = edited
         if count == 1:
             known = None if merge.dropped else (base, edited)
             text = self._text(path, language, program, (old, now, new), known)
         if text != made:
             edits = merge.edits or ["its comments and layout"]
-            told.append(rules.KEPT(path=str(path), file=path, edits=_listed(edits)))
+            told.append(rules.KEPT(path=str(path), file=path, edits=_words_text(edits)))
         return text, [*told, *self._found(path, language, text, made)]
 
     def _read(self, path: FilePath, language: Language[Any], data: bytes) -> Program:
         try:
-            return lift(language, [language.decode(data, str(path))], self._arm()).program
+            return lift_texts(language, [language.decode(data, str(path))], self._arm()).program
         except Refused as refused:
             reason = refused.findings[0].message
             finding = rules.NOT_READ(path=str(path), file=path, reason=reason)
@@ -168,9 +170,9 @@ class Keeper:
         comments are to be there; None if some may go with the edits that they are of.
         """
         arm = self._arm()
-        why = rules.NOT_READ(path=str(path), file=path, reason=NOT_SAID)
-        for data in texts.merged(language, program, sides, arm):
-            proof = prove(language, program, {path.name: data}, arm)
+        why = rules.NOT_READ(path=str(path), file=path, reason=NOT_EXPRESSIBLE)
+        for data in texts.merged_text(language, program, sides, arm):
+            proof = prove_read_back(language, program, {path.name: data}, arm)
             lost = texts.lost_comments(language, (*comments, data)) if comments else []
             if proof.holds and not lost:
                 return data
@@ -203,5 +205,5 @@ class Keeper:
         return done.findings
 
 
-def _listed(words: list[str]) -> str:
+def _words_text(words: list[str]) -> str:
     return ", ".join(dict.fromkeys(words))

@@ -20,28 +20,28 @@ from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement
 
-PART: Final = re.compile(r"(.+_[0-9]+)_[A-Za-z][A-Za-z_]*")
+CONTOUR_PART_NAME: Final = re.compile(r"(.+_[0-9]+)_[A-Za-z][A-Za-z_]*")
 """A target of a contour: the name of that, and what it is of it, as `glue_1` and `start`."""
-NUMBER: Final = re.compile(r"(.+)_[0-9]+")
+NUMBERED_NAME: Final = re.compile(r"(.+)_[0-9]+")
 
-Place = tuple[float, ...]
-Profile = tuple[Any, ...]
-Row = tuple[str, int, int]
+PoseKey = tuple[float, ...]
+PlaceProfile = tuple[Any, ...]
+RowKey = tuple[str, int, int]
 """A row of a path: the name of that, which one of them, and which row of it."""
 
 
-def place(pose: Pose) -> Place:
+def pose_key(pose: Pose) -> PoseKey:
     """A pose as numbers that are equal where it is the same: mm and a quaternion."""
     return tuple(round(v, 9) + 0.0 for v in (*pose.position, *pose.quaternion))
 
 
-def kind_of(name: str) -> str:
+def unnumbered_name(name: str) -> str:
     """A name without the number behind it, which contours of one layer have in common."""
-    found = NUMBER.fullmatch(name)
+    found = NUMBERED_NAME.fullmatch(name)
     return name if found is None else found[1]
 
 
-class Made:
+class ContourOrigins:
     """A program with what its names stand for."""
 
     def __init__(self, program: Program) -> None:
@@ -59,7 +59,7 @@ class Made:
     @cached_property
     def contours(self) -> frozenset[str]:
         """Names of what has several places: of paths, and those that their parts begin with."""
-        parts = (PART.fullmatch(name) for name in self.program.targets)
+        parts = (CONTOUR_PART_NAME.fullmatch(name) for name in self.program.targets)
         return frozenset({*self.paths, *(found[1] for found in parts if found)})
 
     def contour(self, name: str) -> str | None:
@@ -71,48 +71,52 @@ class Made:
         return None
 
     @cached_property
-    def profiles(self) -> dict[str, Profile]:
+    def profiles(self) -> dict[str, PlaceProfile]:
         """Where each contour has its places, which is what tells it from all others."""
-        parts: dict[str, list[Any]] = {name: [kind_of(name)] for name in self.contours}
+        parts: dict[str, list[Any]] = {name: [unnumbered_name(name)] for name in self.contours}
         for name, target in sorted(self.program.targets.items()):
             if (owner := self.contour(name)) is not None:
-                parts[owner].append((name.removeprefix(owner), place(target.pose)))
+                parts[owner].append((name.removeprefix(owner), pose_key(target.pose)))
         for name, paths in self.paths.items():
-            parts[name] += [(bytes(one.kinds), *_places(one)) for one in paths]
+            parts[name] += [(bytes(one.kinds), *_row_poses(one)) for one in paths]
         return {name: tuple(found) for name, found in parts.items()}
 
     @cached_property
-    def counts(self) -> Counter[Profile]:
+    def counts(self) -> Counter[PlaceProfile]:
         """How many contours have a profile."""
         return Counter(self.profiles.values())
 
     @cached_property
-    def places(self) -> dict[tuple[str, Place], list[str]]:
+    def places(self) -> dict[tuple[str, PoseKey], list[str]]:
         """Names of targets by what they are and where."""
-        found: dict[tuple[str, Place], list[str]] = {}
+        found: dict[tuple[str, PoseKey], list[str]] = {}
         for name, target in self.program.targets.items():
-            found.setdefault((self.role(name), place(target.pose)), []).append(name)
+            found.setdefault((self.role(name), pose_key(target.pose)), []).append(name)
         return found
 
     @cached_property
-    def rows(self) -> dict[tuple[str, int, Place], list[Row]]:
+    def rows(self) -> dict[tuple[str, int, PoseKey], list[RowKey]]:
         """Rows of paths by the layer of the path, how they are reached, and where they are."""
-        found: dict[tuple[str, int, Place], list[Row]] = {}
+        found: dict[tuple[str, int, PoseKey], list[RowKey]] = {}
         for name, paths in self.paths.items():
             for which, path in enumerate(paths):
-                for row, at in enumerate(_places(path)):
-                    key = kind_of(name), int(path.kinds[row]), at
+                for row, at in enumerate(_row_poses(path)):
+                    key = unnumbered_name(name), int(path.kinds[row]), at
                     found.setdefault(key, []).append((name, which, row))
         return found
 
     def role(self, name: str) -> str:
         """What a target is, whatever its number; its name if it has none."""
         owner = self.contour(name)
-        return kind_of(name) if owner is None else f"{kind_of(owner)} {name.removeprefix(owner)}"
+        return (
+            unnumbered_name(name)
+            if owner is None
+            else f"{unnumbered_name(owner)} {name.removeprefix(owner)}"
+        )
 
     def is_numbered(self, name: str) -> bool:
         """Whether a target has its name by its order, and not by people."""
-        return self.contour(name) is not None or NUMBER.fullmatch(name) is not None
+        return self.contour(name) is not None or NUMBERED_NAME.fullmatch(name) is not None
 
     def owners(self, statement: Statement) -> set[str]:
         """The contours that a statement is of."""
@@ -121,7 +125,7 @@ class Made:
         return {owner for owner in found if owner is not None}
 
 
-def same_contours(old: Made, new: Made) -> dict[str, str]:
+def same_contours(old: ContourOrigins, new: ContourOrigins) -> dict[str, str]:
     """Contours of a program by what they are called in another one: those that are whole there."""
     there = {profile: name for name, profile in new.profiles.items()}
     return {
@@ -157,5 +161,5 @@ def paths_of(procedure: Procedure) -> Iterator[Path]:
     yield from found
 
 
-def _places(path: Path) -> Iterator[Place]:
-    return (place(path.pose(row)) for row in range(len(path)))
+def _row_poses(path: Path) -> Iterator[PoseKey]:
+    return (pose_key(path.pose(row)) for row in range(len(path)))

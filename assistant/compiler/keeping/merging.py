@@ -15,16 +15,22 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.compiler.keeping import rules
-from assistant.compiler.keeping.made import kind_of, names_of, paths_of, place, same_contours
-from assistant.compiler.keeping.showing import shown
-from assistant.compiler.keeping.sides import Sides, is_same
-from assistant.compiler.keeping.statements import Bodies
+from assistant.compiler.keeping.made import (
+    names_of,
+    paths_of,
+    pose_key,
+    same_contours,
+    unnumbered_name,
+)
+from assistant.compiler.keeping.showing import value_text
+from assistant.compiler.keeping.sides import MergeVersions, is_same_place
+from assistant.compiler.keeping.statements import BodyMerge
 from assistant.program.geometry import Target
 from assistant.program.motion import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
 
-TABLES: Final = {
+TABLE_WORDS: Final = {
     "tools": "tool",
     "frames": "frame",
     "speeds": "speed",
@@ -34,13 +40,13 @@ TABLES: Final = {
     "joint_targets": "joint target",
     "variables": "variable",
 }
-SCALARS: Final = ("name", "entry", "robot", "declarations")
-HEADS: Final = ("parameters", "variables", "result", "unit", "local")
-MISSING: Final = "nothing"
+SCALAR_FIELDS: Final = ("name", "entry", "robot", "declarations")
+PROCEDURE_FIELDS: Final = ("parameters", "variables", "result", "unit", "local")
+MISSING_WORD: Final = "nothing"
 
 
 @dataclass(slots=True)
-class Merge(Sides):
+class Merge(MergeVersions):
     """One merge."""
 
     def program(self) -> Program:
@@ -48,9 +54,9 @@ class Merge(Sides):
         self.contours = same_contours(self.base, self.made)
         edited, moved = self._moved_rows()
         changed: dict[str, Any] = {
-            table: self._table(table, kind) for table, kind in TABLES.items()
+            table: self._table(table, kind) for table, kind in TABLE_WORDS.items()
         }
-        for part in SCALARS:
+        for part in SCALAR_FIELDS:
             changed[part] = self._scalar(part)
         changed["comments"] = self._comments()
         made = tuple(_with_paths(one, moved) for one in self.made.program.procedures)
@@ -99,7 +105,7 @@ class Merge(Sides):
         if not isinstance(now, Target) or len(rows) != 1 or not number.isdecimal():
             return False
         row = int(number) - 1
-        return row < len(rows[0]) and place(rows[0].pose(row)) == place(now.pose)
+        return row < len(rows[0]) and pose_key(rows[0].pose(row)) == pose_key(now.pose)
 
     def _name_there(
         self, name: str, was: Any, now: Any, made: Mapping[str, Any], what: str
@@ -109,26 +115,28 @@ class Merge(Sides):
             to = self.renamed(name)
             if to not in made or made[to] == now:
                 return to
-            self.refuse(rules.BOTH_MOVED, name, what=what, was=MISSING, **_words(now, made[to]))
+            self.refuse(
+                rules.BOTH_MOVED, name, what=what, was=MISSING_WORD, **_changed_words(now, made[to])
+            )
             return None
-        told = {"what": what, "was": shown(was, now)}
+        told = {"what": what, "was": value_text(was, now)}
         if not isinstance(was, Target):
             if made.get(name) in (was, now) or (self.is_kept(name) and name in made):
                 return name
-            there = shown(made[name], was) if name in made else "it is gone"
-            self.refuse(rules.BOTH_MOVED, name, **told, now=shown(now, was), made=there)
+            there = value_text(made[name], was) if name in made else "it is gone"
+            self.refuse(rules.BOTH_MOVED, name, **told, now=value_text(now, was), made=there)
             return None
         found, why = self.place_of(name)
         if found is not None:
             return found
         other = made.get(name) if self.resembles(name) else None
-        if other is not None and (self.is_kept(name) or (now and is_same(other, now))):
+        if other is not None and (self.is_kept(name) or (now and is_same_place(other, now))):
             return name
-        if other is not None and not is_same(other, was):
-            there = shown(other, was)
-            self.refuse(rules.BOTH_MOVED, name, **told, now=shown(now, was), made=there)
+        if other is not None and not is_same_place(other, was):
+            there = value_text(other, was)
+            self.refuse(rules.BOTH_MOVED, name, **told, now=value_text(now, was), made=there)
         else:
-            self.refuse(rules.NOWHERE, name, **told, now=shown(now, was), reason=why)
+            self.refuse(rules.NOWHERE, name, **told, now=value_text(now, was), reason=why)
         return None
 
     # -------------------------------------------------------------------------------- rows of paths
@@ -158,13 +166,13 @@ class Merge(Sides):
     def _move_rows(self, path: Path, was: Path, changed: dict[tuple[str, int], Path]) -> None:
         for row in range(len(path)):
             before, after = was.target(row), path.target(row)
-            if place(before.pose) == place(after.pose):
+            if pose_key(before.pose) == pose_key(after.pose):
                 continue
             name = f"{path.name}_{row + 1}"
             what = f"target `{name}`"
             if self.is_dropped(name, what, path.name):
                 continue
-            key = kind_of(path.name), int(path.kinds[row]), place(before.pose)
+            key = unnumbered_name(path.name), int(path.kinds[row]), pose_key(before.pose)
             here, there = self.base.rows.get(key, []), self.made.rows.get(key, [])
             same = self.contours.get(path.name)
             there = [one for one in there if same is None or one[0] == same]
@@ -177,7 +185,7 @@ class Merge(Sides):
             elif same is None and there[0][0] != path.name:
                 wrong = f"`{there[0][0]}` has a point at its old place, but is not the same contour"
             if wrong:
-                told = {"was": shown(before, after), "now": shown(after, before)}
+                told = {"was": value_text(before, after), "now": value_text(after, before)}
                 self.refuse(rules.NOWHERE, name, what=what, **told, reason=wrong)
                 continue
             to, which, at = there[0]
@@ -193,7 +201,11 @@ class Merge(Sides):
         if was == now or self.is_dropped(part, f"the {part} of the program"):
             return made
         if made not in (was, now) and not self.is_kept(part):
-            told = {"was": shown(was, now), "now": shown(now, was), "made": shown(made, was)}
+            told = {
+                "was": value_text(was, now),
+                "now": value_text(now, was),
+                "made": value_text(made, was),
+            }
             self.refuse(rules.BOTH_MOVED, part, what=f"the {part} of the program", **told)
             return made
         self.edits.append(f"the {part} of the program")
@@ -227,7 +239,7 @@ class Merge(Sides):
         old = {one.name: one for one in self.base.program.procedures}
         now = {one.name: one for one in edited}
         new = {one.name: one for one in made}
-        bodies = Bodies(self)
+        bodies = BodyMerge(self)
         for name in dict.fromkeys((*old, *now)):
             was, here, there = old.get(name), now.get(name), new.get(name)
             if was == here:
@@ -258,7 +270,7 @@ class Merge(Sides):
     def _head(self, was: Procedure, here: Procedure, there: Procedure) -> dict[str, Any]:
         """What was edited of a procedure beside its body."""
         changed: dict[str, Any] = {}
-        for part in HEADS:
+        for part in PROCEDURE_FIELDS:
             one, two, three = (getattr(side, part) for side in (was, here, there))
             what = f"the {part} of procedure `{was.name}`"
             if one == two or self.is_dropped(was.name, what):
@@ -304,5 +316,5 @@ def _with_values(now: Any, was: Any, made: Any) -> Any:
     return Target(now.pose, made.configuration if stays else now.configuration, axes)
 
 
-def _words(now: Any, made: Any) -> dict[str, str]:
-    return {"now": shown(now, made), "made": shown(made, now)}
+def _changed_words(now: Any, made: Any) -> dict[str, str]:
+    return {"now": value_text(now, made), "made": value_text(made, now)}

@@ -14,9 +14,9 @@ from assistant.base.file_sets import file_in_folder, write_all
 from assistant.compiler.keeping import rules
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
-SOURCES: Final = "sources.json"
+SOURCES_FILE: Final = "sources.json"
 """Source of each file of a folder."""
-SUFFIX: Final = ".written"
+WRITTEN_SUFFIX: Final = ".written"
 """After the name of what is remembered, which is no program for anybody who looks for such."""
 
 
@@ -32,7 +32,7 @@ def replaced(
 
     source: that the files are made of now, None if it is no file.
     """
-    known = _sources(memory)
+    known = _stored_sources(memory)
     found: list[Diagnostic] = []
     for path, data in files.items():
         other = memory / known.get(path.name, "")
@@ -54,20 +54,20 @@ def with_sources(
 
     made: names of files by their source; of what is no file nothing is remembered.
     """
-    known = _sources(memory)
+    known = _stored_sources(memory)
     for source, names in made.items():
         for name in names:
             known.pop(name, None)
             if FilePath(source).is_file():
                 known[name] = FilePath(os.path.relpath(source, memory)).as_posix()
     text = json.dumps(dict(sorted(known.items())), indent=1, ensure_ascii=False)
-    return {memory / SOURCES: f"{text}\n".encode()}
+    return {memory / SOURCES_FILE: f"{text}\n".encode()}
 
 
-def _sources(memory: FilePath) -> dict[str, str]:
+def _stored_sources(memory: FilePath) -> dict[str, str]:
     """The sources of files in a folder by the files' names, relative to its memory."""
     try:
-        known = json.loads(bytes_of(memory / SOURCES) or b"{}")
+        known = json.loads(bytes_of(memory / SOURCES_FILE) or b"{}")
     except ValueError:
         return {}
     pairs = known.items() if isinstance(known, dict) else ()
@@ -89,11 +89,11 @@ def write_unedited(
     """
     memory = written_in(folder)
     wanted = {file_in_folder(name, folder): data for name, data in files.items()}
-    memories = {memory / f"{path.name}{SUFFIX}": data for path, data in wanted.items()}
+    memories = {memory / f"{path.name}{WRITTEN_SUFFIX}": data for path, data in wanted.items()}
     edited = [
         path
         for path, data in wanted.items()
-        if bytes_of(path) not in (None, data, bytes_of(memory / f"{path.name}{SUFFIX}"))
+        if bytes_of(path) not in (None, data, bytes_of(memory / f"{path.name}{WRITTEN_SUFFIX}"))
     ]
     if edited and not overwrite:
         raise Refused(*(rules.FOREIGN(path=str(path), file=path) for path in edited))

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from assistant.base.diagnostics import Diagnostic, Rule
-from assistant.compiler.keeping.made import Made, place
+from assistant.compiler.keeping.made import ContourOrigins, pose_key
 from assistant.program.geometry import Target
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class MergeChoices:
     """What is decided about edits. overwrite: none is kept. keep, drop: their names.
 
     keep: the edit stays where the source has changed the same. drop: it does not stay.
@@ -25,12 +25,12 @@ class Wishes:
     @staticmethod
     def of(
         overwrite: bool = False, keep: Collection[str] = (), drop: Collection[str] = ()
-    ) -> Wishes:
-        return Wishes(overwrite, _lower(keep), _lower(drop))
+    ) -> MergeChoices:
+        return MergeChoices(overwrite, _lower_case(keep), _lower_case(drop))
 
 
 @dataclass(slots=True)
-class Sides:
+class MergeVersions:
     """base: as it was written. edited: as it is in the file. made: as it is now.
 
     edits: what is kept, in words. dropped: what is not, as was wished. conflicts: what cannot be.
@@ -38,10 +38,10 @@ class Sides:
     """
 
     file: str
-    base: Made
-    edited: Made
-    made: Made
-    wishes: Wishes
+    base: ContourOrigins
+    edited: ContourOrigins
+    made: ContourOrigins
+    wishes: MergeChoices
     edits: list[str] = field(default_factory=list)
     dropped: list[str] = field(default_factory=list)
     conflicts: list[Diagnostic] = field(default_factory=list)
@@ -74,7 +74,7 @@ class Sides:
         if owner is None or self.made.contour(name) != owner:
             return False
         before = self.base.profiles[owner][1:]
-        own = (name.removeprefix(owner), place(self.base.program.targets[name].pose))
+        own = (name.removeprefix(owner), pose_key(self.base.program.targets[name].pose))
         others = [one for one in before if one != own]
         there = set(self.made.profiles[owner][1:])
         return 2 * sum(one in there for one in others) > len(others)
@@ -84,12 +84,12 @@ class Sides:
         was = self.base.program.targets[name]
         made = self.made.program.targets
         if not self.base.is_numbered(name):
-            same = name in made and is_same(made[name], was)
+            same = name in made and is_same_place(made[name], was)
             return (name, "") if same else (None, f"there is no `{name}` any more")
         owner = self.base.contour(name)
         if owner is not None and owner in self.contours:
             return f"{self.contours[owner]}{name.removeprefix(owner)}", ""
-        key = self.base.role(name), place(was.pose)
+        key = self.base.role(name), pose_key(was.pose)
         twins, there = self.base.places[key], self.made.places.get(key, [])
         if not there:
             return None, "nothing of the kind is at its old place"
@@ -107,10 +107,10 @@ class Sides:
         return f"{self.contours[owner]}{name.removeprefix(owner)}"
 
 
-def is_same(one: Target, other: Target) -> bool:
+def is_same_place(one: Target, other: Target) -> bool:
     """Whether two targets are at one place, whichever branch the arm takes there."""
-    return place(one.pose) == place(other.pose)
+    return pose_key(one.pose) == pose_key(other.pose)
 
 
-def _lower(names: Collection[str]) -> frozenset[str]:
+def _lower_case(names: Collection[str]) -> frozenset[str]:
     return frozenset(name.lower() for name in names)

@@ -10,8 +10,8 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from assistant.compiler.keeping import rules
-from assistant.compiler.keeping.made import Made, place
-from assistant.compiler.keeping.sides import Sides
+from assistant.compiler.keeping.made import ContourOrigins, pose_key
+from assistant.compiler.keeping.sides import MergeVersions
 from assistant.program import expressions as e
 from assistant.program.motion import Path
 from assistant.program.program import Procedure
@@ -19,32 +19,32 @@ from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement
 
 Body = tuple[Statement, ...]
-Key = tuple[str, int]
+BodyPartKey = tuple[str, int]
 """A part of a body: its contour, "" for what is before the first, and which part of that."""
-_SAME: Final[Mapping[str, str]] = MappingProxyType({})
+_NO_NAMES: Final[Mapping[str, str]] = MappingProxyType({})
 
 
-class Unknown(Exception):
+class UnknownTarget(Exception):
     """A statement names a target of which nobody knows what it is in the new program."""
 
 
-class Bodies:
+class BodyMerge:
     """The bodies of the procedures of a merge."""
 
-    def __init__(self, merge: Sides) -> None:
+    def __init__(self, merge: MergeVersions) -> None:
         self._merge = merge
 
     def are_same(self, was: Procedure, there: Procedure) -> bool:
         """Whether the source says the same of a procedure as before, places and all."""
         base, made = self._merge.base, self._merge.made
         same = replace(was, body=()) == replace(there, body=())
-        return same and _keys(was.body, base) == _keys(there.body, made)
+        return same and _statement_keys(was.body, base) == _statement_keys(there.body, made)
 
     def renamed(self, procedure: Procedure) -> Procedure:
         """A procedure that only the file has, with the names that things have now."""
         try:
             return replace(procedure, body=self._with_names(procedure.body))
-        except Unknown as unknown:
+        except UnknownTarget as unknown:
             reason = f"nobody knows what `{unknown}` is in the new program"
             self._merge.refuse(rules.STATEMENTS, procedure.name, reason=reason)
             return procedure
@@ -52,10 +52,12 @@ class Bodies:
     def merged(self, was: Procedure, here: Procedure, there: Procedure) -> Body:
         """The body that the source gives now with the edits of the file."""
         base, made = self._merge.base, self._merge.made
-        if here.body == there.body or _keys(was.body, base) == _keys(here.body, base):
+        if here.body == there.body or _statement_keys(was.body, base) == _statement_keys(
+            here.body, base
+        ):
             return there.body
         old, edited, new = (
-            _parts(body, one)
+            _body_parts(body, one)
             for body, one in ((was.body, base), (here.body, base), (there.body, made))
         )
         name = there.name
@@ -71,7 +73,7 @@ class Bodies:
             return there.body
         for key, part in edited.items():
             before = old[key]
-            if _keys(before, base) == _keys(part, base):
+            if _statement_keys(before, base) == _statement_keys(part, base):
                 continue
             owner, number = key
             called = owner or name
@@ -85,7 +87,7 @@ class Bodies:
                 continue
             try:
                 both = self._three(before, part, new[to])
-            except Unknown as unknown:
+            except UnknownTarget as unknown:
                 reason = f"nobody knows what `{unknown}` is in the new program"
                 self._merge.refuse(rules.STATEMENTS, called, reason=reason)
                 continue
@@ -100,11 +102,11 @@ class Bodies:
     def _three(self, was: Body, here: Body, there: Body) -> Body | None:
         """A part with the edits of both sides, None where they are of the same statements."""
         base, made = self._merge.base, self._merge.made
-        old = _keys(was, base, self._merge.contours)
-        mine = _keys(here, base, self._merge.contours)
-        new = _keys(there, made)
+        old = _statement_keys(was, base, self._merge.contours)
+        mine = _statement_keys(here, base, self._merge.contours)
+        new = _statement_keys(there, made)
         ours, theirs = _changes(old, mine), _changes(old, new)
-        if any(_touch(one, other) for one in ours for other in theirs):
+        if any(_changes_touch(one, other) for one in ours for other in theirs):
             return None
         result: list[Statement] = []
         at = shift = 0
@@ -123,14 +125,14 @@ class Bodies:
             if isinstance(part, Path):
                 owner = merge.contours.get(part.name)
                 if owner is None and part.name in merge.made.paths:
-                    raise Unknown(part.name)
+                    raise UnknownTarget(part.name)
                 return part if owner is None else replace(part, name=owner)
             if isinstance(part, e.Name) and part.name in merge.base.program.targets:
                 found, _ = merge.place_of(part.name)
                 if found is None and not merge.base.is_numbered(part.name):
                     found = part.name if part.name in merge.made.program.targets else None
                 if found is None:
-                    raise Unknown(part.name)
+                    raise UnknownTarget(part.name)
                 return part if found == part.name else replace(part, name=found)
             if isinstance(part, e.Name) and part.name in merge.edited.program.targets:
                 found = merge.renamed(part.name)
@@ -140,13 +142,13 @@ class Bodies:
         return rewrite(body, visit)
 
 
-Change = tuple[int, int, int, int]
+BodyChange = tuple[int, int, int, int]
 """Statements first … stop of one body that are begin … end of another."""
 
 
-def _changes(old: Sequence[str], new: Sequence[str]) -> list[Change]:
+def _changes(old: Sequence[str], new: Sequence[str]) -> list[BodyChange]:
     """In order, one by one where as many are replaced."""
-    found: list[Change] = []
+    found: list[BodyChange] = []
     for step, i1, i2, j1, j2 in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
         if step != "equal" and i2 - i1 == j2 - j1:
             found += [(i1 + k, i1 + k + 1, j1 + k, j1 + k + 1) for k in range(i2 - i1)]
@@ -155,20 +157,20 @@ def _changes(old: Sequence[str], new: Sequence[str]) -> list[Change]:
     return found
 
 
-def _touch(one: Change, other: Change) -> bool:
+def _changes_touch(one: BodyChange, other: BodyChange) -> bool:
     """Whether two changes are of the same statements, or put some in beside such."""
     if one[0] == one[1] or other[0] == other[1]:
         return one[0] <= other[1] and other[0] <= one[1]
     return one[0] < other[1] and other[0] < one[1]
 
 
-def _parts(body: Body, made: Made) -> dict[Key, Body]:
+def _body_parts(body: Body, made: ContourOrigins) -> dict[BodyPartKey, Body]:
     """A body contour by contour; as a whole where a statement is of several."""
     owners = [made.owners(statement) for statement in body]
     if any(len(one) > 1 for one in owners):
         return {("", 0): body}
-    found: dict[Key, list[Statement]] = {("", 0): []}
-    key: Key = ("", 0)
+    found: dict[BodyPartKey, list[Statement]] = {("", 0): []}
+    key: BodyPartKey = ("", 0)
     seen: dict[str, int] = {}
     for statement, some in zip(body, owners, strict=True):
         owner = next(iter(some), key[0])
@@ -180,7 +182,9 @@ def _parts(body: Body, made: Made) -> dict[Key, Body]:
     return {key: tuple(part) for key, part in found.items()}
 
 
-def _keys(body: Body, known: Made, contours: Mapping[str, str] = _SAME) -> list[str]:
+def _statement_keys(
+    body: Body, known: ContourOrigins, contours: Mapping[str, str] = _NO_NAMES
+) -> list[str]:
     """What each statement says; what has a number by its place, in words that can be compared.
 
     known: whose names they are. contours: what paths are called in the other program.
@@ -189,15 +193,15 @@ def _keys(body: Body, known: Made, contours: Mapping[str, str] = _SAME) -> list[
 
     def visit(part: Any) -> Any:
         if isinstance(part, Path):
-            return e.Name(_digest(part, contours.get(part.name, part.name)))
+            return e.Name(_path_digest(part, contours.get(part.name, part.name)))
         if isinstance(part, e.Name) and part.name in targets and known.is_numbered(part.name):
-            return e.Name(f"{known.role(part.name)} {place(targets[part.name].pose)}")
+            return e.Name(f"{known.role(part.name)} {pose_key(targets[part.name].pose)}")
         return part
 
     return [repr(rewrite(statement, visit)) for statement in body]
 
 
-def _digest(path: Path, name: str) -> str:
+def _path_digest(path: Path, name: str) -> str:
     columns = (path.kinds, path.positions + 0.0, path.quaternions + 0.0, path.configurations)
     data = b"".join(bytes(column.tobytes()) for column in columns) + path.external.tobytes()
     rows = [

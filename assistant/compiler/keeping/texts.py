@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-WORD: Final = re.compile(r'"[^"\r\n]*"|[A-Za-z_]\w*|[^\w\s]')
+TEXT_WORD: Final = re.compile(r'"[^"\r\n]*"|[A-Za-z_]\w*|[^\w\s]')
 
 
-def merged(
+def merged_text(
     language: Language[Any],
     program: Program,
     sides: tuple[Program, Program, Program],
@@ -32,15 +32,15 @@ def merged(
     and comments; it is none where the new one has changed that as well.
     """
     base, edited, made = sides
-    whole, there = _as(language, edited, base, arm), _source(language, edited)
+    whole, there = _in_text_of(language, edited, base, arm), _printed_bytes(language, edited)
     if says_the_same(whole, there, bytes):
-        yield _as(language, program, made, arm)
+        yield _in_text_of(language, program, made, arm)
         return
-    now = _as(language, made, base, arm)
-    if _words(language, now) == _words(language, _source(language, made)):
-        yield _as(language, program, edited, arm)
-    if _words(language, whole) == _words(language, there):
-        yield _as(language, program, made, arm)
+    now = _in_text_of(language, made, base, arm)
+    if _words_in(language, now) == _words_in(language, _printed_bytes(language, made)):
+        yield _in_text_of(language, program, edited, arm)
+    if _words_in(language, whole) == _words_in(language, there):
+        yield _in_text_of(language, program, made, arm)
 
 
 def lost_comments(language: Language[Any], sides: tuple[bytes, bytes, bytes]) -> list[str]:
@@ -48,27 +48,29 @@ def lost_comments(language: Language[Any], sides: tuple[bytes, bytes, bytes]) ->
 
     sides: as it was written, as it is in the file, as it is merged.
     """
-    old, now, new = (Counter(_comments(language, data)) for data in sides)
+    old, now, new = (Counter(_comments_in(language, data)) for data in sides)
     return [comment for comment in (now - old) - new if comment]
 
 
-def _as(language: Language[Any], program: Program, text_of: Program, arm: Robot | None) -> bytes:
+def _in_text_of(
+    language: Language[Any], program: Program, text_of: Program, arm: Robot | None
+) -> bytes:
     """A program in the text that another one was read from, as far as that says the same."""
     return language.encode(language.lower(replace(program, origin=text_of.origin), arm))
 
 
-def _source(language: Language[Any], program: Program) -> bytes:
+def _printed_bytes(language: Language[Any], program: Program) -> bytes:
     assert program.origin is not None
     return language.encode(program.origin.trees[0])
 
 
-def _comments(language: Language[Any], data: bytes) -> Iterator[str]:
+def _comments_in(language: Language[Any], data: bytes) -> Iterator[str]:
     text, mark = language.decode(data).text, language.comment_mark
     for span in comments(text, mark):
         yield text[span.start + len(mark) : span.end].strip()
 
 
-def _words(language: Language[Any], data: bytes) -> Counter[str]:
+def _words_in(language: Language[Any], data: bytes) -> Counter[str]:
     """The words of a text in any order, without its comments and numbers."""
     text, mark = language.decode(data).text, language.comment_mark
     plain, at = [], 0
@@ -76,4 +78,4 @@ def _words(language: Language[Any], data: bytes) -> Counter[str]:
         plain.append(text[at : span.start])
         at = span.end
     plain.append(text[at:])
-    return Counter(found[0] for found in WORD.finditer("".join(plain)))
+    return Counter(found[0] for found in TEXT_WORD.finditer("".join(plain)))

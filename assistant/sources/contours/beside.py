@@ -14,39 +14,39 @@ from assistant.sources.contours import shaping_rules as rules
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.flat import (
-    SAMPLED,
+    CHORD_TOLERANCE,
     Piece,
-    Plane,
-    area,
-    heights,
+    PlanePoints,
+    height_range,
     lowered,
+    places_after_start,
     polyline,
-    seen_from,
-    started,
+    signed_area,
+    started_at,
 )
-from assistant.sources.contours.leads import starts_of, with_room
+from assistant.sources.contours.leads import starts_of, starts_with_room
 from assistant.sources.contours.offsets import (
-    Ring,
-    beside,
-    beside_open,
-    corners,
+    OffsetRing,
+    corner_joints,
     crosses_itself,
+    offset_closed,
+    offset_open,
 )
-from assistant.sources.contours.room import Room
+from assistant.sources.contours.room import ClearRoom
 from assistant.sources.process.shaping import Shaping
 
 if TYPE_CHECKING:
     from shapely import STRtree
 
-NARROW: Final = 2.0
+NARROW_OFFSETS: Final = 2.0
 """Offsets from a place of a contour to the tool's centre over which the place is left out; in a
 right angle it is 1.41, at 60 degrees 2."""
 
-Rounds = tuple[tuple[Ring, ...], ...]
+RingRounds = tuple[tuple[OffsetRing, ...], ...]
 
 
 @dataclass(slots=True)
-class Beside:
+class ContourOffsets:
     """pieces: of the contour, seen along the tool. room: of all contours on which sides matter.
     depth: how many of them are around it.
     """
@@ -56,7 +56,7 @@ class Beside:
     pieces: tuple[Piece, ...]
     shaping: Shaping
     tolerance: float
-    room: Room | None
+    room: ClearRoom | None
     depth: int
     findings: list[Diagnostic] = field(default_factory=list)
 
@@ -83,17 +83,17 @@ class Beside:
             return (side == "right") == self.anticlockwise
         return side == "outside"
 
-    def rounds(self, mark: Points | None) -> Rounds:
+    def rounds(self, mark: Points | None) -> RingRounds:
         """The ways for each allowance; none if the contour is left out, as the findings tell."""
         shaping = self.shaping
         level = 0.0
         if self.sided or shaping.leads:
-            low, high = heights(self.pieces)
+            low, high = height_range(self.pieces)
             level = 0.5 * (low + high)
             if high - low > self.tolerance:
                 return self._none(rules.NOT_FLAT, apart=high - low)
         if self.sided and not self.contour.closed and shaping.side not in ("left", "right"):
-            return self._none(rules.OPEN)
+            return self._none(rules.OPEN_CONTOUR)
         closed = self.sided and self.contour.closed
         if closed and crosses_itself(self.pieces, self.tolerance):
             return self._none(rules.CROSSES_ITSELF)
@@ -104,7 +104,7 @@ class Beside:
             if not rings:
                 last = allowance == shaping.allowances[-1]
                 what = "it is" if last else "this way around it is"
-                self._say(rules.COLLAPSED, offset=offset, what=what)
+                self._say(rules.OFFSET_COLLAPSED, offset=offset, what=what)
                 continue
             made.append(rings)
         if not rings:
@@ -113,19 +113,19 @@ class Beside:
         placed = tuple(tuple(self._placed(ring, mark) for ring in rings) for rings in made)
         return () if any(f.severity == "error" for f in self.findings) else placed
 
-    def _rings(self, offset: float, level: float) -> list[Ring]:
+    def _rings(self, offset: float, level: float) -> list[OffsetRing]:
         """The ways at an offset, each as it comes."""
         closed, left = self.contour.closed, self.shaping.side == "left"
         if not offset:
-            places = corners(self.pieces, closed=closed)
+            places = corner_joints(self.pieces, closed=closed)
             encloses = closed and self.outside
-            rings = [Ring(self.pieces, closed, encloses, places)]
+            rings = [OffsetRing(self.pieces, closed, encloses, places)]
         elif closed:
             begin = self.pieces[0].start
-            found = beside(self.pieces, offset, self.tolerance, outside=self.outside)
+            found = offset_closed(self.pieces, offset, self.tolerance, outside=self.outside)
             rings = [ring.from_near(begin) for ring in found]
         else:
-            rings = beside_open(self.pieces, offset, self.tolerance, left=left)
+            rings = offset_open(self.pieces, offset, self.tolerance, left=left)
         given = self.contour.curves[0]
         made = []
         for ring in rings:
@@ -137,7 +137,7 @@ class Beside:
             made.append(replace(ring, pieces=tuple(named), left=hand))
         return made
 
-    def _turned(self, ring: Ring) -> Ring:
+    def _turned(self, ring: OffsetRing) -> OffsetRing:
         """The way round that the process wants."""
         way = self.shaping.way_round
         if way in ("climb", "conventional") and self.sided:
@@ -151,11 +151,11 @@ class Beside:
             wanted = self.anticlockwise != self.outside
         return ring if ring.left == wanted else ring.back()
 
-    def _placed(self, ring: Ring, mark: Points | None) -> Ring:
+    def _placed(self, ring: OffsetRing, mark: Points | None) -> OffsetRing:
         """With its starts, the first of which it starts at; where leads have no room it is told."""
         shaping, length = self.shaping, ring.length
         if ring.closed and shaping.overlap > length:
-            self._say(rules.TOO_LONG, overlap=shaping.overlap, length=length)
+            self._say(rules.OVERLAP_TOO_LONG, overlap=shaping.overlap, length=length)
             return ring
         starts = starts_of(ring, shaping, mark) if ring.closed else ((0, 0.0),)
         if self.sided and self.room is not None:
@@ -163,10 +163,10 @@ class Beside:
             if near is not None:
                 self._say(rules.CUTS_INTO, apart=near, offset=shaping.offset)
                 return ring
-            own = Ring(self.pieces, ring.closed, ring.closed and self.outside)
+            own = OffsetRing(self.pieces, ring.closed, ring.closed and self.outside)
             free = self.room.beside(self.key, own, shaping.offset)
             away = self.room.away(shaping.offset)
-            starts = with_room(ring, starts, shaping, free, away)
+            starts = starts_with_room(ring, starts, shaping, free, away)
         if not starts:
             places = {"corner": "its corners", "longest": "the middle of its longest side"}
             places["point"] = "its mark"
@@ -179,10 +179,10 @@ class Beside:
             return ring
         if not ring.closed:
             return ring
-        first, rest = starts[0], seen_from(starts, ring.pieces, *starts[0])
-        return replace(ring, pieces=started(ring.pieces, *first), starts=rest)
+        first, rest = starts[0], places_after_start(starts, ring.pieces, *starts[0])
+        return replace(ring, pieces=started_at(ring.pieces, *first), starts=rest)
 
-    def _tell_what_is_left(self, rings: Sequence[Ring]) -> None:
+    def _tell_what_is_left(self, rings: Sequence[OffsetRing]) -> None:
         """Where the tool, on its last way, does not come to."""
         import shapely
 
@@ -190,21 +190,23 @@ class Beside:
         if not offset:
             return
         if len(rings) > 1:
-            self._say(rules.SPLIT, offset=offset, count=len(rings))
+            self._say(rules.OFFSET_SPLIT, offset=offset, count=len(rings))
             return
         bare = rings[0].bare
         if bare is None or not len(bare):
             return
-        way = _drawn(rings[0].pieces, self.tolerance * SAMPLED, closed=rings[0].closed)
+        way = _drawn_outline(
+            rings[0].pieces, self.tolerance * CHORD_TOLERANCE, closed=rings[0].closed
+        )
         ways = shapely.STRtree(shapely.linestrings(np.stack([way[:-1], way[1:]], axis=1)))
-        points, enough = shapely.points(bare), NARROW * offset + self.tolerance
+        points, enough = shapely.points(bare), NARROW_OFFSETS * offset + self.tolerance
         far = np.ones(len(points), dtype=np.bool_)
         far[ways.query(points, predicate="dwithin", distance=enough)[0]] = False
         if far.any():
-            left = _farthest(ways, bare[far])
-            self._say(rules.LEFT, left=left - offset, offset=offset)
+            left = _largest_distance(ways, bare[far])
+            self._say(rules.MATERIAL_LEFT, left=left - offset, offset=offset)
 
-    def _none(self, rule: Rule, **fields: Any) -> Rounds:
+    def _none(self, rule: Rule, **fields: Any) -> RingRounds:
         self._say(rule, **fields)
         return ()
 
@@ -214,7 +216,7 @@ class Beside:
         self.findings.append(rule(place=place, layer=shown(self.contour.layer), **fields))
 
 
-def _farthest(ways: STRtree, points: Plane) -> float:
+def _largest_distance(ways: STRtree, points: PlanePoints) -> float:
     """Return the largest distance in mm from points (k, 2) to the nearest way.
 
     It changes from point to point by at most their distance, so points near one that is close to a
@@ -239,9 +241,9 @@ def _farthest(ways: STRtree, points: Plane) -> float:
 
 
 def _anticlockwise(pieces: Sequence[Piece], tolerance: float) -> bool:
-    return area(polyline(pieces, tolerance, closed=True)) > 0.0
+    return signed_area(polyline(pieces, tolerance, closed=True)) > 0.0
 
 
-def _drawn(pieces: Sequence[Piece], off: float, *, closed: bool) -> Points:
+def _drawn_outline(pieces: Sequence[Piece], off: float, *, closed: bool) -> Points:
     points = polyline(pieces, off, closed=closed)
     return np.concatenate([points, points[:1]]) if closed else points

@@ -18,22 +18,22 @@ from assistant.base.arrays import Rows
 from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Points, chorded, sample
-from assistant.sources.contours.flat import started
+from assistant.sources.contours.flat import started_at
 from assistant.sources.contours.proximity import Indices, clusters, pairs_within
 
-EXACT: Final = 1e-4
+EXACT_MEETING: Final = 1e-4
 """mm within which two ends are one point, and below which a curve has no length."""
 
-CHORDED: Final = 0.1
+CHORD_PART: Final = 0.1
 """Part of a distance that chords may be off where curves are compared with it."""
 
 FARTHEST: Final = 1e7
 """mm from the origin; a coordinate beyond 10 km is no work piece but a broken file."""
 
-SPUR: Final = 0.4
+LONGEST_SPUR: Final = 0.4
 """Tolerances that a curve is long at most to be left out where it sticks out of a contour."""
 
-QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
+CIRCLE_QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
 
 NOT_A_PLACE = error(
     "CT101",
@@ -69,7 +69,7 @@ WIDE_GAP = warning(
     "close them in the drawing, or give a larger `tolerance` in the process file",
 )
 
-WIDE: Final = 10.0
+WIDEST_GAP: Final = 10.0
 """Tolerances of a gap at most that is hardly meant."""
 
 
@@ -109,7 +109,7 @@ class Contour:
             return np.concatenate([self.curves[i].at([part]) for i, part in self.starts])
         only = self.curves[0]
         if len(self.curves) == 1 and isinstance(only, Arc):
-            return only.at(QUADRANTS)
+            return only.at(CIRCLE_QUADRANTS)
         return np.array([c.start for c in self.curves])
 
     def starting_at(self, vertex: int) -> Contour:
@@ -119,7 +119,7 @@ class Contour:
             return self
         if self.starts:
             pieces = [c for c in self.curves if not isinstance(c, FreeCurve)]
-            return replace(self, curves=started(pieces, *self.starts[vertex]), starts=())
+            return replace(self, curves=started_at(pieces, *self.starts[vertex]), starts=())
         if len(self.curves) == 1 and isinstance(only, Arc):
             start = self.vertices[vertex]
             turned = Arc.about(only.centre, only.normal, start, only.sweep, only.layer, only.handle)
@@ -130,7 +130,7 @@ class Contour:
         return replace(self, curves=tuple(c.reversed() for c in reversed(self.curves)))
 
 
-def chain(
+def chain_curves(
     curves: Sequence[Curve], tolerance: float, *, path: str | None = None
 ) -> tuple[tuple[Contour, ...], tuple[Diagnostic, ...]]:
     """Contours of the curves, layer by layer in order of first appearance.
@@ -162,7 +162,9 @@ def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]
     lengths = [contour.length for contour in open_]
     used: set[int] = set()
     found: list[float] = []
-    pairs = zip(*(column.tolist() for column in pairs_within(ends, WIDE * tolerance)), strict=True)
+    pairs = zip(
+        *(column.tolist() for column in pairs_within(ends, WIDEST_GAP * tolerance)), strict=True
+    )
     for a, b, gap in pairs:
         long = min(lengths[a // 2], lengths[b // 2]) > 4.0 * gap
         if long and gap > tolerance and not used & {a, b}:
@@ -174,27 +176,29 @@ def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]
     return [WIDE_GAP(layer=open_[0].layer, count=len(found), tolerance=tolerance, **sizes)]
 
 
-SAMPLES: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
+COMPARED_PARTS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], list[Diagnostic]]:
     layer, findings = curves[0].layer, []
     with np.errstate(invalid="ignore", over="ignore"):
-        points = sample(curves, SAMPLES)  # what is no number comes out as none
+        points = sample(curves, COMPARED_PARTS)  # what is no number comes out as none
     placed = np.all(np.abs(points) < FARTHEST, axis=(1, 2)).astype(bool)
     lengths = np.array([c.length if ok else 0.0 for c, ok in zip(curves, placed, strict=True)])
     placed &= np.isfinite(lengths)
-    findings += [NOT_A_PLACE(layer=layer, place=_place(curves[i])) for i in np.flatnonzero(~placed)]
-    long = lengths > EXACT
+    findings += [
+        NOT_A_PLACE(layer=layer, place=_curve_position(curves[i])) for i in np.flatnonzero(~placed)
+    ]
+    long = lengths > EXACT_MEETING
     kept = np.flatnonzero(placed & long)
-    again = kept[_drawn_again([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
+    again = kept[_duplicates([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
     if again.size:
-        findings.append(_counted(DUPLICATE, layer, [curves[i] for i in again]))
+        findings.append(_count_finding(DUPLICATE, layer, [curves[i] for i in again]))
     kept = np.setdiff1d(kept, again)
     spurs = kept[_spurs([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
     empty = np.concatenate([np.flatnonzero(placed & ~long), spurs])
     if empty.size:
-        findings.append(_counted(NO_LENGTH, layer, [curves[i] for i in empty]))
+        findings.append(_count_finding(NO_LENGTH, layer, [curves[i] for i in empty]))
     kept = np.setdiff1d(kept, spurs)
     if not kept.size:
         return [], findings
@@ -206,17 +210,17 @@ def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], 
     return list(graph.contours(layer)), findings
 
 
-def _place(curve: Curve) -> str | None:
+def _curve_position(curve: Curve) -> str | None:
     return f"entity {curve.handle}" if curve.handle else None
 
 
-def _counted(rule: Rule, layer: str, curves: list[Curve]) -> Diagnostic:
+def _count_finding(rule: Rule, layer: str, curves: list[Curve]) -> Diagnostic:
     handles = list(dict.fromkeys(c.handle for c in curves if c.handle))
     shown = ", ".join(handles[:3]) + (" …" if len(handles) > 3 else "")
     return rule(layer=layer, count=len(curves), place=f"entity {shown}" if shown else None)
 
 
-def _drawn_again(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> Indices:
+def _duplicates(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> Indices:
     """Indices of curves that lie on an earlier one, in either direction.
 
     Near is within the tolerance, and a tenth of the length, lest short neighbours be
@@ -231,7 +235,7 @@ def _drawn_again(curves: list[Curve], points: Points, lengths: Points, tolerance
     # Short curves are compared at a finer radius: many of them stand within the tolerance.
     for chosen, radius in (
         (np.flatnonzero(near >= tolerance), tolerance),
-        (np.flatnonzero(near < tolerance), min(EXACT, tolerance)),
+        (np.flatnonzero(near < tolerance), min(EXACT_MEETING, tolerance)),
     ):
         one, two, _ = pairs_within(compared[chosen, 2], radius)
         one, two = chosen[one], chosen[two]
@@ -258,7 +262,7 @@ def _run_alike(one: Curve, two: Curve, near: float) -> bool:
     """
     if not isinstance(one, FreeCurve) and not isinstance(two, FreeCurve):
         return True
-    a, b = (chorded(curve, CHORDED * near) for curve in (one, two))
+    a, b = (chorded(curve, CHORD_PART * near) for curve in (one, two))
     return min(_farthest(a, b), _farthest(a, b[::-1])) <= near
 
 
@@ -291,7 +295,7 @@ def _five_of_circles(circles: list[Arc]) -> Points:
 
 def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> Indices:
     """Indices of curves that are next to nothing and stick out of where others meet."""
-    short = np.flatnonzero(lengths < SPUR * tolerance)
+    short = np.flatnonzero(lengths < LONGEST_SPUR * tolerance)
     if not short.size:
         return short
     nodes = _nodes(curves, points, tolerance)
@@ -302,7 +306,7 @@ def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: floa
 def _nodes(curves: list[Curve], points: Points, tolerance: float) -> Rows:
     """Return the nodes (n, 2) where curves start and end: ends that meet exactly share one."""
     ends = points[:, [0, -1]].reshape(-1, 3)
-    one, two, _ = pairs_within(ends, min(EXACT, tolerance))
+    one, two, _ = pairs_within(ends, min(EXACT_MEETING, tolerance))
     nodes = clusters(len(ends), one, two).reshape(-1, 2)
     for i, curve in enumerate(curves):
         if curve.closed:

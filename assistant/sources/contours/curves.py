@@ -23,14 +23,14 @@ Points = NDArray[np.float64]
 Evaluate = Callable[[NDArray[np.float64]], Points]
 """Parameters (m,) from 0 to 1 → points (m, 3) mm."""
 
-LENGTH_SAMPLES: Final = 64
+LENGTH_CHORDS: Final = 64
 """Chords a piece of a free curve is measured by; ample for sorting out empty ones."""
 
 
 MOST_CHORDS: Final = 20_000
 FEWEST_CHORDS: Final = 16
 MOST_HALVINGS: Final = 20
-BETWEEN: Final = np.array([0.23, 0.52, 0.79])
+CHORD_PARTS: Final = np.array([0.23, 0.52, 0.79])
 """Where in a chord a free curve is looked at: unevenly, as many of them repeat."""
 
 
@@ -94,7 +94,7 @@ class Arc:
         c, s, along = vector(centre), vector(start), vector(normal)
         size = math.copysign(math.hypot(*along), sweep)
         n = (along[0] / size, along[1] / size, along[2] / size)
-        arm = _minus(s, c)
+        arm = _difference(s, c)
         turn = min(abs(sweep), 360.0)
         closed = turn == 360.0
         via = _turned_by(c, n, arm, 0.5 * turn)
@@ -115,7 +115,7 @@ class Arc:
             return None
         centre, normal = circle
         half = math.radians(0.5 * sweep_between(centre, normal, a, c))
-        arm = _minus(a, centre)
+        arm = _difference(a, centre)
         ahead = cross_product(normal, arm)
         cos, sin = math.cos(half), math.sin(half)
         x, y, z = (m + cos * u + sin * v for m, u, v in zip(centre, arm, ahead, strict=True))
@@ -141,7 +141,7 @@ class Arc:
     def at(self, parameters: ArrayLike) -> Points:
         t = np.asarray(parameters, dtype=np.float64).reshape(-1)
         centre, normal = np.asarray(self.centre), np.asarray(self.normal)
-        return turned(centre, normal, np.asarray(self.start), t * self.sweep)
+        return turned_about(centre, normal, np.asarray(self.start), t * self.sweep)
 
     def reversed(self) -> Arc:
         x, y, z = self.normal
@@ -175,7 +175,7 @@ class FreeCurve:
     def length(self) -> float:
         """Sum of chords, which is a little short of the true length."""
         pieces = [
-            np.linspace(a, b, LENGTH_SAMPLES, endpoint=False)
+            np.linspace(a, b, LENGTH_CHORDS, endpoint=False)
             for a, b in zip(self.breaks, self.breaks[1:], strict=False)
         ]
         points = self.at(np.concatenate([*pieces, [1.0]]))
@@ -212,8 +212,8 @@ def sample(curves: Sequence[Curve], parameters: ArrayLike) -> Points:
             np.array([getattr(c, name) for _, c in arcs])[:, None]
             for name in ("start", "centre", "normal")
         )
-        degrees = sweeps([c for _, c in arcs])[:, None] * t
-        points[[i for i, _ in arcs]] = turned(centre, normal, start, degrees)
+        degrees = arc_sweeps([c for _, c in arcs])[:, None] * t
+        points[[i for i, _ in arcs]] = turned_about(centre, normal, start, degrees)
     for i, curve in enumerate(curves):
         if isinstance(curve, FreeCurve):
             points[i] = curve.at(t)
@@ -235,7 +235,7 @@ def chorded(curve: Curve, off: float, most: int = MOST_CHORDS) -> Points:
     parts = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(each) / each
     marks = np.append(parts.ravel(), breaks[-1])
     for _ in range(MOST_HALVINGS):
-        inner = marks[:-1, None] + np.diff(marks)[:, None] * BETWEEN
+        inner = marks[:-1, None] + np.diff(marks)[:, None] * CHORD_PARTS
         points, ends = curve.at(inner).reshape(len(inner), -1, 3), curve.at(marks)
         way = np.diff(ends, axis=0)
         size = np.maximum((way**2).sum(axis=1), 1e-300)
@@ -268,12 +268,12 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
     Circumcentre from the two edge vectors u, v at a:
     ((|u|² v - |v|² u) × (u × v)) / (2 |u × v|²).
     """
-    u, v = _minus(b, a), _minus(c, a)
+    u, v = _difference(b, a), _difference(c, a)
     w = cross_product(u, v)
     square, uu, vv = dot_product(w, w), dot_product(u, u), dot_product(v, v)
     if square <= 1e-20 * max(uu, vv) ** 2:
         return None
-    x, y, z = cross_product(_minus(_times(uu, v), _times(vv, u)), w)
+    x, y, z = cross_product(_difference(_scaled(uu, v), _scaled(vv, u)), w)
     size, length = 0.5 / square, math.sqrt(square)
     centre = (a[0] + size * x, a[1] + size * y, a[2] + size * z)
     return centre, (w[0] / length, w[1] / length, w[2] / length)
@@ -281,16 +281,16 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
 
 def sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector) -> float:
     """Degrees from first to second about a unit normal, in [0, 360)."""
-    u, v = _minus(first, centre), _minus(second, centre)
+    u, v = _difference(first, centre), _difference(second, centre)
     angle = math.degrees(math.atan2(dot_product(cross_product(u, v), normal), dot_product(u, v)))
     return angle if angle >= 0.0 else (angle + 360.0) % 360.0
 
 
-def _minus(a: Vector, b: Vector) -> Vector:
+def _difference(a: Vector, b: Vector) -> Vector:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-def _times(size: float, a: Vector) -> Vector:
+def _scaled(size: float, a: Vector) -> Vector:
     return (size * a[0], size * a[1], size * a[2])
 
 
@@ -308,7 +308,7 @@ def cross_product(a: Vector, b: Vector) -> Vector:
     )
 
 
-def turned(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
+def turned_about(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
     """`start` turned about the axis through centre by each of the degrees (..., m): (..., m, 3).
 
     Rodrigues' formula.
@@ -325,7 +325,7 @@ def _turned_by(centre: Vector, normal: Vector, arm: Vector, degrees: float) -> V
     angle = math.radians(degrees)
     cos, sin = math.cos(angle), math.sin(angle)
     lift = dot_product(arm, normal)
-    along = _times(lift, normal)
+    along = _scaled(lift, normal)
     x, y, z = (
         c + a + (r - a) * cos + s * sin
         for c, a, r, s in zip(centre, along, arm, cross_product(normal, arm), strict=True)
@@ -333,7 +333,7 @@ def _turned_by(centre: Vector, normal: Vector, arm: Vector, degrees: float) -> V
     return (x + 0.0, y + 0.0, z + 0.0)
 
 
-def at_each(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points) -> Points:
+def points_at_parts(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points) -> Points:
     """Points (m, 3) at parts (m,) of lines and arcs, each of the curve of its row (m,)."""
     start, end = (np.array(list(map(attrgetter(name), curves))) for name in ("start", "end"))
     share = parts[:, None]
@@ -346,12 +346,12 @@ def at_each(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts: Points)
         centre, normal = (
             np.array(list(map(attrgetter(name), arcs))) for name in ("centre", "normal")
         )
-        degrees = sweeps(arcs)[which] * parts[on]
-        points[on] = turned(centre[which], normal[which], start[rows[on]], degrees)
+        degrees = arc_sweeps(arcs)[which] * parts[on]
+        points[on] = turned_about(centre[which], normal[which], start[rows[on]], degrees)
     return np.asarray(points)
 
 
-def sweeps(arcs: Sequence[Arc]) -> NDArray[np.float64]:
+def arc_sweeps(arcs: Sequence[Arc]) -> NDArray[np.float64]:
     """Degrees (n,) from start to end about the normal."""
     return np.array([arc.sweep for arc in arcs])
 

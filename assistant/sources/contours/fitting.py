@@ -22,26 +22,28 @@ from numpy.typing import NDArray
 
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, vector
 
-SAMPLES: Final = 33
+INTERVAL_SAMPLES: Final = 33
 """Points of the curve that an interval is checked at, its ends included."""
 MOST_ROUNDS: Final = 26
 """Halvings of an interval before it is given up."""
 MOST_PIECES: Final = 20_000
 """Intervals that do not fit, over which the curve is given up: it is noise, not a shape."""
-WIDEST: Final = np.radians(100.0)
+WIDEST_BIARC: Final = np.radians(100.0)
 """Sweep of one arc of a biarc."""
-SHARPEST: Final = np.radians(20.0)
+SHARPEST_TURN: Final = np.radians(20.0)
 """Turn between two samples, over which the curve is not known well enough."""
-STRAIGHT: Final = 1e-3
+STRAIGHT_PART: Final = 1e-3
 """Part of the tolerance within which a part counts as straight, and circles as one."""
 CONTROLLER_SWEEP: Final = 240.0
 """Degrees up to which arcs of one circle are joined."""
 
-_EVEN: Final = np.arange(SAMPLES) / (SAMPLES - 1)
-_ASIDE: Final = (0.618034 * np.arange(SAMPLES) % 1.0 - 0.5) * (0.6 / (SAMPLES - 1))
-STEPS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
+_EVEN: Final = np.arange(INTERVAL_SAMPLES) / (INTERVAL_SAMPLES - 1)
+_ASIDE: Final = (0.618034 * np.arange(INTERVAL_SAMPLES) % 1.0 - 0.5) * (
+    0.6 / (INTERVAL_SAMPLES - 1)
+)
+SAMPLE_PARTS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
 """Where in an interval they stand: unevenly, lest a curve that repeats looks straight."""
-NEAR_ENDS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
+END_DIRECTION_PARTS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
 """Where the directions at the ends are taken from."""
 
 Flags = NDArray[np.bool_]
@@ -60,38 +62,38 @@ class Fit:
     within: bool = True
 
 
-NONE: Final = Fit((), math.inf, False)
+NO_FIT: Final = Fit((), math.inf, False)
 
 
-def fit(curve: FreeCurve, tolerance: float) -> Fit:
+def fit_curve(curve: FreeCurve, tolerance: float) -> Fit:
     """Lines and arcs within `tolerance` mm of the curve; they carry its layer and handle."""
     with np.errstate(invalid="ignore", over="ignore"):
-        return _fit(curve, tolerance)
+        return _fit_intervals(curve, tolerance)
 
 
-def _fit(curve: FreeCurve, tolerance: float) -> Fit:
+def _fit_intervals(curve: FreeCurve, tolerance: float) -> Fit:
     todo = _first_intervals(curve.breaks)
     done: list[_Biarcs] = []
     for _ in range(MOST_ROUNDS):
         tried = _Biarcs.of(curve, todo, tolerance)
         if not tried.finite:
-            return NONE
+            return NO_FIT
         done.append(tried.where(tried.fits))
         rest = todo[~tried.fits]
         if not len(rest):
             break
         if len(rest) > MOST_PIECES:
-            return NONE
+            return NO_FIT
         middle = rest.mean(axis=1)
         todo = np.stack([np.c_[rest[:, 0], middle], np.c_[middle, rest[:, 1]]], 1).reshape(-1, 2)
     else:
-        return NONE
-    fitted = _joined(curve, _Biarcs.concatenated(done), tolerance)
+        return NO_FIT
+    fitted = _joined_neighbours(curve, _Biarcs.concatenated(done), tolerance)
     deviation = float(fitted.deviation.max(initial=0.0))
     pieces = [replace(p, layer=curve.layer, handle=curve.handle) for p in fitted.pieces()]
     if pieces and curve.closed:
         pieces[-1] = replace(pieces[-1], end=pieces[0].start)
-    return Fit(tuple(_united(pieces, tolerance * STRAIGHT * 10)), deviation)
+    return Fit(tuple(_joined_arcs(pieces, tolerance * STRAIGHT_PART * 10)), deviation)
 
 
 def _first_intervals(breaks: tuple[float, ...]) -> Points:
@@ -127,9 +129,9 @@ class _Biarcs:
     def of(curve: FreeCurve, intervals: Points, tolerance: float) -> _Biarcs:
         k = len(intervals)
         span = np.diff(intervals, axis=1)
-        steps = np.concatenate([STEPS, NEAR_ENDS])
+        steps = np.concatenate([SAMPLE_PARTS, END_DIRECTION_PARTS])
         points = curve.at(intervals[:, :1] + span * steps).reshape(k, -1, 3)
-        points, near = points[:, :SAMPLES], points[:, SAMPLES:]
+        points, near = points[:, :INTERVAL_SAMPLES], points[:, INTERVAL_SAMPLES:]
         p, q = points[:, 0], points[:, -1]
         v = q - p
         # One-sided differences of second order: a corner may stand right behind the end.
@@ -147,11 +149,13 @@ class _Biarcs:
         joint = 0.5 * (p + q + d * (s - t))
         arcs = _Arcs.of(p, s, joint), _Arcs.of(q, -t, joint)
         distance = np.minimum(*(a.distance(points) for a in arcs)).max(axis=1)
-        straight = _to_segment(points, p, q).max(axis=1)
+        straight = _distances_to_segments(points, p, q).max(axis=1)
         spread = np.linalg.norm(points - points[:, :1], axis=2).max(axis=1)
-        line = (straight <= tolerance * STRAIGHT) | (spread <= 0.5 * tolerance)
-        narrow = np.maximum(arcs[0].sweep, arcs[1].sweep) <= WIDEST
-        round_ = known & narrow & (distance <= tolerance) & (_sharpest(points) <= SHARPEST)
+        line = (straight <= tolerance * STRAIGHT_PART) | (spread <= 0.5 * tolerance)
+        narrow = np.maximum(arcs[0].sweep, arcs[1].sweep) <= WIDEST_BIARC
+        round_ = (
+            known & narrow & (distance <= tolerance) & (_sharpest_turn(points) <= SHARPEST_TURN)
+        )
         return _Biarcs(
             intervals,
             p,
@@ -257,11 +261,11 @@ class _Arcs:
         inside = (angle >= 0.0) & (angle <= self.sweep[:, None])
         to_end = np.linalg.norm(points - self.end[:, None], axis=2)
         ends = np.minimum(np.linalg.norm(from_start, axis=2), to_end)
-        straight = _to_segment(points, self.start, self.end)
+        straight = _distances_to_segments(points, self.start, self.end)
         return np.asarray(np.where(self.flat[:, None], straight, np.where(inside, beside, ends)))
 
 
-def _joined(curve: FreeCurve, biarcs: _Biarcs, tolerance: float) -> _Biarcs:
+def _joined_neighbours(curve: FreeCurve, biarcs: _Biarcs, tolerance: float) -> _Biarcs:
     """Neighbours that one line or biarc fits as one; straight and round parts stay apart."""
     for _ in range(4):
         here = biarcs.intervals
@@ -280,12 +284,16 @@ def _joined(curve: FreeCurve, biarcs: _Biarcs, tolerance: float) -> _Biarcs:
     return biarcs
 
 
-def _united(pieces: list[Line | Arc], near: float) -> list[Line | Arc]:
+def _joined_arcs(pieces: list[Line | Arc], near: float) -> list[Line | Arc]:
     """Neighbouring arcs of one circle as one arc."""
     united: list[Line | Arc] = []
     for piece in pieces:
         last = united[-1] if united else None
-        if isinstance(last, Arc) and isinstance(piece, Arc) and _one_circle(last, piece, near):
+        if (
+            isinstance(last, Arc)
+            and isinstance(piece, Arc)
+            and _are_on_one_circle(last, piece, near)
+        ):
             sweep = last.sweep + piece.sweep
             via = Arc.about(last.centre, last.normal, last.start, 0.5 * sweep).end
             whole = Arc.through(last.start, via, piece.end, last.layer, last.handle)
@@ -296,7 +304,7 @@ def _united(pieces: list[Line | Arc], near: float) -> list[Line | Arc]:
     return united
 
 
-def _one_circle(a: Arc, b: Arc, near: float) -> bool:
+def _are_on_one_circle(a: Arc, b: Arc, near: float) -> bool:
     return (
         math.dist(a.centre, b.centre) <= near
         and abs(a.radius - b.radius) <= near
@@ -305,7 +313,7 @@ def _one_circle(a: Arc, b: Arc, near: float) -> bool:
     )
 
 
-def _sharpest(points: Points) -> Points:
+def _sharpest_turn(points: Points) -> Points:
     """Largest turn between consecutive chords of points (k, m, 3), radians."""
     chords = np.diff(points, axis=1)
     turns = np.arctan2(
@@ -315,7 +323,7 @@ def _sharpest(points: Points) -> Points:
     return np.asarray(turns.max(axis=1))
 
 
-def _to_segment(points: Points, start: Points, end: Points) -> Points:
+def _distances_to_segments(points: Points, start: Points, end: Points) -> Points:
     """Distances of points (k, m, 3) from segments (k, 3), (k, m)."""
     v = end - start
     size = np.maximum(_dot(v, v), 1e-300)

@@ -28,19 +28,24 @@ from assistant.sources.contours.curves import (
     Curve,
     FreeCurve,
     Points,
+    arc_sweeps,
     chorded,
     cross,
-    sweeps,
 )
-from assistant.sources.contours.moves import FLATTENED, Moves
-from assistant.sources.contours.ordering import Measure
-from assistant.sources.contours.orientation import along, facing, level, turned
-from assistant.sources.contours.pacing import Paced, lengths, paced
-from assistant.sources.contours.switching import Unfit, divided_at, outputs
+from assistant.sources.contours.moves import FLATTENING_PART, Moves
+from assistant.sources.contours.ordering import TravelMeasure
+from assistant.sources.contours.orientation import (
+    degrees_turned,
+    facing_quaternions,
+    level_x_axis,
+    x_axes_along,
+)
+from assistant.sources.contours.pacing import MovesWithSpeeds, move_lengths, with_speeds
+from assistant.sources.contours.switching import NoRoomForOutputs, contour_outputs, divided_at
 from assistant.sources.process import Layer, Process
-from assistant.sources.rounding import radii
-from assistant.sources.standing import Standing, backed_off, to, way_in
-from assistant.sources.surroundings import seconds
+from assistant.sources.rounding import rounding_radii
+from assistant.sources.standing import FramedSurroundings, approach_of, backed_off_target, move_to
+from assistant.sources.surroundings import travel_seconds
 
 MOVING_FRAME = error(
     "CT207",
@@ -57,22 +62,22 @@ UNKNOWN_FRAME = error(
 HALF_TURN: Final = 180.0 + 1e-6
 """Degrees that a tool is wound up by over which the way back is another one."""
 
-PEAK: Final = 1e-3
+PEAK_CHORD: Final = 1e-3
 """mm that chords of a free curve are off where its highest point is looked for."""
 
-SAME: Final = 1e-6
+SAME_POSE: Final = 1e-6
 """mm, degrees and parts of a quaternion that tell no two places apart."""
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedLayer:
     """How the drawing stands in a layer's frame, and where the tool points there."""
 
     pose: Pose
     direction: Vector
 
     @staticmethod
-    def of(name: str, layer: Layer, process: Process) -> Placed | Diagnostic:
+    def of(name: str, layer: Layer, process: Process) -> PlacedLayer | Diagnostic:
         length = float(np.linalg.norm(layer.direction))
         if not (np.isfinite(length) and length > 0.0):
             raise ValueError(f"{layer.direction} is no direction")
@@ -88,7 +93,7 @@ class Placed:
                 return MOVING_FRAME(layer=shown(name), drawing=drawing, frame=wanted)
             pose = frames[wanted].pose.inverse() @ frames[drawing].pose
         x, y, z = rotations.rotate(pose.quaternion, direction).tolist()
-        return Placed(pose, (x, y, z))
+        return PlacedLayer(pose, (x, y, z))
 
     def rows(self, rows: Moves) -> Moves:
         if self.pose == Pose():
@@ -104,7 +109,7 @@ class Placed:
 
 
 @dataclass(frozen=True, slots=True)
-class Followed:
+class FollowedContour:
     """The statements of a contour, the targets that they name, degrees the tool has turned.
 
     corners: that are gone round at the speed of corners.
@@ -117,11 +122,11 @@ class Followed:
     corners: int = 0
 
 
-def follow(
+def follow_contour(
     name: str,
     drawn: Moves,
     layer: Layer,
-    placed: Placed,
+    placed: PlacedLayer,
     before: float | None,
     process: Process,
     taken: TakenNames,
@@ -129,7 +134,7 @@ def follow(
     *,
     drawn_on: str = "",
     stays: bool = False,
-) -> Followed:
+) -> FollowedContour:
     """Approach, switch on, follow, switch off, retract.
 
     name: of the path; its ends are `<name>_start` and `<name>_end`, one target where the contour
@@ -141,56 +146,58 @@ def follow(
     layer says.
     """
     moved = placed.rows(drawn)
-    flat = FLATTENED * process.tolerance
-    total = float(lengths(moved.start, moved.positions, moved.kinds).sum())
-    made = paced(moved, layer.pace, divided_at(layer, total), flat)
-    pose, path = _path(name, made, layer, placed.direction, process.tolerance - flat)
-    wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
+    flat = FLATTENING_PART * process.tolerance
+    total = float(move_lengths(moved.start, moved.positions, moved.kinds).sum())
+    made = with_speeds(moved, layer.pace, divided_at(layer, total), flat)
+    pose, path = _contour_path(name, made, layer, placed.direction, process.tolerance - flat)
+    wound = degrees_turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
     start, end = (identifier(f"{name}_{k}", taken) for k in ("start", "end"))
     targets = {start: Target(pose)}
     last = path.target(len(path) - 1)
-    if abs(wound) < SAME and _same(pose, last.pose):
+    if abs(wound) < SAME_POSE and _are_same_poses(pose, last.pose):
         end = start
     else:
         targets[end] = last
-    kind = "travel" if process.defaults.travels else _kind(before, layer)
+    kind = "travel" if process.defaults.travels else _travel_kind(before, layer)
     motion, above = layer.motion, layer.above
     travel = replace(motion, speed=layer.travel, blend=above.blend)
-    plunge = replace(motion, speed=_slower(motion, layer.travel), blend=FINE)
-    standing = Standing.of(process, motion)
-    high = Heights.of(layer, placed, top, pose, last.pose)
-    into = way_in(standing, pose, high.before, start)
+    plunge = replace(motion, speed=_slower_motion(motion, layer.travel), blend=FINE)
+    standing = FramedSurroundings.of(process, motion)
+    high = TravelHeights.of(layer, placed, top, pose, last.pose)
+    into = approach_of(standing, pose, high.before, start)
     out = into
     if (end, high.after) != (start, high.before):
-        out = way_in(standing, targets[end].pose, high.after, end)
-    way = lengths(np.array(pose.position), path.positions, path.kinds)
+        out = approach_of(standing, targets[end].pose, high.after, end)
+    way = move_lengths(np.array(pose.position), path.positions, path.kinds)
     speeds = np.array([one.tcp if isinstance(one, Speed) else 0.0 for one in path.speeds])
     try:
-        switched = outputs(layer, way, high.after, speeds[path.speed])
-    except Unfit as unfit:
-        return Followed((), {}, None, (unfit.rule(layer=shown(drawn_on), **unfit.fields),))
+        switched = contour_outputs(layer, way, high.after, speeds[path.speed])
+    except NoRoomForOutputs as unfit:
+        return FollowedContour((), {}, None, (unfit.rule(layer=shown(drawn_on), **unfit.fields),))
     statements: list[Statement] = []
     if high.before > 0.0:
-        statements.append(to(kind, backed_off(start, high.before, into), travel))
+        statements.append(move_to(kind, backed_off_target(start, high.before, into), travel))
         if 0.0 < layer.approach < high.before:
-            statements.append(Move("linear", backed_off(start, layer.approach, into), travel))
+            statements.append(
+                Move("linear", backed_off_target(start, layer.approach, into), travel)
+            )
         statements.append(Move("linear", Name(start), plunge, switched.first))
     else:
-        statements.append(to(kind, Name(start), travel))
+        statements.append(move_to(kind, Name(start), travel))
     statements += switched.before
-    along_it, named = _followed(path, switched.on_way, end, taken)
+    along_it, named = _path_statements(path, switched.on_way, end, taken)
     statements += along_it
     targets |= named
     statements += switched.after
     if high.after > 0.0:
         leaving = replace(travel, blend=FINE) if stays else travel
-        up = backed_off(end, high.after, out)
+        up = backed_off_target(end, high.after, out)
         statements.append(Move("linear", up, leaving, switched.last))
     findings = dict.fromkeys((*into.findings, *out.findings))
-    return Followed(tuple(statements), targets, wound, tuple(findings), made.corners)
+    return FollowedContour(tuple(statements), targets, wound, tuple(findings), made.corners)
 
 
-def _followed(
+def _path_statements(
     path: Path, on_way: Mapping[int, tuple[Trigger, ...]], end: str, taken: TakenNames
 ) -> tuple[list[Statement], dict[str, Target]]:
     """The statements along a path, and the targets that they name but for its end.
@@ -228,23 +235,23 @@ def _followed(
 
 
 @dataclass(frozen=True, slots=True)
-class Heights:
+class TravelHeights:
     """Mm above the start and the end of a contour at which travel goes, 0 for on the work."""
 
     before: float
     after: float
 
     @staticmethod
-    def of(layer: Layer, placed: Placed, top: float, start: Pose, end: Pose) -> Heights:
+    def of(layer: Layer, placed: PlacedLayer, top: float, start: Pose, end: Pose) -> TravelHeights:
         """top: of the layer, see `highest`."""
         if layer.above.height is None:
-            return Heights(layer.approach, layer.retract)
+            return TravelHeights(layer.approach, layer.retract)
         above = top + layer.above.height
         up, down = (above + float(np.dot(p.position, placed.direction)) for p in (start, end))
-        return Heights(round(up, 3), round(down, 3))
+        return TravelHeights(round(up, 3), round(down, 3))
 
 
-def highest(contours: Sequence[Contour], placed: Placed) -> float:
+def highest_point(contours: Sequence[Contour], placed: PlacedLayer) -> float:
     """Mm, against the direction of the tool, that the highest point of contours is from the origin
     of their layer's frame.
     """
@@ -258,7 +265,7 @@ def highest(contours: Sequence[Contour], placed: Placed) -> float:
 def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points:
     """Points (n, 3) of curves, the highest ones among them. up: seen from where `turn` leads."""
     found = [np.array([[curve.start, curve.end] for curve in curves]).reshape(-1, 3)]
-    found += [chorded(curve, PEAK) for curve in curves if isinstance(curve, FreeCurve)]
+    found += [chorded(curve, PEAK_CHORD) for curve in curves if isinstance(curve, FreeCurve)]
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
     if arcs:
         above = rotations.to_matrix(turn).T @ up
@@ -268,38 +275,40 @@ def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points
         way = above - (normal @ above)[:, None] * normal
         size = np.linalg.norm(way, axis=1, keepdims=True)
         arm = np.linalg.norm(start - centre, axis=1, keepdims=True)
-        peak = arm * way / np.where(size > SAME, size, np.inf)
+        peak = arm * way / np.where(size > SAME_POSE, size, np.inf)
         ahead = (cross(start - centre, peak) * normal).sum(axis=1)
         angle = np.degrees(np.arctan2(ahead, ((start - centre) * peak).sum(axis=1))) % 360.0
-        on = (size[:, 0] > SAME) & (angle <= sweeps(arcs))
+        on = (size[:, 0] > SAME_POSE) & (angle <= arc_sweeps(arcs))
         found.append((centre + peak)[on])
     return np.concatenate(found)
 
 
-def measured(layer: Layer, placed: Placed, standing: Standing | None) -> Measure | None:
+def travel_measure(
+    layer: Layer, placed: PlacedLayer, standing: FramedSurroundings | None
+) -> TravelMeasure | None:
     """The seconds of travel above points of a layer; None if nobody knows what is around.
 
     The turn of a tool that follows the contours is left out.
     """
     if standing is None:
         return None
-    turn = facing(placed.direction, level(placed.direction)[None])[0]
+    turn = facing_quaternions(placed.direction, level_x_axis(placed.direction)[None])[0]
     up = -layer.approach * np.asarray(placed.direction)
 
     def places(points: Points) -> Floats | None:
         drawn = rotations.rotate(placed.pose.quaternion, points) + placed.pose.position
         return standing.places(drawn + up, turn)
 
-    return Measure(places, seconds)
+    return TravelMeasure(places, travel_seconds)
 
 
-def _same(one: Pose, other: Pose) -> bool:
+def _are_same_poses(one: Pose, other: Pose) -> bool:
     """Whether poses are the same but for the noise of computing them."""
     numbers = (*one.position, *one.quaternion), (*other.position, *other.quaternion)
-    return bool(np.allclose(*numbers, rtol=0.0, atol=SAME))
+    return bool(np.allclose(*numbers, rtol=0.0, atol=SAME_POSE))
 
 
-def _kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
+def _travel_kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
     """How the tool comes from one contour, along which it has turned by degrees, to the next.
 
     A line turns it the shorter way, so that a tool that follows closed contours would wind up
@@ -314,14 +323,14 @@ def _kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
     return "joint" if abs(wound) > HALF_TURN else "linear"
 
 
-def _slower(motion: Motion, travel: Speed) -> Speed:
+def _slower_motion(motion: Motion, travel: Speed) -> Speed:
     """Towards the work: never faster than along the contour, as far as that is known."""
     speed = motion.speed
     return speed if isinstance(speed, Speed) and speed.tcp < travel.tcp else travel
 
 
-def _path(
-    name: str, made: Paced, layer: Layer, direction: Vector, tolerance: float
+def _contour_path(
+    name: str, made: MovesWithSpeeds, layer: Layer, direction: Vector, tolerance: float
 ) -> tuple[Pose, Path]:
     """The start's pose, and the path of the rows; it stops at its end and where it turns.
 
@@ -330,11 +339,14 @@ def _path(
     """
     rows = made.rows
     if layer.tangential:
-        first, axes, chosen = along(rows, direction)
-        begin, quaternions = facing(direction, first[None]), facing(direction, axes)
+        first, axes, chosen = x_axes_along(rows, direction)
+        begin, quaternions = (
+            facing_quaternions(direction, first[None]),
+            facing_quaternions(direction, axes),
+        )
     else:
         chosen = np.arange(len(rows))
-        begin = facing(direction, level(direction)[None])
+        begin = facing_quaternions(direction, level_x_axis(direction)[None])
         quaternions = np.broadcast_to(begin, (len(rows), 4))
     stops = np.zeros(len(chosen), dtype=np.int32)
     again = np.flatnonzero(chosen[1:] == chosen[:-1])
@@ -346,7 +358,7 @@ def _path(
     blends = (blend, FINE)
     divided = made.divided[chosen] & (stops == 0)
     if layer.rounded or divided.any():
-        sizes = _corners(rows.start, positions, kinds, tolerance - rows.deviation)
+        sizes = _corner_radii(rows.start, positions, kinds, tolerance - rows.deviation)
         table, index = np.unique(sizes, return_inverse=True)
         rounded = index if layer.rounded else np.where(divided, index, len(table) + 1)
         sized = (Blend(size) if size > 0.0 else FINE for size in table.tolist())
@@ -367,12 +379,12 @@ def _path(
     return Pose.of(rows.start, begin[0]), path
 
 
-def _corners(
+def _corner_radii(
     start: Points, positions: Points, kinds: NDArray[np.uint8], tolerance: float
 ) -> Floats:
     """Sizes (n,) of the corners in mm, 0 for a stop; the two rows of an arc have one."""
     way, led = np.vstack([start, positions]), np.concatenate([[Kind.LINEAR], kinds])
-    sizes = radii(way, led, np.ones(len(positions), dtype=np.bool_), tolerance)[1:]
+    sizes = rounding_radii(way, led, np.ones(len(positions), dtype=np.bool_), tolerance)[1:]
     via = np.flatnonzero(kinds == Kind.VIA)
     sizes[via] = sizes[via + 1]
     return sizes

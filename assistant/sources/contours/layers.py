@@ -15,19 +15,24 @@ from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.settings_tables import nearest, shown
 from assistant.program.statements import Comment, Statement
-from assistant.sources.contours.chaining import Contour, chain, wide_gaps
+from assistant.sources.contours.chaining import Contour, chain_curves, wide_gaps
 from assistant.sources.contours.curves import Arc, Curve, Line
-from assistant.sources.contours.following import Placed, follow, highest, measured
-from assistant.sources.contours.moves import WIDEST, moves
-from assistant.sources.contours.nesting import NONE, holders
-from assistant.sources.contours.numbering import Written, stated
-from assistant.sources.contours.ordering import ordered
-from assistant.sources.contours.overlaps import trimmed
-from assistant.sources.contours.shaping import Shaped, Shaper
+from assistant.sources.contours.following import (
+    PlacedLayer,
+    follow_contour,
+    highest_point,
+    travel_measure,
+)
+from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
+from assistant.sources.contours.nesting import NO_HOLDER, holders
+from assistant.sources.contours.numbering import LayerText, stated_order
+from assistant.sources.contours.ordering import order_contours
+from assistant.sources.contours.overlaps import without_overlaps
+from assistant.sources.contours.shaping import PathShaper, ShapedContour
 from assistant.sources.process import Layer, Process
-from assistant.sources.standing import Standing
+from assistant.sources.standing import FramedSurroundings
 
-UNUSED = warning(
+NOT_USED_ON_LAYER = warning(
     "CT201",
     "not used on layer {layer!r}, which the process file does not have: {what}",
     "add [layers.{key}] to the process file, or leave_out = [{key}] at its top",
@@ -40,42 +45,42 @@ TOO_SMALL = warning(
     "a contour on layer {layer!r} is smaller than the tolerance of {tolerance:g} mm and left out",
     "give a smaller `tolerance`",
 )
-NOT_FITTED = error(
+CURVE_NOT_FITTED = error(
     "CT204",
     "a curve on layer {layer!r} cannot be followed within {tolerance:g} mm",
     "redraw it without jumps, or give a larger `tolerance`",
 )
-FITTED = info(
+CURVES_FITTED = info(
     "CT205",
     "{count} ellipses and splines on layer {layer!r} are followed by arcs and lines, "
     "at most {deviation:.4f} mm off",
     "give a smaller `tolerance` for more and shorter pieces",
 )
-TRAVEL = info(
+TRAVEL_LENGTH_SAVED = info(
     "CT206",
     "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
     "it was {before:.0f} mm in the order of drawing",
     "",
 )
-TRAVEL_TIME = info(
+TRAVEL_TIME_SAVED = info(
     "CT209",
     "travel between the {count} contours of layer {layer!r} takes {after:.2f} s of joint moves at"
     " full speed{inside}; it was {before:.2f} s in the order of drawing",
     "",
 )
-CORNERS = info(
+SLOW_CORNERS = info(
     "CT222",
     "{count} corners of layer {layer!r} are gone round at {speed:g} mm/s: turns of {angle:g}"
     " degrees and more, arcs of up to {radius:g} mm",
     "",
 )
-NO_CORNER = warning(
+NO_SLOW_CORNER = warning(
     "CT223",
     "layer {layer!r} has no corner for `corner_speed`: no turn of {angle:g} degrees, no arc of up"
     " to {radius:g} mm",
     "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
 )
-THINNED = info(
+POINTS_LEFT_OUT = info(
     "CT108",
     "{count} points on layer {layer!r} are left out, as the way without them is at most"
     " {deviation:.4f} mm off",
@@ -85,7 +90,7 @@ WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
 
-LONGEST_STEM: Final = 20
+LONGEST_NAME_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
 
 
@@ -96,7 +101,7 @@ def contour_program(
     taken: set[str],
     path: str | None = None,
     marks: Sequence[tuple[str, Vector]] = (),
-    texts: Sequence[Written] = (),
+    texts: Sequence[LayerText] = (),
 ) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
     """A procedure for each layer that has a process, the targets they name, what was found.
 
@@ -126,17 +131,21 @@ def contour_program(
             if not unwanted:
                 given = group[0].layer
                 key_shown = json.dumps(shown(given), ensure_ascii=False)
-                findings.append(UNUSED(what=_count(group), layer=shown(given), key=key_shown))
+                findings.append(
+                    NOT_USED_ON_LAYER(
+                        what=_curves_in_words(group), layer=shown(given), key=key_shown
+                    )
+                )
             continue
-        name = _name(group[0].layer, names)
+        name = _procedure_name(group[0].layer, names)
         names.add(name)
-        single, overlapping = trimmed(group, process.tolerance)
-        contours, chained = chain(single, process.tolerance)
+        single, overlapping = without_overlaps(group, process.tolerance)
+        contours, chained = chain_curves(single, process.tolerance)
         findings += (*overlapping, *chained, *wide_gaps(contours, process.tolerance))
         if contours:
             direction = process.placed(layer.direction)
             followed.append((name, replace(layer, direction=direction), contours))
-    shaper = Shaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
+    shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
     before: Layer | None = None
     for row in shaper.order():
@@ -147,7 +156,7 @@ def contour_program(
         shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
         findings += shaper.findings
         shaper.findings.clear()
-        made, named, found = _procedure(
+        made, named, found = _layer_procedure(
             name, drawn, shaped, layer, process, names, beside, before=before
         )
         before = layer if made else before
@@ -159,13 +168,13 @@ def contour_program(
     return tuple(procedures), targets, tuple(f.within(path) for f in findings)
 
 
-def _name(layer: str, taken: TakenNames) -> str:
+def _procedure_name(layer: str, taken: TakenNames) -> str:
     """Of the procedure; a signal is often called as its layer is, and needs the name more."""
     name = identifier(layer)
     return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
 
 
-def _count(curves: Sequence[Curve]) -> str:
+def _curves_in_words(curves: Sequence[Curve]) -> str:
     """`3 lines, 1 arc`."""
     kinds = Counter(
         "line" if isinstance(c, Line) else "arc" if isinstance(c, Arc) else "free curve"
@@ -185,14 +194,14 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
     return findings
 
 
-def _procedure(
+def _layer_procedure(
     named: str,
     drawn: Sequence[Contour],
-    shaped: Sequence[Shaped | None],
+    shaped: Sequence[ShapedContour | None],
     layer: Layer,
     process: Process,
     taken: TakenNames,
-    texts: Sequence[Written],
+    texts: Sequence[LayerText],
     *,
     before: Layer | None,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
@@ -202,7 +211,7 @@ def _procedure(
     procedure come the targets that it names, and the findings.
     """
     name, findings = drawn[0].layer, list[Diagnostic]()
-    placed = Placed.of(name, layer, process)
+    placed = PlacedLayer.of(name, layer, process)
     if isinstance(placed, Diagnostic):
         return [], {}, [placed]
     kept = [one for one in shaped if one is not None]
@@ -210,19 +219,19 @@ def _procedure(
     if not contours:
         return [], {}, findings
     around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
-    around = _of_those_left(around, shaped)
+    around = _remaining_holders(around, shaped)
     if layer.order == "travel":
-        standing = Standing.of(process, layer.motion)
-        measure = measured(layer, placed, standing) if process.defaults.travels else None
-        order = ordered(contours, around, measure)
+        standing = FramedSurroundings.of(process, layer.motion)
+        measure = travel_measure(layer, placed, standing) if process.defaults.travels else None
+        order = order_contours(contours, around, measure)
     else:
         left = [one for one, became in zip(drawn, shaped, strict=True) if became is not None]
-        order, said = stated(contours, left, around, layer.order, texts)
+        order, said = stated_order(contours, left, around, layer.order, texts)
         findings += said
     if len(contours) > 1 and layer.order == "travel":
         inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
-            (TRAVEL_TIME if order.measured else TRAVEL)(
+            (TRAVEL_TIME_SAVED if order.measured else TRAVEL_LENGTH_SAVED)(
                 layer=shown(name),
                 count=len(contours),
                 before=order.before,
@@ -232,14 +241,14 @@ def _procedure(
         )
     if named != name:
         findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
-    stem = _stem(name, taken)
+    stem = _path_name_stem(name, taken)
     targets: dict[str, Target] = {}
-    body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
-    widest = WIDEST_TURN if layer.tangential else WIDEST
+    body: list[Statement] = [Comment(_printable_line(f"{layer.process}: layer {name}"))]
+    widest = WIDEST_TURN if layer.tangential else WIDEST_ARC
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
     thinned, dropped = 0.0, sum(one.dropped for one in kept)
-    wound = 0.0 if before is not None and _by_lines(before, layer) else None
-    top = highest(drawn, placed) if layer.above.height is not None else 0.0
+    wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
+    top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
     of_number = {one.main.number: one for one in kept}
     followed = [
@@ -249,11 +258,13 @@ def _procedure(
     ]
     for one, way in followed:
         contour = way.contour
-        rows = moves(contour, process.tolerance, widest=widest, spent=one.deviation)
+        rows = contour_moves(contour, process.tolerance, widest=widest, spent=one.deviation)
         handle = next((c.handle for c in contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         if not rows.within:
-            findings.append(NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance))
+            findings.append(
+                CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
+            )
         elif not len(rows):
             findings.append(TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
         else:
@@ -264,7 +275,7 @@ def _procedure(
             taken.add(f"{stem}_{count}")
             lower = way.lower(layer)
             stays = process.home is None and way is followed[-1][1]
-            made = follow(
+            made = follow_contour(
                 f"{stem}_{count}", rows, lower, placed, wound, process, taken, top,
                 drawn_on=name, stays=stays,
             )  # fmt: skip
@@ -275,9 +286,9 @@ def _procedure(
             taken.update(made.targets)
             wound = made.wound
     if fitted:
-        findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
+        findings.append(CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
     if dropped:
-        findings.append(THINNED(layer=shown(name), count=dropped, deviation=thinned))
+        findings.append(POINTS_LEFT_OUT(layer=shown(name), count=dropped, deviation=thinned))
     if count and (slow := layer.pace.corner) is not None:
         about: dict[str, Any] = {
             "layer": shown(name),
@@ -285,26 +296,28 @@ def _procedure(
             "radius": layer.pace.radius,
         }
         findings.append(
-            CORNERS(count=corners, speed=slow.tcp, **about) if corners else NO_CORNER(**about)
+            SLOW_CORNERS(count=corners, speed=slow.tcp, **about)
+            if corners
+            else NO_SLOW_CORNER(**about)
         )
     return ([Procedure(named, tuple(body))] if count else []), targets, findings
 
 
-def _of_those_left(around: Sequence[int], shaped: Sequence[Shaped | None]) -> list[int]:
+def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | None]) -> list[int]:
     """What each contour that is left lies inside, by rows of those that are left."""
     rows = [i for i, one in enumerate(shaped) if one is not None]
     number = {row: i for i, row in enumerate(rows)}
 
     def holder(row: int) -> int:
-        while (row := around[row]) != NONE:
+        while (row := around[row]) != NO_HOLDER:
             if row in number:
                 return number[row]
-        return NONE
+        return NO_HOLDER
 
     return [holder(row) for row in rows] if around else []
 
 
-def _by_lines(before: Layer, layer: Layer) -> bool:
+def _is_reached_by_lines(before: Layer, layer: Layer) -> bool:
     """Whether the tool comes from one layer to the next as it does within them.
 
     A joint move needs room above the work.
@@ -313,12 +326,12 @@ def _by_lines(before: Layer, layer: Layer) -> bool:
     return layer.above.kind == "linear" or not (raised and layer.approach > 0.0)
 
 
-def _stem(layer: str, taken: TakenNames) -> str:
+def _path_name_stem(layer: str, taken: TakenNames) -> str:
     """Start of the layer's path names, so that no path or row has the name of another thing.
 
     Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
     """
-    base = identifier(layer.lower())[:LONGEST_STEM].rstrip("_")
+    base = identifier(layer.lower())[:LONGEST_NAME_STEM].rstrip("_")
     candidate, counted = base, ("stem", base)
     if candidate in taken.stems:
         count = taken.counts.get(counted, 2)
@@ -328,6 +341,6 @@ def _stem(layer: str, taken: TakenNames) -> str:
     return candidate
 
 
-def _plain(text: str) -> str:
+def _printable_line(text: str) -> str:
     """One printable line."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -10,27 +10,27 @@ import numpy as np
 
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Line, Points, vector
-from assistant.sources.contours.flat import Piece, ahead, started, tangent
-from assistant.sources.contours.offsets import Ring
-from assistant.sources.contours.origins import SAME
+from assistant.sources.contours.flat import Piece, first_stretch, started_at, tangent
+from assistant.sources.contours.offsets import OffsetRing
+from assistant.sources.contours.origins import SAME_POINT
 from assistant.sources.process.shaping import Lead, Shaping
 
-MOST_STARTS: Final = 24
+MOST_STARTS_TRIED: Final = 24
 """Places of a contour that are looked at as its start."""
-QUARTERS: Final = (0.0, 0.25, 0.5, 0.75)
+LEAD_QUARTERS: Final = (0.0, 0.25, 0.5, 0.75)
 
 
 def lead_in(lead: Lead, pieces: Sequence[Piece], *, left: bool) -> Piece:
     """Onto the start of the pieces, from the left of them or from the right."""
-    return _lead(lead, pieces[0], 0.0, left=left, into=True)
+    return _lead_piece(lead, pieces[0], 0.0, left=left, into=True)
 
 
 def lead_out(lead: Lead, pieces: Sequence[Piece], *, left: bool) -> Piece:
     """From the end of the pieces, to the left of them or to the right."""
-    return _lead(lead, pieces[-1], 1.0, left=left, into=False)
+    return _lead_piece(lead, pieces[-1], 1.0, left=left, into=False)
 
 
-def _lead(lead: Lead, piece: Piece, part: float, *, left: bool, into: bool) -> Piece:
+def _lead_piece(lead: Lead, piece: Piece, part: float, *, left: bool, into: bool) -> Piece:
     hand, way = (1.0 if left else -1.0), (-1.0 if into else 1.0)
     at = np.asarray(piece.end if part else piece.start)
     along = np.append(tangent(piece, part), 0.0)
@@ -46,18 +46,18 @@ def _lead(lead: Lead, piece: Piece, part: float, *, left: bool, into: bool) -> P
     return arc.reversed() if into else arc
 
 
-def whole(ring: Ring, shaping: Shaping) -> tuple[Piece, ...]:
+def with_leads(ring: OffsetRing, shaping: Shaping) -> tuple[Piece, ...]:
     """The pieces of a ring from its start on, with overlap and leads."""
     pieces = ring.pieces
     if ring.closed and shaping.overlap:
-        pieces = (*pieces, *ahead(pieces, shaping.overlap))
+        pieces = (*pieces, *first_stretch(pieces, shaping.overlap))
     into = [lead_in(shaping.lead_in, pieces, left=ring.left)] if shaping.lead_in else []
     out = [lead_out(shaping.lead_out, pieces, left=ring.left)] if shaping.lead_out else []
     return (*into, *pieces, *out)
 
 
-def with_room(
-    ring: Ring,
+def starts_with_room(
+    ring: OffsetRing,
     starts: Sequence[tuple[int, float]],
     shaping: Shaping,
     room: Callable[[Sequence[Piece]], bool],
@@ -72,7 +72,7 @@ def with_room(
         return tuple(starts)
     found, better = [], []
     for at, part in starts:
-        made = whole(replace(ring, pieces=started(ring.pieces, at, part)), shaping)
+        made = with_leads(replace(ring, pieces=started_at(ring.pieces, at, part)), shaping)
         ways = [made[:1]] if shaping.lead_in else []
         ways += [made[-1:]] if shaping.lead_out else []
         if all(room(way) for way in ways):
@@ -84,36 +84,38 @@ def with_room(
     return tuple(better or found)
 
 
-def starts_of(ring: Ring, shaping: Shaping, mark: Points | None) -> tuple[tuple[int, float], ...]:
+def starts_of(
+    ring: OffsetRing, shaping: Shaping, mark: Points | None
+) -> tuple[tuple[int, float], ...]:
     """Where a closed ring may start as the process says; anywhere if it has no such place."""
     pieces = ring.pieces
     if shaping.start == "point" and mark is not None:
-        return (nearest(pieces, mark),)
+        return (nearest_place(pieces, mark),)
     if shaping.start == "longest":
         rows = range(len(pieces))
         lines = [i for i in rows if isinstance(pieces[i], Line)] or rows
         return ((max(lines, key=lambda i: round(pieces[i].length, 3)), 0.5),)
     if shaping.start == "corner" and ring.corners:
-        return _some(ring.corners)
+        return _some_places(ring.corners)
     if len(pieces) == 1:
-        return tuple((0, part) for part in QUARTERS)
+        return tuple((0, part) for part in LEAD_QUARTERS)
     joints = [(i, 0.0) for i in range(len(pieces))]
-    return _some([*joints, *((i, 0.5) for i, _ in joints)] if shaping.leads else joints)
+    return _some_places([*joints, *((i, 0.5) for i, _ in joints)] if shaping.leads else joints)
 
 
-def _some(places: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
+def _some_places(places: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
     """At most so many of them, from all of the way, the first among them."""
     ordered, count = sorted(places), len(places)
-    tried = min(count, MOST_STARTS)
+    tried = min(count, MOST_STARTS_TRIED)
     return tuple(ordered[i * count // tried] for i in range(tried))
 
 
-def nearest(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
+def nearest_place(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
     """The place (piece, part) of closed pieces that is nearest to a point, seen along the tool."""
     best, found = np.inf, (0, 0.0)
     for i, piece in enumerate(pieces):
-        part = _foot(piece, point)
-        part = round(part) if min(part, 1.0 - part) * piece.length < SAME else part
+        part = _nearest_part(piece, point)
+        part = round(part) if min(part, 1.0 - part) * piece.length < SAME_POINT else part
         apart = float(np.linalg.norm(piece.at([part])[0, :2] - point[:2]))
         if apart < best - 1e-9:
             best, found = apart, (i, part)
@@ -121,7 +123,7 @@ def nearest(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
     return found if part < 1.0 else ((i + 1) % len(pieces), 0.0)
 
 
-def _foot(piece: Piece, point: Points) -> float:
+def _nearest_part(piece: Piece, point: Points) -> float:
     """The part of a piece, 0 to 1, that is nearest to a point."""
     p, start = point[:2], np.asarray(piece.start[:2])
     if isinstance(piece, Line):

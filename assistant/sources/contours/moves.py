@@ -13,21 +13,26 @@ from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
 from assistant.program.motion import Kind
-from assistant.sources.contours.chaining import EXACT, Contour
+from assistant.sources.contours.chaining import EXACT_MEETING, Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, circle_through, cross
-from assistant.sources.contours.fitting import fit
-from assistant.sources.contours.thinning import between, merged, middle, thinned
+from assistant.sources.contours.fitting import fit_curve
+from assistant.sources.contours.thinning import (
+    merge_short_pieces,
+    midpoint,
+    piece_with_ends,
+    thin_pieces,
+)
 
 LEAST_CHORD: Final = 0.1
 """mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
 LEAST_SWEEP: Final = 4.04
 """Degrees of one circular move, whose via and end are seen a quarter of it apart from its start;
 RAPID's MoveC asks for 1 degree."""
-WIDEST: Final = 240.0
+WIDEST_ARC: Final = 240.0
 """Degrees of one circular move; ABB advises no more, and 360 cannot be said at all."""
-FITTED: Final = 0.5
+FITTING_PART: Final = 0.5
 """Part of the tolerance that fitting a free curve may use."""
-FLATTENED: Final = 0.4
+FLATTENING_PART: Final = 0.4
 """Part of the tolerance that writing a flat arc as a line may use."""
 
 
@@ -56,8 +61,8 @@ class Moves:
         return len(self.positions)
 
 
-def moves(
-    contour: Contour, tolerance: float, *, widest: float = WIDEST, spent: float = 0.0
+def contour_moves(
+    contour: Contour, tolerance: float, *, widest: float = WIDEST_ARC, spent: float = 0.0
 ) -> Moves:
     """The contour's moves, which begin and end in its own ends and leave no gap.
 
@@ -67,15 +72,15 @@ def moves(
     given = as_pieces(contour, tolerance, spent)
     made: list[Line | Arc] = []
     for piece in given.pieces:
-        made += possible(piece, tolerance * FLATTENED, widest)
-    made = merged(made, tolerance, closed=contour.closed)
+        made += possible_moves(piece, tolerance * FLATTENING_PART, widest)
+    made = merge_short_pieces(made, tolerance, closed=contour.closed)
     start = made[0].start if made else contour.start
     found = (given.deviation + spent, given.fitted, given.within, given.dropped)
-    return Moves(np.array(start), *columns(made), *found)
+    return Moves(np.array(start), *move_columns(made), *found)
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
+class ContourPieces:
     """Lines and arcs end to end. deviation, fitted, within, dropped: as of `Moves`."""
 
     pieces: tuple[Line | Arc, ...]
@@ -85,7 +90,7 @@ class Pieces:
     dropped: int = 0
 
 
-def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Pieces:
+def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> ContourPieces:
     """A contour as lines and arcs without gaps; none if it cannot be followed in tolerance mm.
 
     Points of lines that the tolerance does not need are left out. spent: as of `moves`.
@@ -95,7 +100,7 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Pieces:
     deviation, fitted, within = 0.0, 0, True
     for curve in contour.curves:
         if isinstance(curve, FreeCurve):
-            result = fit(curve, tolerance * FITTED)
+            result = fit_curve(curve, tolerance * FITTING_PART)
             pieces += result.pieces
             drawn += [False] * len(result.pieces)
             deviation, fitted = max(deviation, result.deviation), fitted + 1
@@ -103,43 +108,43 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Pieces:
         else:
             pieces.append(curve)
             drawn.append(True)
-    joined = _met(pieces, contour.closed)
+    joined = _closed_gaps(pieces, contour.closed)
     sides = [ours for ours, made in zip(drawn, joined, strict=True) for _ in made]
     tight_ones = [piece for made in joined for piece in made]
-    tidy = thinned(tight_ones, sides, tolerance, spent, closed=contour.closed)
-    return Pieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
+    tidy = thin_pieces(tight_ones, sides, tolerance, spent, closed=contour.closed)
+    return ContourPieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
 
 
-def tight(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
+def close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
     """Every piece begins where the one before it ends, and the last one ends at the start.
 
     A gap is closed in its middle. Pieces that are left without length are dropped.
     """
-    return [piece for made in _met(pieces, closed) for piece in made]
+    return [piece for made in _closed_gaps(pieces, closed) for piece in made]
 
 
-def _met(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
+def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
     """What each of the pieces becomes, as of `tight`."""
     if not pieces:
         return []
-    joints = [_joint(one, two) for one, two in pairwise(pieces)]
-    begin = _joint(pieces[-1], pieces[0]) if closed else pieces[0].start
+    joints = [_joint_of(one, two) for one, two in pairwise(pieces)]
+    begin = _joint_of(pieces[-1], pieces[0]) if closed else pieces[0].start
     ends = [*joints, begin if closed else pieces[-1].end]
     made: list[list[Line | Arc]] = []
     for piece, end in zip(pieces, ends, strict=True):
-        made.append(between(piece, begin, end))
+        made.append(piece_with_ends(piece, begin, end))
         begin = end
     return made
 
 
-def _joint(one: Line | Arc, two: Line | Arc) -> Vector:
+def _joint_of(one: Line | Arc, two: Line | Arc) -> Vector:
     """Where one piece ends and the next begins."""
-    if one.end == two.start or math.dist(one.end, two.start) <= EXACT:
+    if one.end == two.start or math.dist(one.end, two.start) <= EXACT_MEETING:
         return two.start
-    return middle(one.end, two.start)
+    return midpoint(one.end, two.start)
 
 
-def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
+def possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     """The piece itself, an arc in parts of at most `widest` degrees, or lines for it.
 
     Flat arcs, and arcs whose points are too near each other or to a line for a controller to
@@ -153,8 +158,8 @@ def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     nearest = 2.0 * radius * min(math.sin(part / 4.0), math.sin(part / 2.0))
     sagitta = 2.0 * radius * math.sin(part / 4.0) ** 2
     narrow = math.degrees(part) < LEAST_SWEEP or nearest < LEAST_CHORD
-    if sagitta > flat and not narrow and _distinct(piece, count):
-        return _parts(piece, count) if count > 1 else [piece]
+    if sagitta > flat and not narrow and _is_distinct(piece, count):
+        return _arc_parts(piece, count) if count > 1 else [piece]
     step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
     chords = max(math.ceil(math.radians(sweep) / step - 1e-9), 2 if piece.closed else 1)
     if chords == 1:
@@ -164,7 +169,7 @@ def possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     return [Line(a, b, piece.layer, piece.handle) for a, b in pairwise(points)]
 
 
-def _distinct(arc: Arc, count: int) -> bool:
+def _is_distinct(arc: Arc, count: int) -> bool:
     """Whether via and end, as they stand, make out the circle."""
     if count > 1:
         return True
@@ -173,7 +178,7 @@ def _distinct(arc: Arc, count: int) -> bool:
     return apart >= LEAST_CHORD and circle_through(start, via, end) is not None
 
 
-def _parts(arc: Arc, count: int) -> list[Line | Arc]:
+def _arc_parts(arc: Arc, count: int) -> list[Line | Arc]:
     points = arc.at(np.linspace(0.0, 1.0, 2 * count + 1)).tolist()
     points[0], points[-1] = arc.start, arc.end
     return [
@@ -188,7 +193,7 @@ def _parts(arc: Arc, count: int) -> list[Line | Arc]:
     ]
 
 
-def columns(
+def move_columns(
     pieces: Sequence[Line | Arc],
 ) -> tuple[NDArray[np.uint8], Points, Points, Points]:
     """Kinds, positions, and the directions in which each row's move begins and ends."""
@@ -202,7 +207,7 @@ def columns(
     last = np.cumsum(rows) - 1
     starts = np.array([p.start for p in pieces])
     ends = np.array([p.end for p in pieces])
-    chords = _unit(ends - starts)
+    chords = _unit_vector(ends - starts)
     positions[last], leaving[last], arriving[last] = ends, chords, chords
     if arcs.any():
         end, via = last[arcs], last[arcs] - 1
@@ -212,11 +217,11 @@ def columns(
         )
         kinds[end], kinds[via] = Kind.END, Kind.VIA
         positions[via] = middle
-        leaving[via] = _unit(cross(normal, starts[arcs] - centre))
-        leaving[end] = arriving[via] = _unit(cross(normal, middle - centre))
-        arriving[end] = _unit(cross(normal, ends[arcs] - centre))
+        leaving[via] = _unit_vector(cross(normal, starts[arcs] - centre))
+        leaving[end] = arriving[via] = _unit_vector(cross(normal, middle - centre))
+        arriving[end] = _unit_vector(cross(normal, ends[arcs] - centre))
     return kinds, positions, leaving, arriving
 
 
-def _unit(v: Points) -> Points:
+def _unit_vector(v: Points) -> Points:
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))

@@ -16,7 +16,7 @@ from assistant.program.geometry import Vector
 from assistant.program.settings_tables import shown
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Line, sample
-from assistant.sources.contours.ordering import FREE, Ordering, travel
+from assistant.sources.contours.ordering import FREE_CONTOUR, ContourOrder, travel_length
 
 HOLDER_FIRST = warning(
     "CT224",
@@ -40,22 +40,22 @@ SAME_NUMBER = error(
     "the number {one} stands beside two contours of layer {layer!r}",
     "give each contour a number of its own",
 )
-BETWEEN = error(
+NUMBER_BETWEEN_CONTOURS = error(
     "CT228",
     "the number {one} on layer {layer!r} stands as near to one contour as to another",
     "move it nearer to its own one",
 )
 
-NUMBER: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
+NUMBER_TEXT: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
 """A text that numbers a contour: `3`, `3.`, `(3)`, `#3`."""
-SIDE_BY_SIDE: Final = 0.1
+LEAST_DISTANCE_GAP: Final = 0.1
 """mm by which the nearest contour has to be nearer than the next one."""
-CHORDS: Final = 64
+OUTLINE_CHORDS: Final = 64
 """Of each curve that is no line, to which a text's distance is measured."""
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class LayerText:
     """A text on a drawing's layer. at: its insertion point, mm in the drawing's world."""
 
     text: str
@@ -66,20 +66,20 @@ class Written:
     @property
     def number(self) -> int | None:
         """What it numbers a contour by, None for a text that is no number."""
-        found = NUMBER.fullmatch(self.text)
+        found = NUMBER_TEXT.fullmatch(self.text)
         return None if found is None else int(found[1])
 
 
-Said = tuple[Diagnostic, ...]
+OrderFindings = tuple[Diagnostic, ...]
 
 
-def stated(
+def stated_order(
     contours: Sequence[Contour],
     drawn: Sequence[Contour],
     holders: Sequence[int],
     order: Literal["drawing", "text"],
-    texts: Sequence[Written] = (),
-) -> tuple[Ordering, Said]:
+    texts: Sequence[LayerText] = (),
+) -> tuple[ContourOrder, OrderFindings]:
     """The contours as the drawing has them: none is turned, or started elsewhere.
 
     drawn: what each of them was, beside which the texts stand.
@@ -88,32 +88,36 @@ def stated(
     """
     rows, findings = list(range(len(contours))), list[Diagnostic]()
     if order == "text":
-        numbers, findings = _numbered(drawn, texts)
+        numbers, findings = _numbers_of_contours(drawn, texts)
         rows.sort(key=lambda i: (numbers.get(i, math.inf), i))
     place = {row: at for at, row in enumerate(rows)}
-    early = {h for i, h in enumerate(holders) if h != FREE and place[h] < place[i]}
+    early = {h for i, h in enumerate(holders) if h != FREE_CONTOUR and place[h] < place[i]}
     if early:
         findings.append(HOLDER_FIRST(count=len(early), layer=shown(contours[0].layer)))
     made = tuple(contours[row] for row in rows)
-    return Ordering(made, travel(contours), travel(made)), tuple(findings)
+    return ContourOrder(made, travel_length(contours), travel_length(made)), tuple(findings)
 
 
-def _numbered(
-    contours: Sequence[Contour], texts: Sequence[Written]
+def _numbers_of_contours(
+    contours: Sequence[Contour], texts: Sequence[LayerText]
 ) -> tuple[dict[int, int], list[Diagnostic]]:
     """The number of each contour that has one, and what is wrong."""
     findings: list[Diagnostic] = []
     layer = shown(contours[0].layer)
     numbers: dict[int, int] = {}
-    outlines = [_outline(contour) for contour in contours]
+    outlines = [_sampled_outline(contour) for contour in contours]
     for one in texts:
         if (number := one.number) is None:
             continue
         place = f"entity {one.handle}" if one.handle else None
-        apart = np.array([_distance(one.at, outline) for outline in outlines])
+        apart = np.array([_distance_to_outline(one.at, outline) for outline in outlines])
         nearest = int(apart.argmin())
-        if np.partition(apart, 1)[1] - apart[nearest] < SIDE_BY_SIDE if len(apart) > 1 else False:
-            findings.append(BETWEEN(place=place, layer=layer, one=number))
+        if (
+            np.partition(apart, 1)[1] - apart[nearest] < LEAST_DISTANCE_GAP
+            if len(apart) > 1
+            else False
+        ):
+            findings.append(NUMBER_BETWEEN_CONTOURS(place=place, layer=layer, one=number))
         elif nearest in numbers:
             findings.append(
                 TWO_NUMBERS(place=place, layer=layer, one=numbers[nearest], other=number)
@@ -127,16 +131,16 @@ def _numbered(
     return numbers, findings
 
 
-def _outline(contour: Contour) -> Floats:
+def _sampled_outline(contour: Contour) -> Floats:
     """Points (n, 3) of a line along it."""
     points = []
     for curve in contour.curves:
-        count = 2 if isinstance(curve, Line) else CHORDS + 1
+        count = 2 if isinstance(curve, Line) else OUTLINE_CHORDS + 1
         points.append(sample([curve], np.linspace(0.0, 1.0, count))[0])
     return np.concatenate(points)
 
 
-def _distance(at: Vector, outline: Floats) -> float:
+def _distance_to_outline(at: Vector, outline: Floats) -> float:
     """Mm from a point to a line through points (n, 3)."""
     first, step = outline[:-1], np.diff(outline, axis=0)
     size = (step**2).sum(axis=1)

@@ -21,33 +21,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.bands import bands
+from assistant.sources.contours.bands import contour_band
 from assistant.sources.contours.curves import Arc, Line
 from assistant.sources.contours.flat import (
-    SAMPLED,
+    CHORD_TOLERANCE,
     Piece,
-    Plane,
-    area,
+    PlanePoints,
     polyline,
-    reversed_,
+    reversed_pieces,
+    signed_area,
     tangent,
 )
-from assistant.sources.contours.origins import SAME, Curve, Place, Source
-from assistant.sources.contours.thinning import shortest
+from assistant.sources.contours.origins import SAME_POINT, OffsetCurve, OffsetSource, PlanePoint
+from assistant.sources.contours.thinning import shortest_piece
 
-LEAST_TURN: Final = math.radians(15.0)
+LEAST_CORNER_TURN: Final = math.radians(15.0)
 """Of a corner."""
-ROUGH: Final = 0.15
+BAND_TOLERANCE: Final = 0.15
 """Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
-QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-COVERED: Final = 0.75
+PIECE_QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+COVERED_OFFSETS: Final = 0.75
 """Offsets along a contour from what a way is beside to places that the tool comes to."""
-MITRED: Final = 0.1
+MITRE_PART: Final = 0.1
 """Part of the tolerance that the way around a corner may be off the arc about it as a point."""
 
 
 @dataclass(frozen=True, slots=True)
-class Ring:
+class OffsetRing:
     """One way beside a contour, or the contour itself.
 
     pieces: end to end, seen against the tool. closed: they come back. encloses: what stays lies
@@ -62,13 +62,13 @@ class Ring:
     corners: tuple[tuple[int, float], ...] = ()
     left: bool = False
     starts: tuple[tuple[int, float], ...] = ()
-    bare: Plane | None = field(default=None, compare=False)
+    bare: PlanePoints | None = field(default=None, compare=False)
 
     @property
     def length(self) -> float:
         return math.fsum(piece.length for piece in self.pieces)
 
-    def from_near(self, point: Vector) -> Ring:
+    def from_near(self, point: Vector) -> OffsetRing:
         """The same closed way from the joint that is nearest to a point."""
         count = len(self.pieces)
         first = min(range(count), key=lambda i: math.dist(self.pieces[i].start, point))
@@ -76,51 +76,53 @@ class Ring:
         places = sorted(((i - first) % count, part) for i, part in self.corners)
         return replace(self, pieces=pieces, corners=tuple(places))
 
-    def back(self) -> Ring:
+    def back(self) -> OffsetRing:
         """The same way, followed the other way round."""
         count = len(self.pieces)
         turned = (
             ((count - i) % count, 0.0) if part == 0.0 else (count - 1 - i, 1.0 - part)
             for i, part in self.corners
         )
-        pieces, places = reversed_(self.pieces), tuple(sorted(turned))
+        pieces, places = reversed_pieces(self.pieces), tuple(sorted(turned))
         return replace(self, pieces=pieces, corners=places, left=not self.left)
 
 
-def polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
+def contour_polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
     """What a closed contour is around, as shapely knows it."""
     import shapely
 
-    return shapely.Polygon(polyline(pieces, tolerance * SAMPLED, closed=True))
+    return shapely.Polygon(polyline(pieces, tolerance * CHORD_TOLERANCE, closed=True))
 
 
 def crosses_itself(pieces: Sequence[Piece], tolerance: float) -> bool:
     """Whether a closed contour is around nothing, or touches itself."""
     import shapely
 
-    outline = polyline(pieces, tolerance * SAMPLED, closed=True)
+    outline = polyline(pieces, tolerance * CHORD_TOLERANCE, closed=True)
     return len(outline) < 3 or not shapely.Polygon(outline).is_valid
 
 
-def corners(pieces: Sequence[Piece], *, closed: bool) -> tuple[tuple[int, float], ...]:
+def corner_joints(pieces: Sequence[Piece], *, closed: bool) -> tuple[tuple[int, float], ...]:
     """The joints at which the pieces turn."""
     joints = range(0 if closed else 1, len(pieces))
-    return tuple((i, 0.0) for i in joints if abs(_turn(pieces[i - 1], pieces[i])) > LEAST_TURN)
+    return tuple(
+        (i, 0.0) for i in joints if abs(_turn_between(pieces[i - 1], pieces[i])) > LEAST_CORNER_TURN
+    )
 
 
-def beside(
+def offset_closed(
     pieces: Sequence[Piece], offset: float, tolerance: float, *, outside: bool
-) -> list[Ring]:
+) -> list[OffsetRing]:
     """The ways `offset` mm outside or inside a closed contour, the longest first; none if it is
     too narrow for any. tolerance: mm, of which parts are what the way may be off.
     """
     import shapely
 
     limit = min(tolerance, offset)
-    off = limit * ROUGH
-    source = Source.of(pieces, off, closed=True)
+    off = limit * BAND_TOLERANCE
+    source = OffsetSource.of(pieces, off, closed=True)
     outline = polyline(pieces, off, closed=True)
-    band = bands(source, offset, off, 1 if (area(outline) < 0.0) == outside else -1)
+    band = contour_band(source, offset, off, 1 if (signed_area(outline) < 0.0) == outside else -1)
     whole = shapely.Polygon(outline)
     left = shapely.union(whole, band) if outside else shapely.difference(whole, band)
     found = []
@@ -128,64 +130,66 @@ def beside(
         borders = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else []
         for k, border in enumerate(borders):
             encloses = outside and k == 0
-            ring, bare = _ring(shapely.get_coordinates(border)[:-1], source, offset, limit)
+            ring, bare = _ring_of_border(
+                shapely.get_coordinates(border)[:-1], source, offset, limit
+            )
             if ring:
                 turned = [(i, 0.5) for i, (_, corner) in enumerate(ring) if corner]
                 made = tuple(piece for piece, _ in ring)
-                sharp = {*turned, *corners(made, closed=True)}
-                found.append(Ring(made, True, encloses, tuple(sorted(sharp)), bare=bare))
+                sharp = {*turned, *corner_joints(made, closed=True)}
+                found.append(OffsetRing(made, True, encloses, tuple(sorted(sharp)), bare=bare))
     return sorted(found, key=lambda ring: -ring.length)
 
 
-def beside_open(
+def offset_open(
     pieces: Sequence[Piece], offset: float, tolerance: float, *, left: bool
-) -> list[Ring]:
+) -> list[OffsetRing]:
     """The ways `offset` mm to the left or right of an open contour, as they follow it."""
     import shapely
 
     limit = min(tolerance, offset)
-    off = limit * ROUGH
-    source = Source.of(pieces, off, closed=False)
-    band = bands(source, offset, off)
-    found: list[tuple[int, Ring]] = []
+    off = limit * BAND_TOLERANCE
+    source = OffsetSource.of(pieces, off, closed=False)
+    band = contour_band(source, offset, off)
+    found: list[tuple[int, OffsetRing]] = []
     for part in getattr(band, "geoms", [band]):
         for border in [part.exterior, *part.interiors]:
             points = shapely.get_coordinates(border)[:-1]
-            labels, sides = source.nearest(_middles(points), offset + 2.0 * off)
+            labels, sides = source.nearest(_side_middles(points), offset + 2.0 * off)
             wanted = (sides > 0.0) == left
             wanted &= (labels != source.count) & (labels != 2 * source.count)  # caps at its ends
-            for rows in _stretches(wanted):
+            for rows in _wanted_stretches(wanted):
                 ends = points[np.append(rows, (rows[-1] + 1) % len(points))]
                 chosen = labels[rows]
                 if source.runs_back(ends, chosen):
                     ends, chosen = ends[::-1], chosen[::-1]
-                way = _joined(ends, chosen, source, offset, limit, closed=False)
+                way = _pieces_of_sides(ends, chosen, source, offset, limit, closed=False)
                 made = tuple(piece for piece, _ in way)
-                if made and _length(made) > offset * 1e-3:
+                if made and _total_length(made) > offset * 1e-3:
                     sharp = tuple((i, 0.5) for i, (_, corner) in enumerate(way) if corner)
-                    bare = source.bare(ends, chosen, COVERED * offset, offset)
-                    sharp = (*sharp, *corners(made, closed=False))
-                    ring = Ring(made, False, False, sharp, bare=bare)
+                    bare = source.bare(ends, chosen, COVERED_OFFSETS * offset, offset)
+                    sharp = (*sharp, *corner_joints(made, closed=False))
+                    ring = OffsetRing(made, False, False, sharp, bare=bare)
                     found.append((int(chosen[0]) % source.count, ring))
     return [ring for _, ring in sorted(found, key=lambda one: one[0])]
 
 
-def _length(pieces: Sequence[Piece]) -> float:
+def _total_length(pieces: Sequence[Piece]) -> float:
     return math.fsum(piece.length for piece in pieces)
 
 
-def _turn(one: Piece, other: Piece) -> float:
+def _turn_between(one: Piece, other: Piece) -> float:
     """Radians to the left from the end of a piece to the start of the next."""
     (ax, ay), (bx, by) = tangent(one, 1.0), tangent(other, 0.0)
     return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-def _middles(points: Plane) -> Plane:
+def _side_middles(points: PlanePoints) -> PlanePoints:
     """Of the sides of a closed polygon."""
     return np.asarray(0.5 * (points + np.roll(points, -1, axis=0)))
 
 
-def _stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
+def _wanted_stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
     """Rows of a circle that follow each other and are wanted."""
     n = len(wanted)
     if wanted.all():
@@ -198,28 +202,28 @@ def _stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
                 yield np.array(list(group), dtype=np.intp)
 
 
-def _ring(
-    points: Plane, source: Source, offset: float, limit: float
-) -> tuple[list[tuple[Piece, bool]], Plane]:
+def _ring_of_border(
+    points: PlanePoints, source: OffsetSource, offset: float, limit: float
+) -> tuple[list[tuple[Piece, bool]], PlanePoints]:
     """A border of a union as lines and arcs, each with whether it goes around a corner, and
     points of the contour that it is not beside.
     """
-    keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > SAME
+    keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > SAME_POINT
     points = points[keep]
-    if len(points) < 3 or abs(area(points)) < SAME:
+    if len(points) < 3 or abs(signed_area(points)) < SAME_POINT:
         return [], points[:0]
-    labels, _ = source.nearest(_middles(points), offset + 2.0 * ROUGH * limit)
+    labels, _ = source.nearest(_side_middles(points), offset + 2.0 * BAND_TOLERANCE * limit)
     changes = np.flatnonzero(labels != np.roll(labels, 1))
     if changes.size:
         first = -int(changes[0])
         points, labels = np.roll(points, first, axis=0), np.roll(labels, first)
     ends = np.concatenate([points, points[:1]])
-    made = _joined(ends, labels, source, offset, limit, closed=True)
-    return made, source.bare(ends, labels, COVERED * offset, offset)
+    made = _pieces_of_sides(ends, labels, source, offset, limit, closed=True)
+    return made, source.bare(ends, labels, COVERED_OFFSETS * offset, offset)
 
 
 @dataclass(slots=True)
-class _Run:
+class _SideRun:
     """Sides of a polygon with one label that follow each other, and the curve that they stand for.
 
     begin, end: its corners. length: mm. turn: radians about the centre of a circle. mitre: where
@@ -227,19 +231,19 @@ class _Run:
     """
 
     label: int
-    curve: Curve
-    begin: Place
-    end: Place
+    curve: OffsetCurve
+    begin: PlanePoint
+    end: PlanePoint
     length: float
     turn: float = 0.0
-    mitre: Place | None = None
+    mitre: PlanePoint | None = None
 
-    def with_next(self, other: _Run) -> _Run:
+    def with_next(self, other: _SideRun) -> _SideRun:
         """One run of two with the same label, over what lay between them."""
         turn = self.turn + other.turn
         return replace(self, end=other.end, length=self.length + other.length, turn=turn)
 
-    def piece(self, start: Place, end: Place) -> Piece | None:
+    def piece(self, start: PlanePoint, end: PlanePoint) -> Piece | None:
         """What runs from one point to another; None where that is backwards."""
         curve = self.curve
         dx, dy = end[0] - start[0], end[1] - start[1]
@@ -248,23 +252,26 @@ class _Run:
             return None if back else Line((*start, 0.0), (*end, 0.0))
         x, y = curve.point
         first, last = (math.atan2(p[1] - y, p[0] - x) for p in (start, end))
-        sweep = self.turn + _wrapped(last - first - self.turn)
-        if sweep * self.turn <= 0.0 or math.hypot(dx, dy) <= SAME < curve.radius * math.tau - SAME:
+        sweep = self.turn + _wrapped_angle(last - first - self.turn)
+        if (
+            sweep * self.turn <= 0.0
+            or math.hypot(dx, dy) <= SAME_POINT < curve.radius * math.tau - SAME_POINT
+        ):
             return None
         half = first + 0.5 * sweep
         via = (x + curve.radius * math.cos(half), y + curve.radius * math.sin(half), 0.0)
         ends = (*start, 0.0), (*end, 0.0)
         off = max(abs(math.hypot(p[0] - x, p[1] - y) - curve.radius) for p in (start, end))
-        if off > SAME and (arc := Arc.through(ends[0], via, ends[1])) is not None:
+        if off > SAME_POINT and (arc := Arc.through(ends[0], via, ends[1])) is not None:
             return arc
         normal = (0.0, 0.0, math.copysign(1.0, sweep))
         return Arc(ends[0], via, ends[1], (x, y, 0.0), curve.radius, normal)
 
 
-def _joined(
-    ends: Plane,
+def _pieces_of_sides(
+    ends: PlanePoints,
     labels: NDArray[np.intp],
-    source: Source,
+    source: OffsetSource,
     offset: float,
     limit: float,
     *,
@@ -274,22 +281,22 @@ def _joined(
     label are one piece, each with whether it goes around a corner. ends: (m + 1, 2). labels:
     (m,). limit: mm that a joint may be away from the polygon's.
     """
-    runs = _runs(ends, labels, source, offset)
+    runs = _side_runs(ends, labels, source, offset)
     if len(runs) == 1 and closed:
-        curve, turn = runs[0].curve, math.copysign(360.0, area(ends[:-1]))
+        curve, turn = runs[0].curve, math.copysign(360.0, signed_area(ends[:-1]))
         around = (*curve.point, 0.0), (0.0, 0.0, 1.0), (*curve.nearest(runs[0].begin), 0.0)
         return [(Arc.about(*around, turn), False)]
-    runs, dropped = _long_ones(runs, source, offset, limit, closed=closed)
+    runs, dropped = _long_runs(runs, source, offset, limit, closed=closed)
     pairs = list(zip(runs, [*runs[1:], runs[0]], dropped, strict=True))
-    joints = [_joint(one, two, between, limit) for one, two, between in pairs]
+    joints = [_joint_of_runs(one, two, between, limit) for one, two, between in pairs]
     if not closed:
         joints[-1] = runs[-1].curve.nearest(runs[-1].end)
     begins = [joints[-1] if closed else runs[0].curve.nearest(runs[0].begin), *joints[:-1]]
-    found: list[tuple[Place, Place, Piece | None]] = []
+    found: list[tuple[PlanePoint, PlanePoint, Piece | None]] = []
     for k, run in enumerate(runs):
         found.append((begins[k], joints[k], run.piece(begins[k], joints[k])))
         if found[k][2] is None:  # its neighbours cut it off
-            half = _half_way(begins[k], joints[k])
+            half = _midpoint(begins[k], joints[k])
             begins[k] = joints[k] = half
             if closed or k:
                 joints[k - 1] = half
@@ -297,22 +304,24 @@ def _joined(
                 begins[(k + 1) % len(runs)] = half
     made: list[tuple[Piece, bool]] = []
     for run, start, end, (*ends_then, piece) in zip(runs, begins, joints, found, strict=True):
-        if math.dist(start, end) > SAME:
+        if math.dist(start, end) > SAME_POINT:
             if ends_then != [start, end]:
                 piece = run.piece(start, end)
             made.append((piece or Line((*start, 0.0), (*end, 0.0)), run.label >= source.count))
     return made
 
 
-def _runs(ends: Plane, labels: NDArray[np.intp], source: Source, offset: float) -> list[_Run]:
+def _side_runs(
+    ends: PlanePoints, labels: NDArray[np.intp], source: OffsetSource, offset: float
+) -> list[_SideRun]:
     """Sides with one label that follow each other."""
     sums = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
     bounds = np.concatenate([[0], np.flatnonzero(labels[1:] != labels[:-1]) + 1, [len(labels)]])
     first, last = sums[bounds[:-1]], sums[bounds[1:]]
-    marks = first[:, None] + (last - first)[:, None] * QUARTERS
+    marks = first[:, None] + (last - first)[:, None] * PIECE_QUARTERS
     points = np.stack([np.interp(marks, sums, ends[:, i]) for i in (0, 1)], axis=-1).tolist()
     lengths = (last - first).tolist()
-    runs: list[_Run] = []
+    runs: list[_SideRun] = []
     for label, length, places in zip(labels[bounds[:-1]].tolist(), lengths, points, strict=True):
         begin, *_, end = ((x, y) for x, y in places)
         curve = source.curve(label, offset, (places[2][0], places[2][1]))
@@ -320,19 +329,19 @@ def _runs(ends: Plane, labels: NDArray[np.intp], source: Source, offset: float) 
         if curve.along is None:
             x, y = curve.point
             angles = [math.atan2(py - y, px - x) for px, py in places]
-            turn = math.fsum(_wrapped(b - a) for a, b in pairwise(angles))
-        runs.append(_Run(label, curve, begin, end, length, turn))
+            turn = math.fsum(_wrapped_angle(b - a) for a, b in pairwise(angles))
+        runs.append(_SideRun(label, curve, begin, end, length, turn))
     return runs
 
 
-def _long_ones(
-    runs: list[_Run], source: Source, offset: float, limit: float, *, closed: bool
-) -> tuple[list[_Run], list[list[_Run]]]:
+def _long_runs(
+    runs: list[_SideRun], source: OffsetSource, offset: float, limit: float, *, closed: bool
+) -> tuple[list[_SideRun], list[list[_SideRun]]]:
     """Runs that are long enough to be a move, and after each what is left out before the next.
 
     A small turn becomes a point. Of what is left out in a row no more goes than is short.
     """
-    last, least, left = len(runs) - 1, shortest(limit), 0.0
+    last, least, left = len(runs) - 1, shortest_piece(limit), 0.0
     kept: list[bool] = []
     for k, run in enumerate(runs):
         stays = not closed and k in (0, last)
@@ -341,7 +350,7 @@ def _long_ones(
             beside = {runs[k - 1].label, runs[(k + 1) % len(runs)].label}
             if beside == {(joint - 1) % source.count, joint}:
                 place, off = source.mitre(run.label, offset, run.begin)
-                if off <= MITRED * limit:
+                if off <= MITRE_PART * limit:
                     run.mitre = place
         small = run.mitre is not None or (not stays and left + run.length < least)
         left = left + run.length if small and run.mitre is None else 0.0
@@ -349,8 +358,8 @@ def _long_ones(
     if sum(kept) < 2:
         return runs, [[] for _ in runs]
     first = kept.index(True)
-    found: list[_Run] = []
-    dropped: list[list[_Run]] = []
+    found: list[_SideRun] = []
+    dropped: list[list[_SideRun]] = []
     for k in range(first, first + len(runs)):
         run = runs[k % len(runs)]
         if not kept[k % len(runs)]:
@@ -366,22 +375,24 @@ def _long_ones(
     return found, dropped
 
 
-def _joint(one: _Run, two: _Run, between: Sequence[_Run], limit: float) -> Place:
+def _joint_of_runs(
+    one: _SideRun, two: _SideRun, between: Sequence[_SideRun], limit: float
+) -> PlanePoint:
     """Where a run goes over into the next one. between: what is left out there."""
     if len(between) == 1 and between[0].mitre is not None:
         return between[0].mitre
-    near = _half_way(one.end, two.begin)
+    near = _midpoint(one.end, two.begin)
     meet = one.curve.meets(two.curve, near)
     reach = limit + math.fsum(run.length for run in between)
     if meet is not None and math.dist(meet, near) <= reach:
         return meet
-    return _half_way(one.curve.nearest(near), two.curve.nearest(near))
+    return _midpoint(one.curve.nearest(near), two.curve.nearest(near))
 
 
-def _half_way(a: Place, b: Place) -> Place:
+def _midpoint(a: PlanePoint, b: PlanePoint) -> PlanePoint:
     return (a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0
 
 
-def _wrapped(angle: float) -> float:
+def _wrapped_angle(angle: float) -> float:
     """The same angle between -pi and pi."""
     return (angle + math.pi) % math.tau - math.pi

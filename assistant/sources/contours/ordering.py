@@ -26,26 +26,26 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Points
-from assistant.sources.contours.neighbours import along_curve, near_owners
+from assistant.sources.contours.neighbours import along_morton_curve, near_owners
 
-NEIGHBOURS: Final = 8
+TRIED_NEIGHBOURS: Final = 8
 """Other contours that a contour is tried beside."""
-EFFORT: Final = 12
+LOOKS_PER_CONTOUR: Final = 12
 """Looks at each contour, on the average, while improving a tour."""
-MANY: Final = 2000
+MANY_CONTOURS: Final = 2000
 """Contours over which the effort for all of them grows no further, but one look at each."""
-MOST_ENTRIES: Final = 24
+MOST_STARTS_TRIED: Final = 24
 """Vertices of a closed contour that are tried as its start."""
-LONGEST_MOVED: Final = 3
+LONGEST_MOVED_RUN: Final = 3
 LEAST_GAIN: Final = 1e-6
-FREE: Final = -1
+FREE_CONTOUR: Final = -1
 """Holder of a contour that none holds."""
 
-Place = tuple[float, ...]
+TourPoint = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class TravelMeasure:
     """What travel is measured by instead of mm.
 
     places: points (n, 3) → (n, k), each what `apart` asks of it; None if that cannot be had.
@@ -53,14 +53,14 @@ class Measure:
     """
 
     places: Callable[[Points], Floats | None]
-    apart: Callable[[Place, Place], float]
+    apart: Callable[[TourPoint, TourPoint], float]
 
 
-BY_LENGTH: Final = Measure(lambda points: points, math.dist)
+BY_TRAVEL_LENGTH: Final = TravelMeasure(lambda points: points, math.dist)
 
 
 @dataclass(frozen=True, slots=True)
-class Ordering:
+class ContourOrder:
     """contours: as they should be followed. before, after: mm of travel between them, or what it
     was measured by if `measured`.
     """
@@ -71,9 +71,9 @@ class Ordering:
     measured: bool = False
 
 
-def ordered(
-    contours: Sequence[Contour], holders: Sequence[int] = (), measure: Measure | None = None
-) -> Ordering:
+def order_contours(
+    contours: Sequence[Contour], holders: Sequence[int] = (), measure: TravelMeasure | None = None
+) -> ContourOrder:
     """The contours in an order of short travel: turned, started elsewhere, none left out.
 
     holders: for each contour the one that it has to come before, or -1; none: no such rule. It
@@ -81,18 +81,20 @@ def ordered(
     """
     given = tuple(contours)
     if len(given) < 2:
-        return Ordering(given, 0.0, 0.0)
+        return ContourOrder(given, 0.0, 0.0)
     stops = [_Stop.of(c) for c in given]
-    before, after, tour, timed = _improved(stops, list(holders) or [FREE] * len(given), measure)
+    before, after, tour, timed = _improved_tour(
+        stops, list(holders) or [FREE_CONTOUR] * len(given), measure
+    )
     made = tuple(tour.stops[c].contour() for c in tour.order)
-    allowed = all(holder == FREE or i < holder for i, holder in enumerate(tour.holders))
+    allowed = all(holder == FREE_CONTOUR or i < holder for i, holder in enumerate(tour.holders))
     if allowed and before <= after:
-        return Ordering(given, before, before, timed)
-    return Ordering(made, before, after, timed)
+        return ContourOrder(given, before, before, timed)
+    return ContourOrder(made, before, after, timed)
 
 
 @dataclass(frozen=True, slots=True)
-class Visiting:
+class PointOrder:
     """rows: of points, in the order to visit them. before, after: as of `Ordering`."""
 
     rows: tuple[int, ...]
@@ -101,42 +103,42 @@ class Visiting:
     measured: bool
 
 
-def visited(points: Points, measure: Measure) -> Visiting:
+def order_points(points: Points, measure: TravelMeasure) -> PointOrder:
     """Points (n, 3) in an order of short travel."""
     given = tuple(range(len(points)))
     if len(points) < 2:
-        return Visiting(given, 0.0, 0.0, measured=False)
+        return PointOrder(given, 0.0, 0.0, measured=False)
     stops = [_Stop(None, points[i : i + 1], [0]) for i in given]
-    before, after, tour, timed = _improved(stops, [FREE] * len(stops), measure)
+    before, after, tour, timed = _improved_tour(stops, [FREE_CONTOUR] * len(stops), measure)
     if before <= after:
-        return Visiting(given, before, before, timed)
-    return Visiting(tuple(tour.order), before, after, timed)
+        return PointOrder(given, before, before, timed)
+    return PointOrder(tuple(tour.order), before, after, timed)
 
 
-def travel(contours: Sequence[Contour]) -> float:
+def travel_length(contours: Sequence[Contour]) -> float:
     """Mm from the end of each contour to the start of the next."""
     ends = [c.end for c in contours[:-1]]
     starts = [c.start for c in contours[1:]]
     return math.fsum(map(math.dist, ends, starts))
 
 
-def _improved(
-    stops: list[_Stop], holders: list[int], measure: Measure | None
+def _improved_tour(
+    stops: list[_Stop], holders: list[int], measure: TravelMeasure | None
 ) -> tuple[float, float, _Tour, bool]:
     """A tour of stops, the travel before and after, and whether the measure could be taken."""
     points = np.concatenate([stop.points for stop in stops])
     places = None if measure is None else measure.places(points)
-    used = BY_LENGTH if measure is None or places is None else measure
+    used = BY_TRAVEL_LENGTH if measure is None or places is None else measure
     rest = iter(map(tuple, (points if places is None else places).tolist()))
     for stop in stops:
         stop.stand([next(rest) for _ in range(len(stop.points))])
-    before = _travel(stops, used)
+    before = _tour_travel(stops, used)
     tour = _Tour(stops, holders, used)
     tour.improve()
-    return before, _travel([stops[i] for i in tour.order], used), tour, used is measure
+    return before, _tour_travel([stops[i] for i in tour.order], used), tour, used is measure
 
 
-def _travel(stops: Sequence[_Stop], measure: Measure) -> float:
+def _tour_travel(stops: Sequence[_Stop], measure: TravelMeasure) -> float:
     return math.fsum(measure.apart(a.exit, b.entry) for a, b in pairwise(stops))
 
 
@@ -151,9 +153,9 @@ class _Stop:
     given: Contour | None
     points: Points
     vertices: list[int]
-    entry: Place = ()
-    exit: Place = ()
-    choices: list[Place] = field(default_factory=list)
+    entry: TourPoint = ()
+    exit: TourPoint = ()
+    choices: list[TourPoint] = field(default_factory=list)
     chosen: int = 0
     backwards: bool = False
     fixed: bool = False
@@ -165,11 +167,11 @@ class _Stop:
             return _Stop(contour, ends, [], fixed=contour.fixed)
         vertices = contour.vertices
         count = len(vertices)
-        tried = min(count, MOST_ENTRIES)
+        tried = min(count, MOST_STARTS_TRIED)
         rows = [i * count // tried for i in range(tried)]
         return _Stop(contour, vertices[rows], rows)
 
-    def stand(self, places: list[Place]) -> None:
+    def stand(self, places: list[TourPoint]) -> None:
         """As given, with the places of its points."""
         self.entry, self.exit = places[0], places[0 if self.vertices else -1]
         self.choices = places if self.vertices else []
@@ -199,19 +201,19 @@ class _Tour:
     holders: of each stop the one that comes later, or -1. held: the stops that each holds.
     """
 
-    def __init__(self, stops: list[_Stop], holders: list[int], measure: Measure) -> None:
+    def __init__(self, stops: list[_Stop], holders: list[int], measure: TravelMeasure) -> None:
         self.stops, self.holders, self.apart = stops, holders, measure.apart
         self.held: list[list[int]] = [[] for _ in stops]
         for stop, holder in enumerate(holders):
-            if holder != FREE:
+            if holder != FREE_CONTOUR:
                 self.held[holder].append(stop)
-        self.free = all(holder == FREE for holder in holders)
+        self.free = all(holder == FREE_CONTOUR for holder in holders)
         self.any_fixed = any(stop.fixed for stop in stops)
         ends = [stop.ends() for stop in stops]
         points = np.concatenate(ends)
         owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
-        self.near = near_owners(points, owners, NEIGHBOURS)
-        self.order = self._nearest_first(owners[along_curve(points)].tolist())
+        self.near = near_owners(points, owners, TRIED_NEIGHBOURS)
+        self.order = self._nearest_first(owners[along_morton_curve(points)].tolist())
         self.place = [0] * len(stops)
         for place, stop in enumerate(self.order):
             self.place[stop] = place
@@ -233,7 +235,7 @@ class _Tour:
             order.append(stop)
             here = self.stops[stop].exit
             open_ = [s for s in self.near[stop] if not done[s] and not waits[s]]
-            if (holder := self.holders[stop]) != FREE:
+            if (holder := self.holders[stop]) != FREE_CONTOUR:
                 waits[holder] -= 1
                 if not waits[holder]:
                     freed.append(holder)
@@ -250,7 +252,7 @@ class _Tour:
                 self._enter_near(stop, here)
         return order
 
-    def _enter_near(self, stop: int, here: Place) -> float:
+    def _enter_near(self, stop: int, here: TourPoint) -> float:
         """Turns the stop so that it is entered where it is nearest, and says how near."""
         it = self.stops[stop]
         if it.choices:
@@ -259,7 +261,7 @@ class _Tour:
             it.flip()
         return self.apart(here, it.entry)
 
-    def _link(self, one: Place | None, two: Place | None) -> float:
+    def _link(self, one: TourPoint | None, two: TourPoint | None) -> float:
         """Travel between two places of the tour; none before its start and after its end."""
         return 0.0 if one is None or two is None else self.apart(one, two)
 
@@ -273,7 +275,7 @@ class _Tour:
         """Looks at each stop until none gains any more, or the effort is spent."""
         n = len(self.order)
         waiting, queued = deque(self.order), [True] * n
-        effort = max(EFFORT * min(n, MANY), n)
+        effort = max(LOOKS_PER_CONTOUR * min(n, MANY_CONTOURS), n)
         while waiting and effort > 0:
             effort -= 1
             stop = waiting.popleft()
@@ -320,7 +322,7 @@ class _Tour:
             a, b = (i, j) if i < j else (j, i)
             yield a + 1, b + 1, -1, True
             yield a, b, -1, True
-            for size in range(1, LONGEST_MOVED + 1):
+            for size in range(1, LONGEST_MOVED_RUN + 1):
                 for low in {i, i - size + 1}:
                     high = low + size
                     if low < 0 or high > n or low <= j < high:
@@ -339,7 +341,7 @@ class _Tour:
         """Whether after a change each stop still comes before its holder."""
         place, holders = self.place, self.holders
         moved = self.order[low:high]
-        later = [place[holders[s]] if holders[s] != FREE else math.inf for s in moved]
+        later = [place[holders[s]] if holders[s] != FREE_CONTOUR else math.inf for s in moved]
         if backwards and any(low <= p < high for p in later):
             return False
         if to > high:
@@ -393,8 +395,8 @@ class _Tour:
         it.enter(best)
         return self.order[max(i - 1, 0) : i + 2]
 
-    def _entry(self, place: int) -> Place | None:
+    def _entry(self, place: int) -> TourPoint | None:
         return self.stops[self.order[place]].entry if place < len(self.order) else None
 
-    def _exit(self, place: int) -> Place | None:
+    def _exit(self, place: int) -> TourPoint | None:
         return self.stops[self.order[place]].exit if place >= 0 else None

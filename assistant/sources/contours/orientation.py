@@ -13,13 +13,13 @@ from assistant.program.motion import Kind
 from assistant.sources.contours.curves import Points
 from assistant.sources.contours.moves import Moves
 
-SMOOTH: Final = 15.0
+SMOOTH_CORNER: Final = 15.0
 """Degrees of a corner up to which the tool turns on while it moves; over it, it stops."""
-NO_DIRECTION: Final = 1e-6
+LEAST_PROJECTION: Final = 1e-6
 """Length of a projected unit vector below which it has no direction."""
 
 
-def level(direction: Vector) -> Points:
+def level_x_axis(direction: Vector) -> Points:
     """The tool's x axis that is as near to the frame's +X as `direction`, its z axis, allows.
 
     The frame's +Y takes the place of +X where the tool points along X.
@@ -28,30 +28,30 @@ def level(direction: Vector) -> Points:
     for axis in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         x = axis - (axis @ z) * z
         length = float(np.linalg.norm(x))
-        if length > NO_DIRECTION:
+        if length > LEAST_PROJECTION:
             return np.asarray(x / length)
     raise ValueError(f"{direction} is no direction")
 
 
-def facing(direction: Vector, x: Points) -> Points:
+def facing_quaternions(direction: Vector, x: Points) -> Points:
     """Canonical quaternions (n, 4) of tools with z along a direction and x axes (n, 3)."""
     z = np.broadcast_to(np.asarray(direction, dtype=np.float64), x.shape)
     return rotations.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
 
 
-def turned(quaternions: Points, direction: Vector) -> float:
+def degrees_turned(quaternions: Points, direction: Vector) -> float:
     """Degrees about a direction that tools (n, 4) turn from the first to the last, in all.
 
     From row to row they turn the shorter way; to the right about the direction counts up.
     """
-    x = level(direction)
+    x = level_x_axis(direction)
     y = np.cross(np.asarray(direction, dtype=np.float64), x)
     axes = rotations.rotate(quaternions, np.broadcast_to([1.0, 0.0, 0.0], (len(quaternions), 3)))
     angles = np.unwrap(np.arctan2(axes @ y, axes @ x))
     return float(np.degrees(angles[-1] - angles[0]))
 
 
-def along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
+def x_axes_along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
     """X axes that follow the contour: at its start (3,), at the rows, and where to turn.
 
     The rows' axes are (m, 3) for the rows that the third result, (m,), lists: a row that
@@ -61,9 +61,9 @@ def along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
     """
     n = len(moves)
     z = np.asarray(direction, dtype=np.float64)
-    arriving, leaving = (_across(v, z) for v in (moves.arriving, moves.leaving))
+    arriving, leaving = (_projected_units(v, z) for v in (moves.arriving, moves.leaving))
     both = np.stack([leaving, arriving], axis=1).reshape(-1, 3)  # in order of the way
-    both = _held_on(both, level(direction))
+    both = _filled_forward(both, level_x_axis(direction))
     leaving, arriving = both[0::2], both[1::2]
     after = np.concatenate([leaving[1:], arriving[-1:]])
     turn = np.degrees(
@@ -71,8 +71,8 @@ def along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
             np.linalg.norm(np.cross(arriving, after), axis=1), (arriving * after).sum(axis=1)
         )
     )
-    corner = (turn > SMOOTH) & (moves.kinds != Kind.VIA)
-    mean = _normal(np.where(corner[:, None], arriving, arriving + after))
+    corner = (turn > SMOOTH_CORNER) & (moves.kinds != Kind.VIA)
+    mean = _unit_normals(np.where(corner[:, None], arriving, arriving + after))
     rows = np.repeat(np.arange(n), np.where(corner, 2, 1))
     second = np.flatnonzero(rows[1:] == rows[:-1]) + 1
     axes = mean[rows]
@@ -80,15 +80,15 @@ def along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
     return leaving[0], axes, rows
 
 
-def _across(v: Points, z: Points) -> Points:
+def _projected_units(v: Points, z: Points) -> Points:
     """Unit vectors of v (n, 3) seen along z; NaN where v runs along it."""
     flat = v - (v @ z)[:, None] * z
     size = np.linalg.norm(flat, axis=1, keepdims=True)
-    known = size > NO_DIRECTION
+    known = size > LEAST_PROJECTION
     return np.asarray(np.where(known, flat / np.where(known, size, 1.0), np.nan))
 
 
-def _held_on(v: Points, otherwise: Points) -> Points:
+def _filled_forward(v: Points, otherwise: Points) -> Points:
     """Rows of NaN filled with the row before; the first ones with the first known, if any."""
     known = np.flatnonzero(~np.isnan(v[:, 0]))
     if not known.size:
@@ -97,5 +97,5 @@ def _held_on(v: Points, otherwise: Points) -> Points:
     return np.asarray(v[known[np.maximum(place, 0)]])
 
 
-def _normal(v: Points) -> Points:
+def _unit_normals(v: Points) -> Points:
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))

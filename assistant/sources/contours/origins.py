@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.sources.contours.curves import Arc
-from assistant.sources.contours.flat import Piece, Plane, at_parts, many_chords
+from assistant.sources.contours.flat import Piece, PlanePoints, at_parts, chord_counts
 
-SAME: Final = 1e-6
+SAME_POINT: Final = 1e-6
 """mm between two points that are one."""
 
-Numbers = NDArray[np.float64]
-Place = tuple[float, float]
+Columns = NDArray[np.float64]
+PlanePoint = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class OffsetSource:
     """The pieces in columns. Labels: piece i is i, the joint before it count + i; of an open
     contour count is its start and 2 count its end.
 
@@ -32,18 +32,18 @@ class Source:
     closed: bool
     tree: Any
     arcs: NDArray[np.bool_]
-    start: Numbers
-    end: Numbers
-    leaving: Numbers
-    arriving: Numbers
-    centre: Numbers
-    radius: Numbers
-    first: Numbers
-    sweep: Numbers
-    about: Numbers
+    start: Columns
+    end: Columns
+    leaving: Columns
+    arriving: Columns
+    centre: Columns
+    radius: Columns
+    first: Columns
+    sweep: Columns
+    about: Columns
 
     @staticmethod
-    def of(pieces: Sequence[Piece], off: float, *, closed: bool) -> Source:
+    def of(pieces: Sequence[Piece], off: float, *, closed: bool) -> OffsetSource:
         """off: mm that the tree's chords of an arc are off at most."""
         import shapely
 
@@ -57,17 +57,19 @@ class Source:
         for i, arc in rows:
             centre[i], radius[i] = arc.centre[:2], arc.radius
             sweep[i], about[i] = math.radians(arc.sweep), math.copysign(1.0, arc.normal[2])
-        counts = many_chords(given, off) + 1
+        counts = chord_counts(given, off) + 1
         owner = np.repeat(np.arange(len(given)), counts)
         begins = np.cumsum(counts) - counts
         parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
         lines = shapely.linestrings(at_parts(given, owner, parts), indices=owner)
         arm = start - centre
         directions = [
-            _unit(np.where(arcs[:, None], about[:, None] * _left(at - centre), end - start))
+            _unit_vectors(
+                np.where(arcs[:, None], about[:, None] * _turned_left(at - centre), end - start)
+            )
             for at in (start, end)
         ]
-        return Source(
+        return OffsetSource(
             given,
             closed,
             shapely.STRtree(lines),
@@ -87,7 +89,7 @@ class Source:
     def count(self) -> int:
         return len(self.pieces)
 
-    def nearest(self, points: Plane, reach: float) -> tuple[NDArray[np.intp], Numbers]:
+    def nearest(self, points: PlanePoints, reach: float) -> tuple[NDArray[np.intp], Columns]:
         """For each point (m, 2) the label of what is nearest, and on which side: over 0 left.
 
         The tree gives the pieces within `reach` mm of a point, or the nearest one of a point that
@@ -131,13 +133,15 @@ class Source:
         if self.closed:
             joint = joint % self.count
         labels = np.where(within[best], chosen, self.count + joint)
-        line_side = cross_of(way[best], points - self.start[chosen])
+        line_side = plane_cross(way[best], points - self.start[chosen])
         arc_side = (self.radius[chosen] - far_off[best]) * self.about[chosen]
-        joint_side = cross_of(self._along_joint(joint), points - self._corner(joint))
+        joint_side = plane_cross(self._along_joint(joint), points - self._corner(joint))
         sides = np.where(within[best], np.where(arc[best], arc_side, line_side), joint_side)
         return labels.astype(np.intp), sides
 
-    def bare(self, ends: Plane, labels: NDArray[np.intp], near: float, step: float) -> Plane:
+    def bare(
+        self, ends: PlanePoints, labels: NDArray[np.intp], near: float, step: float
+    ) -> PlanePoints:
         """Points (k, 2), at most `step` mm apart, of what no side of a polygon is beside, or `near`
         mm of the contour farther on. ends: (m + 1, 2) of the sides. labels: (m,), theirs.
         """
@@ -169,7 +173,7 @@ class Source:
         open_ = (last < 0) | (high[np.maximum(last, 0)] < wanted)
         return at_parts(self.pieces, rows[open_], shares[open_])
 
-    def _part(self, pieces: NDArray[np.intp], points: Plane) -> Numbers:
+    def _part(self, pieces: NDArray[np.intp], points: PlanePoints) -> Columns:
         """The parts (n,), 0 to 1, of pieces (n,) that points (n, 2) are beside."""
         start, end = self.start[pieces], self.end[pieces]
         way = end - start
@@ -184,18 +188,18 @@ class Source:
         round_ = np.where(before, 0.0, turned / sweep)
         return np.clip(np.where(self.arcs[pieces], round_, parts), 0.0, 1.0)
 
-    def _corner(self, joint: NDArray[np.intp]) -> Numbers:
+    def _corner(self, joint: NDArray[np.intp]) -> Columns:
         last = (joint >= self.count)[..., None]
         return np.where(last, self.end[-1], self.start[np.minimum(joint, self.count - 1)])
 
-    def _along_joint(self, joint: NDArray[np.intp]) -> Numbers:
+    def _along_joint(self, joint: NDArray[np.intp]) -> Columns:
         """The direction of a contour at joints, the mean of both sides."""
         before = ((joint > 0) | self.closed)[..., None]
         after = (joint < self.count)[..., None]
         arriving, leaving = self.arriving[joint - 1], self.leaving[joint % self.count]
         return np.asarray(np.where(before, arriving, 0.0) + np.where(after, leaving, 0.0))
 
-    def runs_back(self, ends: Plane, labels: NDArray[np.intp]) -> bool:
+    def runs_back(self, ends: PlanePoints, labels: NDArray[np.intp]) -> bool:
         """Whether the longest side between ends (m + 1, 2) runs against what it is beside."""
         ways = np.diff(ends, axis=0)
         sizes = np.linalg.norm(ways, axis=1) * (1.0 + (labels < self.count) * ends.size)
@@ -204,31 +208,31 @@ class Source:
         if label >= self.count:
             along = self._along_joint(np.array(label - self.count))
         elif self.arcs[label]:
-            along = self.about[label] * _left(middle - self.centre[label])
+            along = self.about[label] * _turned_left(middle - self.centre[label])
         else:
             along = self.end[label] - self.start[label]
         return float(ways[k] @ along) < 0.0
 
-    def curve(self, label: int, offset: float, near: Place) -> Curve:
+    def curve(self, label: int, offset: float, near: PlanePoint) -> OffsetCurve:
         """What runs at the offset beside a piece or around a joint, past a point."""
         if label >= self.count:
-            return Curve(self.corner(label), None, offset)
+            return OffsetCurve(self.corner(label), None, offset)
         x, y = near
         if self.arcs[label]:
             centre, radius = self._place(self.centre, label), float(self.radius[label])
             far = math.hypot(x - centre[0], y - centre[1])
             sizes = (radius + offset, abs(radius - offset))
-            return Curve(centre, None, min(sizes, key=lambda size: abs(size - far)))
+            return OffsetCurve(centre, None, min(sizes, key=lambda size: abs(size - far)))
         (sx, sy), (ux, uy) = self._place(self.start, label), self._place(self.leaving, label)
         side = offset if ux * (y - sy) - uy * (x - sx) >= 0.0 else -offset
-        return Curve((sx - side * uy, sy + side * ux), (ux, uy), 0.0)
+        return OffsetCurve((sx - side * uy, sy + side * ux), (ux, uy), 0.0)
 
-    def corner(self, label: int) -> Place:
+    def corner(self, label: int) -> PlanePoint:
         """Where the joint of a label is."""
         joint = label - self.count
         return self._place(self.end, -1) if joint >= self.count else self._place(self.start, joint)
 
-    def mitre(self, label: int, offset: float, near: Place) -> tuple[Place, float]:
+    def mitre(self, label: int, offset: float, near: PlanePoint) -> tuple[PlanePoint, float]:
         """Where the ways beside both sides of a joint meet, and mm from there to its round."""
         joint = label - self.count
         (ax, ay), (bx, by) = self._place(self.arriving, joint - 1), self._place(self.leaving, joint)
@@ -243,19 +247,19 @@ class Source:
         return (corner[0] + size * x, corner[1] + size * y), offset * (1.0 / half - 1.0)
 
     @staticmethod
-    def _place(column: Numbers, row: int) -> Place:
+    def _place(column: Columns, row: int) -> PlanePoint:
         return float(column[row, 0]), float(column[row, 1])
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class OffsetCurve:
     """A line through a point along a unit direction, or a circle about it if that is None."""
 
-    point: Place
-    along: Place | None
+    point: PlanePoint
+    along: PlanePoint | None
     radius: float
 
-    def nearest(self, p: Place) -> Place:
+    def nearest(self, p: PlanePoint) -> PlanePoint:
         x, y = p[0] - self.point[0], p[1] - self.point[1]
         if self.along is not None:
             ux, uy = self.along
@@ -267,7 +271,7 @@ class Curve:
         part = self.radius / size
         return self.point[0] + part * x, self.point[1] + part * y
 
-    def meets(self, other: Curve, near: Place) -> Place | None:
+    def meets(self, other: OffsetCurve, near: PlanePoint) -> PlanePoint | None:
         """Where they cross or touch, the place that is nearest to a point."""
         if self.along is None and other.along is not None:
             return other.meets(self, near)
@@ -285,7 +289,7 @@ class Curve:
             rest = other.radius**2 - math.dist(foot, other.point) ** 2
         else:
             apart = math.hypot(bx, by)
-            if apart < SAME:
+            if apart < SAME_POINT:
                 return None
             part = (apart**2 + self.radius**2 - other.radius**2) / (2.0 * apart)
             bx, by = bx / apart, by / apart
@@ -298,14 +302,14 @@ class Curve:
         return min((one, two), key=lambda p: (p[0] - near[0]) ** 2 + (p[1] - near[1]) ** 2)
 
 
-def cross_of(a: Plane, b: Plane) -> Any:
+def plane_cross(a: PlanePoints, b: PlanePoints) -> Any:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
-def _left(v: Plane) -> Plane:
+def _turned_left(v: PlanePoints) -> PlanePoints:
     """Vectors turned to the left by a quarter."""
     return np.stack([-v[..., 1], v[..., 0]], axis=-1)
 
 
-def _unit(v: Plane) -> Plane:
+def _unit_vectors(v: PlanePoints) -> PlanePoints:
     return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300))

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from assistant.base.diagnostics import Diagnostic, warning
 from assistant.program.geometry import Vector
-from assistant.sources.contours.curves import Arc, Curve, Line, Points, at_each, vector
-from assistant.sources.contours.flat import many_chords
+from assistant.sources.contours.curves import Arc, Curve, Line, Points, points_at_parts, vector
+from assistant.sources.contours.flat import chord_counts
 
 FARTHEST: Final = 1e7
 """mm from the origin, as of chains of curves."""
-SHORTEST: Final = 1e-4
-LEAST: Final = 2.0
+SHORTEST_PART: Final = 1e-4
+LEAST_OVERLAP: Final = 2.0
 """Tolerances of a stretch that counts as an overlap: ends that run a little over are no more."""
 
 OVERLAP = warning(
@@ -27,33 +27,35 @@ OVERLAP = warning(
     " followed once only",
     "trim them in the drawing; move one that is meant to be run twice to a layer of its own",
 )
-MOST: Final = 64
+MOST_NEIGHBOURS: Final = 64
 """Neighbours of a curve that are looked at, on the mean: crowds of them are no outline."""
-AT_ONCE: Final = 256
+OVERLAP_BATCH: Final = 256
 """Curves whose neighbours are looked for at once."""
 
-Piece = Line | Arc
-Stretch = tuple[float, float, Vector, Vector]
+LineOrArc = Line | Arc
+CoveredStretch = tuple[float, float, Vector, Vector]
 """From and to which part of a curve another one covers it, and the points there."""
 
 
-def trimmed(curves: Sequence[Curve], tolerance: float) -> tuple[list[Curve], list[Diagnostic]]:
+def without_overlaps(
+    curves: Sequence[Curve], tolerance: float
+) -> tuple[list[Curve], list[Diagnostic]]:
     """The curves of a layer, of which shorter ones lose what lies within the tolerance on longer
     ones, and a finding about it. A copy of a whole curve stays.
     """
-    near = _near(curves, tolerance)
+    near = _near_pairs(curves, tolerance)
     if not near:
         return [*curves], []
-    covers: dict[int, list[Stretch]] = {}
+    covers: dict[int, list[CoveredStretch]] = {}
     lengths = [curve.length for curve in curves]
     for one, two in near:
-        if abs(lengths[one] - lengths[two]) <= tolerance and _copies(
+        if abs(lengths[one] - lengths[two]) <= tolerance and _are_copies(
             curves[one], curves[two], tolerance
         ):
             continue
         longer, shorter = (one, two) if lengths[one] >= lengths[two] else (two, one)
         covers.setdefault(shorter, []).extend(
-            _covered(curves[shorter], curves[longer], tolerance)  # type: ignore[arg-type]
+            _covered_stretches(curves[shorter], curves[longer], tolerance)  # type: ignore[arg-type]
         )
     made: list[Curve] = []
     count, length = 0, 0.0
@@ -62,7 +64,7 @@ def trimmed(curves: Sequence[Curve], tolerance: float) -> tuple[list[Curve], lis
         if not stretches:
             made.append(curve)
             continue
-        parts = _without(curve, stretches, tolerance)  # type: ignore[arg-type]
+        parts = _uncovered_parts(curve, stretches, tolerance)  # type: ignore[arg-type]
         count += 1
         length += lengths[i] - math.fsum(part.length for part in parts)
         made += parts
@@ -71,37 +73,37 @@ def trimmed(curves: Sequence[Curve], tolerance: float) -> tuple[list[Curve], lis
     return made, [OVERLAP(layer=curves[0].layer, count=count, length=length)]
 
 
-def _copies(one: Curve, two: Curve, tolerance: float) -> bool:
+def _are_copies(one: Curve, two: Curve, tolerance: float) -> bool:
     """True if two curves share both ends."""
     ends = one.start, one.end
     there = max(math.dist(ends[0], two.start), math.dist(ends[1], two.end))
     return min(there, max(math.dist(ends[0], two.end), math.dist(ends[1], two.start))) <= tolerance
 
 
-def _near(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
+def _near_pairs(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
     """Pairs of lines, and of arcs of one circle, that may lie on each other."""
-    rows = [i for i, curve in enumerate(curves) if _measured(curve)]
+    rows = [i for i, curve in enumerate(curves) if _is_measurable(curve)]
     if len(rows) < 2:
         return []
     import shapely
 
-    pieces: list[Piece] = [curves[i] for i in rows]  # type: ignore[misc]
-    counts = many_chords(pieces, 0.5 * tolerance) + 1
+    pieces: list[LineOrArc] = [curves[i] for i in rows]  # type: ignore[misc]
+    counts = chord_counts(pieces, 0.5 * tolerance) + 1
     owner = np.repeat(np.arange(len(rows)), counts)
     begins = np.cumsum(counts) - counts
     parts = (np.arange(len(owner)) - begins[owner]) / (counts[owner] - 1)
-    points = at_each(pieces, owner, parts)
+    points = points_at_parts(pieces, owner, parts)
     axes = np.sort(np.argsort(np.ptp(points, axis=0))[1:])  # seen along the axis of least extent
     lines = shapely.linestrings(points[:, axes], indices=owner)
     tree = shapely.STRtree(lines)
     found, seen = [np.empty((2, 0), dtype=np.intp)], 0
-    for first in range(0, len(lines), AT_ONCE):
-        some = lines[first : first + AT_ONCE]
+    for first in range(0, len(lines), OVERLAP_BATCH):
+        some = lines[first : first + OVERLAP_BATCH]
         near = tree.query(some, predicate="dwithin", distance=tolerance)
         near[0] += first
         found.append(near[:, near[0] < near[1]])
         seen += near.shape[1]
-        if seen > MOST * len(lines):
+        if seen > MOST_NEIGHBOURS * len(lines):
             break
     one, two = np.concatenate(found, axis=1)
     arcs = np.array([isinstance(curves[i], Arc) for i in rows])
@@ -113,12 +115,12 @@ def _near(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
     return [(rows[a], rows[b]) for a, b in pairs]
 
 
-def _measured(curve: Curve) -> bool:
+def _is_measurable(curve: Curve) -> bool:
     """True if it is a line or an arc of a believable size."""
     if not isinstance(curve, Line | Arc):
         return False
     size = max(map(abs, (*curve.start, *curve.end)))
-    return size < FARTHEST and curve.length > SHORTEST
+    return size < FARTHEST and curve.length > SHORTEST_PART
 
 
 def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
@@ -135,72 +137,80 @@ def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
     across = arms - places[..., None] * along[:, None]
     off = across[:, :1] + share[..., None] * (across[:, 1:] - across[:, :1])
     beside = np.linalg.norm(off, axis=2).max(axis=1) <= tolerance
-    return np.asarray(beside & (high - low > LEAST * tolerance))
+    return np.asarray(beside & (high - low > LEAST_OVERLAP * tolerance))
 
 
-def _covered(piece: Piece, other: Piece, tolerance: float) -> list[Stretch]:
+def _covered_stretches(
+    piece: LineOrArc, other: LineOrArc, tolerance: float
+) -> list[CoveredStretch]:
     """Return the stretches of a piece that lie on another one of its kind."""
     if isinstance(piece, Line):
         way = np.subtract(piece.end, piece.start)
         size = float(way @ way)
-        marks = [(float(np.subtract(p, piece.start) @ way) / size, p) for p in _ends(other)]
+        marks = [(float(np.subtract(p, piece.start) @ way) / size, p) for p in _piece_ends(other)]
         (low, first), (high, last) = sorted(marks)
-        return _stretch(low, high, first, last, piece, tolerance)
+        return _covered_stretch(low, high, first, last, piece, tolerance)
     assert isinstance(other, Arc)
-    if not _one_circle(piece, other, tolerance):
+    if not _are_on_one_circle(piece, other, tolerance):
         return []
     if other.closed:
         return [(0.0, 1.0, piece.start, piece.end)]
     forward = float(np.dot(piece.normal, other.normal)) > 0.0
-    first, last = _ends(other) if forward else reversed(_ends(other))
-    begin, sweep = _turned_to(piece, first), piece.sweep
-    found: list[Stretch] = []
+    first, last = _piece_ends(other) if forward else reversed(_piece_ends(other))
+    begin, sweep = _degrees_to(piece, first), piece.sweep
+    found: list[CoveredStretch] = []
     for low in (begin, begin - 360.0):
-        found += _stretch(low / sweep, (low + other.sweep) / sweep, first, last, piece, tolerance)
+        found += _covered_stretch(
+            low / sweep, (low + other.sweep) / sweep, first, last, piece, tolerance
+        )
     return found
 
 
-def _stretch(
-    low: float, high: float, first: Vector, last: Vector, piece: Piece, tolerance: float
-) -> list[Stretch]:
+def _covered_stretch(
+    low: float, high: float, first: Vector, last: Vector, piece: LineOrArc, tolerance: float
+) -> list[CoveredStretch]:
     if low <= 0.0:
         low, first = 0.0, piece.start
     if high >= 1.0:
         high, last = 1.0, piece.end
-    if (high - low) * piece.length <= LEAST * tolerance:
+    if (high - low) * piece.length <= LEAST_OVERLAP * tolerance:
         return []
     return [(low, high, first, last)]
 
 
-def _ends(piece: Piece) -> tuple[Vector, Vector]:
+def _piece_ends(piece: LineOrArc) -> tuple[Vector, Vector]:
     return piece.start, piece.end
 
 
-def _one_circle(a: Arc, b: Arc, tolerance: float) -> bool:
+def _are_on_one_circle(a: Arc, b: Arc, tolerance: float) -> bool:
     apart = math.dist(a.centre, b.centre) + abs(a.radius - b.radius)
     return apart <= tolerance and abs(float(np.dot(a.normal, b.normal))) > 1.0 - 1e-6
 
 
-def _turned_to(arc: Arc, point: Vector) -> float:
+def _degrees_to(arc: Arc, point: Vector) -> float:
     """Degrees about the normal from the start of an arc to a point of its circle, below 360."""
     u, v = np.subtract(arc.start, arc.centre), np.subtract(point, arc.centre)
     sine: Any = np.dot(np.cross(u, v), arc.normal)
     return math.degrees(math.atan2(float(sine), float(u @ v))) % 360.0
 
 
-def _without(piece: Piece, stretches: Sequence[Stretch], tolerance: float) -> list[Piece]:
+def _uncovered_parts(
+    piece: LineOrArc, stretches: Sequence[CoveredStretch], tolerance: float
+) -> list[LineOrArc]:
     """Return the parts of a piece between stretches that are longer than the tolerance."""
-    made: list[Piece] = []
+    made: list[LineOrArc] = []
     at, point = 0.0, piece.start
     for low, high, first, last in [*sorted(stretches), (1.0, 1.0, piece.end, piece.end)]:
         if (low - at) * piece.length > tolerance:
-            made.append(_part(piece, (at, low), (point, first)))
+            made.append(_piece_part(piece, (at, low), (point, first)))
         if high > at:
             at, point = high, last
     return made
 
 
-def _part(piece: Piece, parts: tuple[float, float], ends: tuple[Vector, Vector]) -> Piece:
+def _piece_part(
+    piece: LineOrArc, parts: tuple[float, float], ends: tuple[Vector, Vector]
+) -> LineOrArc:
     start, end = ends
     if isinstance(piece, Line):
         return replace(piece, start=start, end=end)

@@ -11,13 +11,13 @@ from assistant.sources.contours.curves import Points
 
 Indices = NDArray[np.intp]
 
-MOST_IN_CELL: Final = 64
+MOST_CELL_NEIGHBOURS: Final = 64
 """Neighbours a point is compared with in one grid cell; keeps crowds of points linear."""
 
-PRIMES: Final = np.array([73856093, 19349663, 83492791], dtype=np.int64)
+CELL_KEY_PRIMES: Final = np.array([73856093, 19349663, 83492791], dtype=np.int64)
 """Weights of a cell's three indices in its key; a collision only costs a comparison."""
 
-HALF: Final = np.array(
+HALF_NEIGHBOURS: Final = np.array(
     [
         *[(0, 0, 1), (0, 1, -1), (0, 1, 0), (0, 1, 1)],
         *[(1, y, z) for y in (-1, 0, 1) for z in (-1, 0, 1)],
@@ -34,12 +34,12 @@ def pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Poi
     that size not all pairs come, yet enough to reach each of the points from any other.
     """
     cells = np.floor(points / distance).astype(np.int64)
-    keys = (cells * PRIMES).sum(axis=1)
+    keys = (cells * CELL_KEY_PRIMES).sum(axis=1)
     order = np.argsort(keys, kind="stable")
     ranked = keys[order]
     here = np.arange(len(points))
     found = [_expand(order, order, here + 1, np.searchsorted(ranked, ranked, "right"))]
-    for offset in (HALF * PRIMES).sum(axis=1):
+    for offset in (HALF_NEIGHBOURS * CELL_KEY_PRIMES).sum(axis=1):
         wanted = ranked + offset
         first, last = (np.searchsorted(ranked, wanted, side) for side in ("left", "right"))
         found.append(_expand(order, order, first, last))
@@ -71,7 +71,7 @@ def _expand(
     order: Indices, candidates: Indices, first: Indices, last: Indices
 ) -> tuple[Indices, Indices]:
     """Pairs of order[k] with each of candidates[first[k] : last[k]], the count bounded."""
-    counts = np.clip(last - first, 0, MOST_IN_CELL)
+    counts = np.clip(last - first, 0, MOST_CELL_NEIGHBOURS)
     starts = np.repeat(np.cumsum(counts) - counts, counts)
     within = np.arange(counts.sum()) - starts + np.repeat(first, counts)
     return np.repeat(order, counts), candidates[within]

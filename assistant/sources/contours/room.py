@@ -10,15 +10,15 @@ import numpy as np
 
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Points
-from assistant.sources.contours.flat import SAMPLED, Piece, polyline
-from assistant.sources.contours.offsets import Ring, polygon
+from assistant.sources.contours.flat import CHORD_TOLERANCE, Piece, polyline
+from assistant.sources.contours.offsets import OffsetRing, contour_polygon
 
-LEAST: Final = 0.5
+LEAST_DISTANCE_PART: Final = 0.5
 """Part of an offset that a way has to keep away at least, however large the tolerance is."""
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class ClearRoom:
     """contours: their lines by what they are known by; tree: of the same lines."""
 
     keys: tuple[tuple[int, int], ...]
@@ -28,17 +28,17 @@ class Room:
     @staticmethod
     def of(
         contours: Sequence[tuple[tuple[int, int], Sequence[Piece], bool]], tolerance: float
-    ) -> Room:
+    ) -> ClearRoom:
         """Contours by their keys, as (key, pieces, whether closed)."""
         import shapely
 
         lines = []
         for _, pieces, closed in contours:
-            points = polyline(pieces, tolerance * SAMPLED, closed=closed)
+            points = polyline(pieces, tolerance * CHORD_TOLERANCE, closed=closed)
             lines.append(
                 shapely.LineString(np.concatenate([points, points[:1]] if closed else [points]))
             )
-        return Room(tuple(key for key, *_ in contours), shapely.STRtree(lines), tolerance)
+        return ClearRoom(tuple(key for key, *_ in contours), shapely.STRtree(lines), tolerance)
 
     def nearest(self, points: Points) -> Iterator[tuple[Points, tuple[int, int], float]]:
         """For each point (m, 3) the contour that is nearest to it, and the mm between them."""
@@ -51,7 +51,7 @@ class Room:
             for point, row, apart in zip(points, rows.tolist(), far.tolist(), strict=True):
                 yield point, self.keys[row], apart
 
-    def too_near(self, ring: Ring, offset: float) -> float | None:
+    def too_near(self, ring: OffsetRing, offset: float) -> float | None:
         """The mm that a way beside a contour comes near to any; None if that is enough."""
         line = self._line(ring.pieces)
         away = self._away(offset)
@@ -60,7 +60,7 @@ class Room:
         return min(apart) if apart else None
 
     def beside(
-        self, key: tuple[int, int], own: Ring, offset: float
+        self, key: tuple[int, int], own: OffsetRing, offset: float
     ) -> Callable[[Sequence[Piece]], bool]:
         """Whether pieces have room that lead onto a contour or off it. own: as it was drawn."""
         if offset > 0.0:
@@ -87,12 +87,12 @@ class Room:
             not len(self.tree.query(shapely.Point(point[:2]), predicate="dwithin", distance=far))
         )
 
-    def _kept(self, own: Ring) -> Callable[[Any], bool]:
+    def _kept(self, own: OffsetRing) -> Callable[[Any], bool]:
         """Whether a line that begins or ends on a contour stays on the side of the tool."""
         import shapely
 
         if own.closed:
-            around = polygon(own.pieces, self.tolerance)
+            around = contour_polygon(own.pieces, self.tolerance)
             if own.encloses:
                 inner = around.buffer(-self.tolerance)
                 return lambda line: not line.intersects(inner)
@@ -104,9 +104,9 @@ class Room:
         return lambda line: not line.intersects(away)
 
     def _away(self, offset: float) -> float:
-        return max(offset - self.tolerance, LEAST * offset)
+        return max(offset - self.tolerance, LEAST_DISTANCE_PART * offset)
 
     def _line(self, pieces: Sequence[Piece]) -> Any:
         import shapely
 
-        return shapely.LineString(polyline(pieces, self.tolerance * SAMPLED, closed=False))
+        return shapely.LineString(polyline(pieces, self.tolerance * CHORD_TOLERANCE, closed=False))

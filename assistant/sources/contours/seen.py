@@ -10,11 +10,11 @@ import numpy as np
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Line, Points, cross, vector
 from assistant.sources.contours.flat import Piece
-from assistant.sources.contours.orientation import level
+from assistant.sources.contours.orientation import level_x_axis
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class ToolView:
     """axes: (3, 3), rows x, y and up, which is against the tool; x and y are as one sees them who
     looks along the tool.
     """
@@ -22,25 +22,25 @@ class View:
     axes: Points
 
     @staticmethod
-    def along(direction: Vector) -> View:
+    def along(direction: Vector) -> ToolView:
         up = -np.asarray(direction, dtype=np.float64)
-        x = level(direction)
-        return View(np.stack([x, cross(up, x), up]))
+        x = level_x_axis(direction)
+        return ToolView(np.stack([x, cross(up, x), up]))
 
     def of(self, pieces: Sequence[Piece]) -> tuple[Piece, ...]:
-        return _turned(pieces, self.axes)
+        return _in_view(pieces, self.axes)
 
     def back(self, pieces: Sequence[Piece]) -> tuple[Piece, ...]:
-        return _turned(pieces, self.axes.T)
+        return _in_view(pieces, self.axes.T)
 
 
-def _turned(pieces: Sequence[Piece], axes: Points) -> tuple[Piece, ...]:
+def _in_view(pieces: Sequence[Piece], axes: Points) -> tuple[Piece, ...]:
     if np.array_equal(axes, np.eye(3)):
         return tuple(pieces)
-    return tuple(_turned_one(piece, axes) for piece in pieces)
+    return tuple(_piece_in_view(piece, axes) for piece in pieces)
 
 
-def _turned_one(piece: Piece, axes: Points) -> Piece:
+def _piece_in_view(piece: Piece, axes: Points) -> Piece:
     start, end = vector(axes @ piece.start), vector(axes @ piece.end)
     if isinstance(piece, Line):
         return replace(piece, start=start, end=end)

@@ -13,25 +13,25 @@ import numpy as np
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.settings_tables import shown
 from assistant.sources.contours import shaping_rules as rules
-from assistant.sources.contours.beside import Beside
+from assistant.sources.contours.beside import ContourOffsets
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, Line, Points
-from assistant.sources.contours.flat import Piece, lowered, started
-from assistant.sources.contours.leads import whole
-from assistant.sources.contours.moves import Pieces, as_pieces
-from assistant.sources.contours.nesting import NONE, holders
-from assistant.sources.contours.offsets import Ring, crosses_itself
-from assistant.sources.contours.room import Room
-from assistant.sources.contours.seen import View
+from assistant.sources.contours.flat import Piece, lowered, started_at
+from assistant.sources.contours.leads import with_leads
+from assistant.sources.contours.moves import ContourPieces, as_pieces
+from assistant.sources.contours.nesting import NO_HOLDER, holders
+from assistant.sources.contours.offsets import OffsetRing, crosses_itself
+from assistant.sources.contours.room import ClearRoom
+from assistant.sources.contours.seen import ToolView
 from assistant.sources.process import Layer
 from assistant.sources.process.shaping import Shaping
 
-Key = tuple[int, int]
+ContourKey = tuple[int, int]
 """Row of a layer, row of its contour."""
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class ToolPath:
     """What is followed at once: a contour with leads and all, `below` mm under the drawing."""
 
     contour: Contour
@@ -46,7 +46,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Shaped:
+class ShapedContour:
     """A drawn contour as one thing to be put in order.
 
     main: what stands for it. rounds: for each allowance its ways, seen along the tool; the first
@@ -55,16 +55,16 @@ class Shaped:
     """
 
     main: Contour
-    view: View | None = None
-    rounds: tuple[tuple[Ring, ...], ...] = ()
+    view: ToolView | None = None
+    rounds: tuple[tuple[OffsetRing, ...], ...] = ()
     deviation: float = 0.0
     fitted: int = 0
     dropped: int = 0
 
-    def ways(self, contour: Contour, shaping: Shaping) -> Iterator[Way]:
+    def ways(self, contour: Contour, shaping: Shaping) -> Iterator[ToolPath]:
         """What is followed, in order. contour: `main`, as it was put in order."""
         if self.view is None:
-            yield Way(contour)
+            yield ToolPath(contour)
             return
         pieces = self.view.of([c for c in contour.curves if isinstance(c, Piece)])
         begin = np.asarray(pieces[0].start)
@@ -74,15 +74,17 @@ class Shaped:
                 if ring is last:
                     turned = replace(ring, pieces=pieces)
                 else:
-                    turned = replace(ring, pieces=started(ring.pieces, *_near(ring, begin)))
-                made = whole(turned, shaping)
+                    turned = replace(
+                        ring, pieces=started_at(ring.pieces, *_nearest_start(ring, begin))
+                    )
+                made = with_leads(turned, shaping)
                 closed = ring.closed and len(made) == len(turned.pieces)
                 for below in shaping.depths:
                     curves = self.view.back(lowered(made, below))
-                    yield Way(Contour(curves, closed, contour.layer), below)
+                    yield ToolPath(Contour(curves, closed, contour.layer), below)
 
 
-def _near(ring: Ring, begin: Points) -> tuple[int, float]:
+def _nearest_start(ring: OffsetRing, begin: Points) -> tuple[int, float]:
     """The start of a ring that is nearest to a point."""
 
     def far(start: tuple[int, float]) -> float:
@@ -93,7 +95,7 @@ def _near(ring: Ring, begin: Points) -> tuple[int, float]:
 
 
 @dataclass(slots=True)
-class Shaper:
+class PathShaper:
     """layers: those that are followed, each with its contours. Of these it knows which lie inside
     which, over all layers on which sides matter, and how near they are to each other.
 
@@ -104,13 +106,13 @@ class Shaper:
     layers: Sequence[tuple[Layer, Sequence[Contour]]]
     tolerance: float
     findings: list[Diagnostic] = field(default_factory=list)
-    rooms: dict[tuple[float, ...], Room] = field(default_factory=dict)
-    depths: dict[Key, int] = field(default_factory=dict)
+    rooms: dict[tuple[float, ...], ClearRoom] = field(default_factory=dict)
+    depths: dict[ContourKey, int] = field(default_factory=dict)
     held: dict[int, set[int]] = field(default_factory=dict)
-    known: dict[Key, Pieces] = field(default_factory=dict)
+    known: dict[ContourKey, ContourPieces] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        alike: dict[tuple[float, ...], list[tuple[Key, Contour]]] = {}
+        alike: dict[tuple[float, ...], list[tuple[ContourKey, Contour]]] = {}
         for i, (layer, contours) in enumerate(self.layers):
             if layer.shaping.sided:
                 them = [((i, k), contour) for k, contour in enumerate(contours)]
@@ -118,19 +120,19 @@ class Shaper:
         for direction, members in alike.items():
             x, y, z = direction
             around = holders([c for _, c in members], (x, y, z), self.tolerance)
-            view = View.along((x, y, z))
+            view = ToolView.along((x, y, z))
             lines = []
             for row, (key, contour) in enumerate(members):
-                self.depths[key] = _depth(row, around)
-                if around[row] != NONE:
+                self.depths[key] = _holder_count(row, around)
+                if around[row] != NO_HOLDER:
                     (outer, _), _ = members[around[row]]
                     self.held.setdefault(outer, set()).add(key[0])
                 pieces = self._pieces(key, contour).pieces
                 if pieces:
                     lines.append((key, view.of(pieces), contour.closed))
-            self.rooms[direction] = Room.of(lines, self.tolerance)
+            self.rooms[direction] = ClearRoom.of(lines, self.tolerance)
 
-    def _pieces(self, key: Key, contour: Contour) -> Pieces:
+    def _pieces(self, key: ContourKey, contour: Contour) -> ContourPieces:
         """A contour as lines and arcs, worked out once."""
         if key not in self.known:
             self.known[key] = as_pieces(contour, self.tolerance)
@@ -145,7 +147,7 @@ class Shaper:
             if row is None:
                 row = left[0]
                 name = shown(self.layers[row][1][0].layer)
-                self.findings.append(rules.MINGLED(layer=name))
+                self.findings.append(rules.LAYERS_MINGLED(layer=name))
             left.remove(row)
             order.append(row)
         return order
@@ -153,7 +155,7 @@ class Shaper:
     def _waits_for(self, row: int) -> set[int]:
         return self.held.get(row, set()) if self.layers[row][0].inside_first else set()
 
-    def shaped(self, row: int, marks: Points) -> list[Shaped | None]:
+    def shaped(self, row: int, marks: Points) -> list[ShapedContour | None]:
         """The contours of a layer, in their order; None for one that is left out.
 
         marks: (m, 3) points of the layer.
@@ -163,19 +165,19 @@ class Shaper:
         if not shaping.sided:
             self._tell_crossings(row)
         if shaping == Shaping(depth=shaping.depth, passes=shaping.passes) and not shaping.depth:
-            return [Shaped(replace(c, number=k)) for k, c in enumerate(contours)]
-        view = View.along(layer.direction)
+            return [ShapedContour(replace(c, number=k)) for k, c in enumerate(contours)]
+        view = ToolView.along(layer.direction)
         marked = self._marked(row, marks @ view.axes.T, view)
         room = self.rooms.get(layer.direction)
-        made: list[Shaped | None] = []
+        made: list[ShapedContour | None] = []
         sides: list[bool] = []
         for k, contour in enumerate(contours):
             given = self._pieces((row, k), contour)
             if not (given.pieces and given.within):
-                made.append(Shaped(replace(contour, number=k)))
+                made.append(ShapedContour(replace(contour, number=k)))
                 continue
             depth = self.depths.get((row, k), 0)
-            one = Beside(
+            one = ContourOffsets(
                 (row, k), contour, view.of(given.pieces), shaping, self.tolerance, room, depth
             )
             rounds = one.rounds(marked.get(k))
@@ -195,11 +197,11 @@ class Shaper:
                 k,
             )
             found = (given.deviation, given.fitted, given.dropped)
-            made.append(Shaped(stands, view, rounds, *found))
+            made.append(ShapedContour(stands, view, rounds, *found))
         if shaping.sided and shaping.side == "nesting" and sides:
             outside = sum(sides)
             self.findings.append(
-                rules.SIDES(
+                rules.SIDES_CHOSEN(
                     layer=shown(contours[0].layer),
                     offset=shaping.offset,
                     outside=outside,
@@ -217,13 +219,15 @@ class Shaper:
             if not contour.closed or (len(contour.curves) < 4 and isinstance(only, Line | Arc)):
                 continue
             given = self._pieces((row, k), contour)
-            view = View.along(self.layers[row][0].direction)
+            view = ToolView.along(self.layers[row][0].direction)
             if given.pieces and crosses_itself(view.of(given.pieces), self.tolerance):
                 handle = next((c.handle for c in contour.curves if c.handle), "")
                 place = f"entity {handle}" if handle else None
-                self.findings.append(rules.CROSSING(place=place, layer=shown(contour.layer)))
+                self.findings.append(
+                    rules.CONTOUR_CROSSING(place=place, layer=shown(contour.layer))
+                )
 
-    def _marked(self, row: int, marks: Points, view: View) -> Mapping[int, Points]:
+    def _marked(self, row: int, marks: Points, view: ToolView) -> Mapping[int, Points]:
         """The mark of each closed contour of a layer, where starts are marked."""
         layer, contours = self.layers[row]
         closed = [k for k, contour in enumerate(contours) if contour.closed]
@@ -232,7 +236,7 @@ class Shaper:
         given = ((k, self._pieces((row, k), contours[k]).pieces) for k in closed)
         flat = [((row, k), view.of(pieces), True) for k, pieces in given if pieces]
         found: dict[int, tuple[float, Points]] = {}
-        for mark, (_, k), far in Room.of(flat, self.tolerance).nearest(marks):
+        for mark, (_, k), far in ClearRoom.of(flat, self.tolerance).nearest(marks):
             if k not in found or far < found[k][0]:
                 found[k] = (far, mark)
         missing, unused = len(closed) - len(found), len(marks) - len(found)
@@ -243,13 +247,13 @@ class Shaper:
             said.append(f"{unused} of {len(marks)} POINTs mark no start: another one is nearer")
         if said:
             name = shown(contours[0].layer)
-            self.findings.append(rules.MARKS(what="; ".join(said), layer=name))
+            self.findings.append(rules.START_MARKS(what="; ".join(said), layer=name))
         return {k: mark for k, (_, mark) in found.items()}
 
 
-def _depth(row: int, around: Sequence[int]) -> int:
+def _holder_count(row: int, around: Sequence[int]) -> int:
     """How many contours are around one."""
     depth = 0
-    while around[row] != NONE:
+    while around[row] != NO_HOLDER:
         row, depth = around[row], depth + 1
     return depth

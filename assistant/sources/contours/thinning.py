@@ -20,22 +20,22 @@ from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Line, Points, vector
 
-THINNED: Final = 0.2
+THINNING_PART: Final = 0.2
 """Part of the tolerance that leaving out points may use."""
-TWICE: Final = 0.3
+SECOND_THINNING_PART: Final = 0.3
 """The same of a way beside a contour, with what the contour itself has used."""
-SHORT: Final = 20.0
+SHORT_SIDE: Final = 20.0
 """Tolerances that a side is long at most for its ends to be left out: longer ones were drawn."""
-LARGE: Final = 180.0
+LARGE_SWEEP: Final = 180.0
 """Degrees of an arc over which moving an end by a little moves its centre by much."""
-LEAST: Final = 2e-4
+LEAST_MOVE: Final = 2e-4
 """mm of a move: twice the last decimal that is printed."""
 
 Piece = Line | Arc
 
 
 @dataclass(frozen=True, slots=True)
-class Thinned:
+class ThinnedPieces:
     """pieces: end to end. dropped: points that are left out. deviation: mm that they are off."""
 
     pieces: tuple[Piece, ...]
@@ -43,39 +43,39 @@ class Thinned:
     deviation: float = 0.0
 
 
-def shortest(tolerance: float) -> float:
+def shortest_piece(tolerance: float) -> float:
     """Length in mm up to which a piece is one point."""
-    return max(2.0 * THINNED * tolerance, LEAST)
+    return max(2.0 * THINNING_PART * tolerance, LEAST_MOVE)
 
 
-def thinned(
+def thin_pieces(
     pieces: Sequence[Piece],
     drawn: Sequence[bool],
     tolerance: float,
     spent: float = 0.0,
     *,
     closed: bool,
-) -> Thinned:
+) -> ThinnedPieces:
     """Pieces with fewer sides, each point of the given ones within a part of the tolerance.
 
     pieces: end to end. drawn: which of them are sides of a drawing. spent: mm that they are off
     already. Ends of an open contour, and joints with other pieces, stay where they are.
     """
-    allowed = min(THINNED * tolerance, TWICE * tolerance - spent)
+    allowed = min(THINNING_PART * tolerance, SECOND_THINNING_PART * tolerance - spent)
     if not pieces:
-        return Thinned(())
+        return ThinnedPieces(())
     made: list[Piece] = []
     most, dropped = 0.0, 0
     sides = [isinstance(p, Line) and ours for p, ours in zip(pieces, drawn, strict=True)]
-    runs = _runs(sides)
+    runs = _runs_of_kind(sides)
     around = closed and len(runs) == 1
-    spare = _spare(pieces, allowed, tolerance)
+    spare = _spare_starts(pieces, allowed, tolerance)
     for first, last in runs:
         if not (sides[first] and spare[first + 1 : last].any() and allowed > 0.0):
             made += pieces[first:last]
             continue
         points = np.array([pieces[first].start, *(piece.end for piece in pieces[first:last])])
-        kept, off = needed(points, allowed, SHORT * tolerance, around=around)
+        kept, off = needed_points(points, allowed, SHORT_SIDE * tolerance, around=around)
         if kept.all():
             made += pieces[first:last]
             continue
@@ -85,17 +85,17 @@ def thinned(
             given = pieces[first + a]
             end = pieces[first + b - 1].end
             made.append(given if b == a + 1 else replace(given, end=end))
-    joined = merged(made, tolerance, closed=closed)
-    return Thinned(tuple(joined), dropped + len(made) - len(joined), most)
+    joined = merge_short_pieces(made, tolerance, closed=closed)
+    return ThinnedPieces(tuple(joined), dropped + len(made) - len(joined), most)
 
 
-def _runs(sides: Sequence[bool]) -> list[tuple[int, int]]:
+def _runs_of_kind(sides: Sequence[bool]) -> list[tuple[int, int]]:
     """First and one after the last of pieces of one kind that follow each other."""
     bounds = [i for i in range(1, len(sides)) if sides[i] != sides[i - 1]]
     return list(pairwise([0, *bounds, len(sides)]))
 
 
-def needed(
+def needed_points(
     points: Points, allowed: float, short: float, *, around: bool = False
 ) -> tuple[Truths, float]:
     """Which points (n, 3) of a polyline stay, and how far off the others are at most.
@@ -106,7 +106,7 @@ def needed(
     """
     n = len(points)
     kept = np.ones(n, dtype=np.bool_)
-    kept[1:-1] = ~_alone(points, allowed, short)
+    kept[1:-1] = ~_spare_alone(points, allowed, short)
     if around and n > 3:
         far = np.linalg.norm(points - points[0], axis=1)
         kept[int(far.argmax())] = True
@@ -117,7 +117,7 @@ def needed(
         if not inner.size:
             break
         place = np.searchsorted(ends, inner) - 1
-        off = _off(points[inner], points[ends[place]], points[ends[place + 1]])
+        off = _segment_distances(points[inner], points[ends[place]], points[ends[place + 1]])
         firsts = np.flatnonzero(np.diff(place, prepend=-1))
         worst = np.maximum.reduceat(off, firsts)
         counts = np.diff(np.append(firsts, len(inner)))
@@ -131,20 +131,22 @@ def needed(
     return kept, most
 
 
-def _spare(pieces: Sequence[Piece], allowed: float, tolerance: float) -> Truths:
+def _spare_starts(pieces: Sequence[Piece], allowed: float, tolerance: float) -> Truths:
     """Which starts (n,) of pieces may be left out if both pieces are sides."""
     points = np.array([*(piece.start for piece in pieces), pieces[-1].end])
-    return np.append(np.zeros(1, dtype=np.bool_), _alone(points, allowed, SHORT * tolerance))
+    return np.append(
+        np.zeros(1, dtype=np.bool_), _spare_alone(points, allowed, SHORT_SIDE * tolerance)
+    )
 
 
-def _alone(points: Points, allowed: float, most: float) -> Truths:
+def _spare_alone(points: Points, allowed: float, most: float) -> Truths:
     """Which inner points (n - 2,) of a polyline (n, 3) may each be left out."""
     short = np.linalg.norm(np.diff(points, axis=0), axis=1) < most
-    near = _off(points[1:-1], points[:-2], points[2:]) <= allowed
+    near = _segment_distances(points[1:-1], points[:-2], points[2:]) <= allowed
     return np.asarray((short[:-1] | short[1:]) & near)
 
 
-def _off(points: Points, start: Points, end: Points) -> Floats:
+def _segment_distances(points: Points, start: Points, end: Points) -> Floats:
     """Distances (n,) of points from segments, each from its own."""
     way = end - start
     size = np.maximum((way**2).sum(axis=1), 1e-300)
@@ -152,16 +154,16 @@ def _off(points: Points, start: Points, end: Points) -> Floats:
     return np.asarray(np.linalg.norm(points - start - share[:, None] * way, axis=1))
 
 
-def merged(pieces: Sequence[Piece], tolerance: float, *, closed: bool) -> list[Piece]:
+def merge_short_pieces(pieces: Sequence[Piece], tolerance: float, *, closed: bool) -> list[Piece]:
     """Pieces without those that are too short to be a move: their neighbours meet instead.
 
     A stretch of short pieces becomes one point, its middle, or lines that are long enough. The
     ends of an open contour stay; a closed one starts at the same piece.
     """
     lengths = [piece.length for piece in pieces]
-    least = shortest(tolerance)
+    least = shortest_piece(tolerance)
     if max(lengths, default=0.0) < least:
-        least = LEAST  # the whole contour is as small
+        least = LEAST_MOVE  # the whole contour is as small
     small = [length < least for length in lengths]
     if not any(small):
         return list(pieces)
@@ -183,25 +185,25 @@ def merged(pieces: Sequence[Piece], tolerance: float, *, closed: bool) -> list[P
             begin, end = stretch[0].start, stretch[-1].end
             if carriers:
                 open_end = at == len(turned) and not closed
-                ends[-1] = end if open_end else middle(begin, end)
+                ends[-1] = end if open_end else midpoint(begin, end)
         else:
-            chords = _chords(stretch, least)
+            chords = _long_chords(stretch, least)
             carriers += chords
             ends += (piece.end for piece in chords)
     if not carriers:
         start, end = pieces[0].start, pieces[-1].end
         alone = Line(start, end, pieces[0].layer, pieces[0].handle)
-        return [alone] if not closed and alone.length >= LEAST else []
+        return [alone] if not closed and alone.length >= LEAST_MOVE else []
     begin = ends[-1] if closed else pieces[0].start
     made: list[list[Piece]] = []
     for carrier, end in zip(carriers, ends, strict=True):
-        made.append(between(carrier, begin, end))
+        made.append(piece_with_ends(carrier, begin, end))
         begin = end
     wanted %= len(made)
     return [piece for moved in (*made[wanted:], *made[:wanted]) for piece in moved]
 
 
-def _chords(stretch: Sequence[Piece], least: float) -> list[Piece]:
+def _long_chords(stretch: Sequence[Piece], least: float) -> list[Piece]:
     """Lines of at least a length through short pieces, to the end of the last."""
     points = [stretch[0].start]
     for piece in stretch:
@@ -214,7 +216,7 @@ def _chords(stretch: Sequence[Piece], least: float) -> list[Piece]:
     return [Line(a, b, like.layer, like.handle) for a, b in pairwise(points)]
 
 
-def between(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
+def piece_with_ends(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
     """The piece with its ends moved a little; none if it is left without length.
 
     The middle of an arc moves by the mean of its ends, so that it keeps its form.
@@ -223,12 +225,12 @@ def between(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
         return [piece]
     if isinstance(piece, Arc):
         if start == end:
-            return _circle(piece, start)
-        if piece.sweep > LARGE:
+            return _circle_of_arc(piece, start)
+        if piece.sweep > LARGE_SWEEP:
             one, half, two = (vector(p) for p in piece.at([0.25, 0.5, 0.75]))
             return [
-                *between(replace(piece, via=one, end=half), start, half),
-                *between(replace(piece, start=half, via=two), half, end),
+                *piece_with_ends(replace(piece, via=one, end=half), start, half),
+                *piece_with_ends(replace(piece, start=half, via=two), half, end),
             ]
         (x, y, z), one, two = piece.via, piece.start, piece.end
         via = (
@@ -242,9 +244,9 @@ def between(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
     return [] if start == end else [Line(start, end, piece.layer, piece.handle)]
 
 
-def _circle(arc: Arc, start: Vector) -> list[Piece]:
+def _circle_of_arc(arc: Arc, start: Vector) -> list[Piece]:
     """The circle of an arc whose ends are one point; nothing if it was short."""
-    if arc.sweep <= LARGE:
+    if arc.sweep <= LARGE_SWEEP:
         return []
     arm, normal = np.subtract(start, arc.centre), np.asarray(arc.normal)
     arm = arm - (arm @ normal) * normal
@@ -252,5 +254,5 @@ def _circle(arc: Arc, start: Vector) -> list[Piece]:
     return [Arc.about(arc.centre, arc.normal, begin, 360.0, arc.layer, arc.handle)]
 
 
-def middle(a: Vector, b: Vector) -> Vector:
+def midpoint(a: Vector, b: Vector) -> Vector:
     return ((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0)

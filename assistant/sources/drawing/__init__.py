@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 
 from assistant.base.budgets import without_gc
 from assistant.base.diagnostics import Refused, has_errors
-from assistant.sources.drawing.assembly import assemble
+from assistant.sources.drawing.assembly import drawing_program
 from assistant.sources.drawing.contents import Contents, read_contents
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading
@@ -24,4 +24,4 @@ def read(path: FilePath, process: Process) -> Reading:
     contents = read_contents(path, process)
     if has_errors(contents.findings):
         raise Refused(*contents.findings)
-    return assemble(contents, path, process)
+    return drawing_program(contents, path, process)

@@ -18,7 +18,7 @@ from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
 from assistant.program.statements import Call, MoveJoints, Statement, Travel
 from assistant.sources.contours.layers import contour_program
-from assistant.sources.contours.ordering import Measure, visited
+from assistant.sources.contours.ordering import TravelMeasure, order_points
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (
     DUPLICATE,
@@ -31,27 +31,27 @@ from assistant.sources.drawing.findings import (
 from assistant.sources.drawing.locations import Location
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
-from assistant.sources.standing import Standing, backed_off, to, way_in
-from assistant.sources.surroundings import seconds
+from assistant.sources.standing import FramedSurroundings, approach_of, backed_off_target, move_to
+from assistant.sources.surroundings import travel_seconds
 
-MAIN: Final = "main"
-HOME: Final = "home"
-LOCATIONS: Final = "locations"
+MAIN_PROCEDURE: Final = "main"
+HOME_TARGET: Final = "home"
+LOCATIONS_PROCEDURE: Final = "locations"
 """Name of the procedure that visits the locations."""
 
 
-def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
+def drawing_program(contents: Contents, path: FilePath, process: Process) -> Reading:
     """The program of a drawing: `main` visits the locations, then follows the contours.
 
     Raises Refused if there is nothing to do, or something in it is wrong.
     """
     name = str(path)
     title = identifier(path.stem)
-    taken = TakenNames((title, MAIN, LOCATIONS))
+    taken = TakenNames((title, MAIN_PROCEDURE, LOCATIONS_PROCEDURE))
     taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
     taken.update(named.names)
-    home = identifier(HOME, taken) if process.home is not None else None
+    home = identifier(HOME_TARGET, taken) if process.home is not None else None
     taken.update([home] if home else [])
     places = len(contents.curves) + len(contents.locations)
     with within(CONTOURS if process.around is None else AROUND, name, places):
@@ -60,7 +60,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
             curves, process, taken=taken, path=name, marks=contents.marks, texts=contents.texts
         )
         order = visiting_order(contents.locations, name, process)
-        visits, visited = _visiting(contents.locations, named.names, order.rows, process)
+        visits, visited = _visit_procedure(contents.locations, named.names, order.rows, process)
     arriving = (finding.within(name) for finding in visited)
     findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
     if title != path.stem:
@@ -72,8 +72,8 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     procedures = [*visits, *contours]
     program = Program(
         title,
-        (Procedure(MAIN, _from_home(home, procedures, process)), *procedures),
-        entry=MAIN,
+        (Procedure(MAIN_PROCEDURE, _calls_from_home(home, procedures, process)), *procedures),
+        entry=MAIN_PROCEDURE,
         robot=process.robot,
         comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
         frames=dict(process.frames),
@@ -90,7 +90,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     return Reading(program, tuple(findings))
 
 
-def _from_home(
+def _calls_from_home(
     home: str | None, procedures: Sequence[Procedure], process: Process
 ) -> tuple[Statement, ...]:
     """Calls of the procedures, between two ways home if there is a home."""
@@ -102,7 +102,7 @@ def _from_home(
     return (way(Name(home), motion), *calls, way(Name(home), motion))
 
 
-def _visiting(
+def _visit_procedure(
     locations: Sequence[Location], names: Sequence[str], rows: Sequence[int], process: Process
 ) -> tuple[list[Procedure], list[Diagnostic]]:
     """The procedure through the locations, or none if there are none, and what is said of it.
@@ -116,31 +116,37 @@ def _visiting(
         location, name = locations[i], names[i]
         first = usual.kind if usual.travels else "joint"
         kind = location.kind or (usual.kind if place else first)
-        standing = Standing.of(process, location.motion)
-        into = way_in(standing, location.pose, usual.approach, name)
+        standing = FramedSurroundings.of(process, location.motion)
+        into = approach_of(standing, location.pose, usual.approach, name)
         out = into
         if usual.retract != usual.approach:
-            out = way_in(standing, location.pose, usual.retract, name)
+            out = approach_of(standing, location.pose, usual.retract, name)
         findings += dict.fromkeys((*into.findings, *out.findings))
         stopping = replace(location.motion, blend=FINE)
         if usual.approach:
-            statements.append(to(kind, backed_off(name, usual.approach, into), stopping))
+            statements.append(
+                move_to(kind, backed_off_target(name, usual.approach, into), stopping)
+            )
         at = stopping if usual.retract else location.motion  # no corner where the way turns back
-        statements.append(to("linear" if usual.approach else kind, Name(name), at))
+        statements.append(move_to("linear" if usual.approach else kind, Name(name), at))
         if usual.retract:
-            statements.append(to("linear", backed_off(name, usual.retract, out), stopping))
-    return ([Procedure(LOCATIONS, tuple(statements))] if statements else []), findings
+            statements.append(
+                move_to("linear", backed_off_target(name, usual.retract, out), stopping)
+            )
+    return ([Procedure(LOCATIONS_PROCEDURE, tuple(statements))] if statements else []), findings
 
 
 @dataclass(frozen=True, slots=True)
-class Names:
+class LocationNames:
     """A name for each location, in order of drawing."""
 
     names: tuple[str, ...]
     findings: tuple[Diagnostic, ...]
 
 
-def name_locations(locations: Sequence[Location], taken: Collection[str], path: str) -> Names:
+def name_locations(
+    locations: Sequence[Location], taken: Collection[str], path: str
+) -> LocationNames:
     """Unique names of the locations, near to those that were drawn.
 
     Names that were given come first, so that a counted one never takes one of them.
@@ -178,11 +184,11 @@ def name_locations(locations: Sequence[Location], taken: Collection[str], path: 
                 break
         names[i] = name
         used.add(name.lower())
-    return Names(tuple(names[i] for i in range(len(locations))), tuple(findings))
+    return LocationNames(tuple(names[i] for i in range(len(locations))), tuple(findings))
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class LocationOrder:
     """Rows of locations in the order of visiting."""
 
     rows: tuple[int, ...]
@@ -191,7 +197,7 @@ class Order:
 
 def visiting_order(
     locations: Sequence[Location], path: str, process: Process = NO_PROCESS
-) -> Order:
+) -> LocationOrder:
     """By the order that locations state, as drawn where it is the same; the others follow.
 
     Where ways are planned and none states an order or another motion, as travel between them is
@@ -199,7 +205,7 @@ def visiting_order(
     """
     free = all(entry.order is None and entry.kind in (None, "travel") for entry in locations)
     if process.defaults.travels and free:
-        return _quickest(locations, path, process)
+        return _quickest_order(locations, path, process)
     stated = [(order, i) for i, entry in enumerate(locations) if (order := entry.order) is not None]
     rest = [i for i, entry in enumerate(locations) if entry.order is None]
     findings = []
@@ -211,22 +217,24 @@ def visiting_order(
             place = locations[i].place
             findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
         seen.add(order)
-    return Order((*(i for _, i in sorted(stated)), *rest), tuple(findings))
+    return LocationOrder((*(i for _, i in sorted(stated)), *rest), tuple(findings))
 
 
-def _quickest(locations: Sequence[Location], path: str, process: Process) -> Order:
+def _quickest_order(locations: Sequence[Location], path: str, process: Process) -> LocationOrder:
     """By joint moves between places above them; as drawn where those are not known."""
-    drawn = Order(tuple(range(len(locations))), ())
+    drawn = LocationOrder(tuple(range(len(locations))), ())
     motions = {(one.motion.frame, one.motion.tool) for one in locations}
-    standing = Standing.of(process, locations[0].motion) if len(motions) == 1 else None
+    standing = FramedSurroundings.of(process, locations[0].motion) if len(motions) == 1 else None
     if standing is None or len(locations) < 2:
         return drawn
     up = Pose((0.0, 0.0, -process.defaults.approach))
     above = [one.pose @ up for one in locations]
     positions = np.array([pose.position for pose in above])
     turns = np.array([pose.quaternion for pose in above])
-    found = visited(positions, Measure(lambda points: standing.places(points, turns), seconds))
+    found = order_points(
+        positions, TravelMeasure(lambda points: standing.places(points, turns), travel_seconds)
+    )
     if not found.measured:
         return drawn
     said = QUICKEST(path=path, count=len(above), before=found.before, after=found.after)
-    return Order(found.rows, (said,))
+    return LocationOrder(found.rows, (said,))

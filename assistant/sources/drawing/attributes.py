@@ -55,35 +55,35 @@ W = TypeVar("W")
 
 
 @dataclass(frozen=True, slots=True)
-class Meaning:
+class TagMeaning:
     """tags: the default ones. decides: makes a block a location whatever else it carries."""
 
     tags: tuple[str, ...]
     decides: bool = True
 
 
-MEANINGS: Final[Mapping[str, Meaning]] = {
-    "name": Meaning(("NAME",), decides=False),
-    "order": Meaning(("ORDER", "SEQUENCE"), decides=False),
-    "x_rotation": Meaning(("RX", "A")),
-    "y_rotation": Meaning(("RY", "B")),
-    "z_rotation": Meaning(("RZ", "C")),
-    "convention": Meaning(("EULER",), decides=False),
-    "q1": Meaning(("Q1",)),
-    "q2": Meaning(("Q2",)),
-    "q3": Meaning(("Q3",)),
-    "q4": Meaning(("Q4",)),
-    "speed": Meaning(("SPEED",)),
-    "blend": Meaning(("BLEND", "ZONE")),
-    "tool": Meaning(("TOOL",)),
-    "frame": Meaning(("FRAME", "WOBJ")),
-    "motion": Meaning(("MOTION", "MOVE")),
+TAG_MEANINGS: Final[Mapping[str, TagMeaning]] = {
+    "name": TagMeaning(("NAME",), decides=False),
+    "order": TagMeaning(("ORDER", "SEQUENCE"), decides=False),
+    "x_rotation": TagMeaning(("RX", "A")),
+    "y_rotation": TagMeaning(("RY", "B")),
+    "z_rotation": TagMeaning(("RZ", "C")),
+    "convention": TagMeaning(("EULER",), decides=False),
+    "q1": TagMeaning(("Q1",)),
+    "q2": TagMeaning(("Q2",)),
+    "q3": TagMeaning(("Q3",)),
+    "q4": TagMeaning(("Q4",)),
+    "speed": TagMeaning(("SPEED",)),
+    "blend": TagMeaning(("BLEND", "ZONE")),
+    "tool": TagMeaning(("TOOL",)),
+    "frame": TagMeaning(("FRAME", "WOBJ")),
+    "motion": TagMeaning(("MOTION", "MOVE")),
 }
 
 ANGLES: Final = ("x_rotation", "y_rotation", "z_rotation")
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
 
-MOTIONS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
+MOTION_WORDS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
     "joint": "joint",
     "movej": "joint",
     "mov": "joint",
@@ -98,8 +98,8 @@ MOTIONS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
 
 CONVENTIONS: Final[Mapping[str, Literal["ZYX", "XYZ"]]] = {"zyx": "ZYX", "xyz": "XYZ"}
 
-NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-WITH_COMMA: Final = re.compile(r"[+-]?\d*,\d+", re.ASCII)
+PLAIN_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+NUMBER_WITH_COMMA: Final = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,15 +112,15 @@ class Tags:
     @staticmethod
     def of(changed: Mapping[str, str], path: str) -> Tags:
         """Raises Refused for a meaning that there is not."""
-        unknown = [m for m in changed if m not in MEANINGS]
+        unknown = [m for m in changed if m not in TAG_MEANINGS]
         if unknown:
-            known = ", ".join(MEANINGS)
+            known = ", ".join(TAG_MEANINGS)
             raise Refused(
                 *(UNKNOWN_MEANING(path=path, meaning=shown(m), known=known) for m in unknown)
             )
         table = {
             tag: meaning
-            for meaning, default in MEANINGS.items()
+            for meaning, default in TAG_MEANINGS.items()
             if meaning not in changed
             for tag in default.tags
         }
@@ -137,7 +137,7 @@ class Tags:
         """Whether a block with these tags is a location (see above)."""
         found = [self.meaning(tag) for tag in tags]
         known = [m for m in found if m is not None]
-        return any(MEANINGS[m].decides for m in known) or bool(known and None not in found)
+        return any(TAG_MEANINGS[m].decides for m in known) or bool(known and None not in found)
 
 
 def texts_of(insert: Insert, document: Drawing) -> list[tuple[str, str]]:
@@ -159,7 +159,7 @@ def texts_of(insert: Insert, document: Drawing) -> list[tuple[str, str]]:
 
 
 @dataclass(slots=True)
-class Values:
+class LocationValues:
     """The values of one location, by meaning; what is wrong with them goes into `findings`."""
 
     tags: Tags
@@ -194,9 +194,9 @@ class Values:
             return None
         tag, text = self.texts[meaning]
         given = shown(text)
-        if WITH_COMMA.fullmatch(text):
+        if NUMBER_WITH_COMMA.fullmatch(text):
             self.say(COMMA, tag, given=given, cure=given.replace(",", "."))
-        elif NUMBER.fullmatch(text):
+        elif PLAIN_NUMBER.fullmatch(text):
             value = float(text)
             if math.isfinite(value):
                 return value
@@ -233,7 +233,7 @@ class Values:
         return FINE
 
     def kind(self) -> Literal["joint", "linear", "travel"] | None:
-        return self._word("motion", MOTIONS)
+        return self._word("motion", MOTION_WORDS)
 
     def convention(self) -> Literal["ZYX", "XYZ"]:
         return self._word("convention", CONVENTIONS) or "ZYX"

@@ -16,10 +16,10 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion
 from assistant.sources.contours.curves import Curve, vector
-from assistant.sources.contours.numbering import Written
+from assistant.sources.contours.numbering import LayerText
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing
-from assistant.sources.drawing.entities import ignored, primitives
+from assistant.sources.drawing.entities import ignored_properties, primitives
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     DEGENERATE,
@@ -29,11 +29,11 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.locations import Location, Locations
+from assistant.sources.drawing.locations import Location, LocationReader
 from assistant.sources.drawing.primitives import Degenerate
-from assistant.sources.drawing.texts import TEXTS, numbers, written
+from assistant.sources.drawing.texts import TEXT_TYPES, is_number_text, layer_text
 from assistant.sources.drawing.transforms import affine, point, scaling
-from assistant.sources.drawing.traversal import Placed, Traversal
+from assistant.sources.drawing.traversal import PlacedEntity, Traversal
 from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
 
@@ -54,7 +54,7 @@ class Contents:
     locations: tuple[Location, ...]
     findings: tuple[Diagnostic, ...]
     marks: tuple[tuple[str, Vector], ...] = ()
-    texts: tuple[Written, ...] = ()
+    texts: tuple[LayerText, ...] = ()
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
@@ -76,15 +76,15 @@ def read_contents(path: FilePath, process: Process) -> Contents:
         name,
         tags,
         tally,
-        numbering=lambda entity, layer: layer.casefold() in ordered and numbers(entity),
+        numbering=lambda entity, layer: layer.casefold() in ordered and is_number_text(entity),
         unwanted=unwanted,
     )
-    locations = Locations(document, name, tags, process, tally)
+    locations = LocationReader(document, name, tags, process, tally)
     curves: list[Curve] = []
     found: list[Location] = []
     marks: list[tuple[str, Vector]] = []
     marked = {n.lower() for n, layer in process.layers.items() if layer.shaping.start == "point"}
-    texts: list[Written] = []
+    texts: list[LayerText] = []
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(root_of(process, factor)):
             kind = placed.entity.dxftype()
@@ -96,8 +96,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                     continue
                 location = locations.read(placed)
                 found += [location] if location else []
-            elif placed.entity.dxftype() in TEXTS:
-                texts.append(written(placed.entity, placed.matrix, placed.layer))
+            elif placed.entity.dxftype() in TEXT_TYPES:
+                texts.append(layer_text(placed.entity, placed.matrix, placed.layer))
             else:
                 counted_in = Tally() if unwanted(placed.layer) else tally
                 curves += curves_of(placed, counted_in, traversal)
@@ -116,14 +116,14 @@ def root_of(process: Process, factor: float) -> Floats:
     return np.asarray(affine(turn, np.array(process.placement.position)) @ scaling(factor))
 
 
-def curves_of(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
+def curves_of(placed: PlacedEntity, tally: Tally, traversal: Traversal) -> list[Curve]:
     """The curves of an entity; what has no length is counted, what is broken is a finding."""
     entity, layer = placed.entity, placed.layer
     kind, handle = entity.dxftype(), entity.dxf.handle or ""
     curves: list[Curve] = []
     try:
         with np.errstate(all="ignore"):  # what overflows is found not to be finite
-            for what in ignored(entity):
+            for what in ignored_properties(entity):
                 tally.add(IGNORED, kind, layer, what, handle)
             for piece in primitives(entity):
                 try:

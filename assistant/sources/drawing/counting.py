@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
     from ezdxf.entities.insert import Insert
 
-Layered = Callable[["DXFGraphic", str], tuple[str, bool]]
+LayerInBlock = Callable[["DXFGraphic", str], tuple[str, bool]]
 """The layer of an entity in a block, by that of the block's insert, and whether it is followed."""
 
 
-class Count:
+class EntityCount:
     """Of a document. most_nested: blocks in each other that are followed."""
 
-    def __init__(self, document: Drawing, layered: Layered, most_nested: int) -> None:
+    def __init__(self, document: Drawing, layered: LayerInBlock, most_nested: int) -> None:
         self._blocks, self._layered, self._most = document.blocks, layered, most_nested
         self._known: dict[tuple[str, str, int], int] = {}
 

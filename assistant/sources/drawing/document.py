@@ -24,7 +24,7 @@ from assistant.sources.drawing.findings import (
     TRUNCATED,
     shown,
 )
-from assistant.sources.drawing.group_codes import MARK, malformed, unescaped
+from assistant.sources.drawing.group_codes import ESCAPE_MARK, malformed_numbers, unescaped
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -32,17 +32,17 @@ if TYPE_CHECKING:
 BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
 DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
 SECTION: Final = re.compile(rb"(?:^|[\r\n])[ \t]*0[ \t]*\r?[\r\n][ \t]*SECTION[ \t]*\r?[\r\n]")
-VARIABLE: Final = re.compile(rb"[\r\n][ \t]*9[ \t]*\r?[\r\n][ \t]*\$[A-Z]")
-BINARY_VARIABLE: Final = re.compile(rb"\x09\x00?\$[A-Z]")
+HEADER_VARIABLE: Final = re.compile(rb"[\r\n][ \t]*9[ \t]*\r?[\r\n][ \t]*\$[A-Z]")
+BINARY_HEADER_VARIABLE: Final = re.compile(rb"\x09\x00?\$[A-Z]")
 """The name of a variable of the header."""
-END: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
-TAIL: Final = 1 << 16
+END_MARK: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
+TAIL_BYTES: Final = 1 << 16
 """Bytes at the end of a file in which the end mark has to stand."""
 
 PADDING: Final = b"\x00\x1a \t\r\n"
 """What old systems and transfers fill the last block of a file with."""
 
-DAMAGE: Final = (
+DAMAGE_ERRORS: Final = (
     ArithmeticError,
     AssertionError,
     AttributeError,
@@ -56,7 +56,7 @@ DAMAGE: Final = (
 )
 """What a damaged file or entity raises inside ezdxf, besides its own errors."""
 
-LOSSES: Final = frozenset(
+LOSING_REPAIRS: Final = frozenset(
     {
         "UNDEFINED_BLOCK",
         "UNDEFINED_BLOCK_NAME",
@@ -87,15 +87,15 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     data = read_bytes(path)
     binary = data.startswith(BINARY_SENTINEL)
     notes: list[str] = []
-    with within(DRAWING, str(path), len(data)), _heard(notes):
+    with within(DRAWING, str(path), len(data)), _logged_warnings(notes):
         _check_kind(path, data, binary)
         _check_end(path, data, binary)
-        if not binary and (wrong := malformed(data, str(path))):
+        if not binary and (wrong := malformed_numbers(data, str(path))):
             raise Refused(*wrong)
         document, repairs = _load(path, data, binary)
-    if (BINARY_VARIABLE if binary else VARIABLE).search(data) is None:
+    if (BINARY_HEADER_VARIABLE if binary else HEADER_VARIABLE).search(data) is None:
         _forget_header(document)
-    return document, (*repairs, *_told(notes, str(path)))
+    return document, (*repairs, *_note_findings(notes, str(path)))
 
 
 def _forget_header(document: Drawing) -> None:
@@ -107,7 +107,7 @@ def _forget_header(document: Drawing) -> None:
         del document.header[name]
 
 
-def _told(notes: list[str], path: str) -> list[Diagnostic]:
+def _note_findings(notes: list[str], path: str) -> list[Diagnostic]:
     """A finding for each kind of note, with a count where they differ in handle or line only."""
     first: dict[str, str] = {}
     counts: Counter[str] = Counter()
@@ -126,7 +126,7 @@ def library_errors() -> tuple[type[Exception], ...]:
     """What ezdxf raises for a damaged file or entity."""
     from ezdxf.lldxf.const import DXFError
 
-    return (DXFError, *DAMAGE)
+    return (DXFError, *DAMAGE_ERRORS)
 
 
 def _check_kind(path: FilePath, data: bytes, binary: bool) -> None:
@@ -143,7 +143,7 @@ def _check_end(path: FilePath, data: bytes, binary: bool) -> None:
     if binary:
         whole = data.rstrip(b"\x1a \t\r\n\x00").endswith(b"\x00EOF")
     else:
-        whole = END.search(data[-TAIL:].rstrip(PADDING)) is not None
+        whole = END_MARK.search(data[-TAIL_BYTES:].rstrip(PADDING)) is not None
     if not whole:
         raise Unreadable(TRUNCATED(path=str(path), name=shown(path.name)))
 
@@ -153,25 +153,28 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
     from ezdxf.filemanagement import dxf_file_info, read, readfile
 
     try:
-        if binary or MARK not in data:
-            return _named(readfile(path)), ()
+        if binary or ESCAPE_MARK not in data:
+            return _with_checked_names(readfile(path)), ()
         text = data.decode(dxf_file_info(str(path)).encoding, errors="surrogateescape")
         lines = (unescaped(line) + "\n" for line in text.replace("\r\n", "\n").split("\n"))
-        return _named(read(io.StringIO("".join(lines)))), ()
+        return _with_checked_names(read(io.StringIO("".join(lines)))), ()
     except library_errors() as error:
         strict = error
     if binary:  # ezdxf repairs text only
-        raise _broken(path, strict) from strict
+        raise _broken_finding(path, strict) from strict
     try:
         document, auditor = recover.readfile(path)
-        _named(document)
+        _with_checked_names(document)
     except library_errors() as error:
-        raise _broken(path, error) from error
+        raise _broken_finding(path, error) from error
     name = str(path)
     repairs = [*auditor.fixes, *auditor.errors]
-    lost = [entry for entry in repairs if _code(entry.code) in LOSSES]
-    told = [LOST(path=name, place=_code(e.code), what=shown(e.message)) for e in lost]
-    mended = [_said(strict), *(e.message for e in repairs if _code(e.code) not in LOSSES)]
+    lost = [entry for entry in repairs if _audit_code(entry.code) in LOSING_REPAIRS]
+    told = [LOST(path=name, place=_audit_code(e.code), what=shown(e.message)) for e in lost]
+    mended = [
+        _error_text(strict),
+        *(e.message for e in repairs if _audit_code(e.code) not in LOSING_REPAIRS),
+    ]
     return document, (_repaired(mended, name), *told)
 
 
@@ -183,7 +186,7 @@ def _repaired(notes: list[str], path: str) -> Diagnostic:
     return REPAIRED(path=path, place="file", what="; ".join(some) + more)
 
 
-def _named(document: Drawing) -> Drawing:
+def _with_checked_names(document: Drawing) -> Drawing:
     """The document, if all its spaces and layers have names; raises DXFStructureError.
 
     ezdxf reads block records and layers without one, and fails where it is asked for.
@@ -198,26 +201,26 @@ def _named(document: Drawing) -> Drawing:
     return document
 
 
-def _code(code: int) -> str:
+def _audit_code(code: int) -> str:
     from ezdxf.audit import AuditError
 
     return AuditError(code).name
 
 
-def _said(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
-def _broken(path: FilePath, error: Exception) -> Unreadable:
-    reason = shown(_said(error))
+def _broken_finding(path: FilePath, error: Exception) -> Unreadable:
+    reason = shown(_error_text(error))
     return Unreadable(BROKEN(path=str(path), name=shown(path.name), reason=reason))
 
 
 @contextmanager
-def _heard(notes: list[str]) -> Iterator[None]:
+def _logged_warnings(notes: list[str]) -> Iterator[None]:
     """Collects what ezdxf logs as a warning or worse, which else would go to the terminal."""
     logger = logging.getLogger("ezdxf")
-    listener = _Listener(notes)
+    listener = _LogCollector(notes)
     propagates, logger.propagate = logger.propagate, False
     logger.addHandler(listener)
     try:
@@ -227,7 +230,7 @@ def _heard(notes: list[str]) -> Iterator[None]:
         logger.propagate = propagates
 
 
-class _Listener(logging.Handler):
+class _LogCollector(logging.Handler):
     def __init__(self, notes: list[str]) -> None:
         super().__init__(logging.WARNING)
         self.notes = notes

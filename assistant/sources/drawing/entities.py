@@ -30,26 +30,26 @@ def primitives(entity: DXFGraphic) -> list[Primitive]:
     length, ValueError or ezdxf's errors for one that says nothing sensible.
     """
     check_stated(entity)
-    return READERS[entity.dxftype()](entity)
+    return PRIMITIVE_READERS[entity.dxftype()](entity)
 
 
 def check_stated(entity: DXFGraphic) -> None:
     """Raises ValueError if an entity lacks what ezdxf would put a default in place of."""
-    missing = [a for a in STATED.get(entity.dxftype(), ()) if not entity.dxf.hasattr(a)]
+    missing = [a for a in STATED_ATTRIBUTES.get(entity.dxftype(), ()) if not entity.dxf.hasattr(a)]
     if missing:
         raise ValueError(f"it does not state its {' and '.join(missing)}")
 
 
-def follows(entity: DXFGraphic) -> bool:
+def is_followed(entity: DXFGraphic) -> bool:
     """Whether an entity is a curve that can be followed; a mesh, though a POLYLINE, is not."""
     kind = entity.dxftype()
     if kind == "POLYLINE":
         polyline = cast("Polyline", entity)
         return polyline.is_2d_polyline or polyline.is_3d_polyline
-    return kind in READERS
+    return kind in PRIMITIVE_READERS
 
 
-def ignored(entity: DXFGraphic) -> list[str]:
+def ignored_properties(entity: DXFGraphic) -> list[str]:
     """What an entity says beyond its curve: thickness, width."""
     found = []
     if entity.dxf.is_supported("thickness") and entity.dxf.get("thickness", 0):
@@ -69,7 +69,7 @@ def _line(entity: Any) -> list[Primitive]:
 
 
 def _circle(entity: Any) -> list[Primitive]:
-    return [_round(entity, 0.0, math.tau)]
+    return [_circular_arc(entity, 0.0, math.tau)]
 
 
 def _arc(entity: Any) -> list[Primitive]:
@@ -79,10 +79,10 @@ def _arc(entity: Any) -> list[Primitive]:
     if first == last:
         raise Degenerate("without length")
     sweep = (last - first) % 360.0 or 360.0
-    return [_round(entity, math.radians(first % 360.0), math.radians(sweep))]
+    return [_circular_arc(entity, math.radians(first % 360.0), math.radians(sweep))]
 
 
-def _round(entity: Any, start: float, sweep: float) -> Conic:
+def _circular_arc(entity: Any, start: float, sweep: float) -> Conic:
     """A circular arc of `sweep` radians."""
     axes = ocs_axes(_xyz(entity.dxf.extrusion))
     radius = abs(float(entity.dxf.radius))
@@ -109,7 +109,7 @@ def _ellipse(entity: Any) -> list[Primitive]:
 
 def _lwpolyline(entity: LWPolyline) -> list[Primitive]:
     corners = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
-    return _flat(corners, entity.closed, float(entity.dxf.elevation), entity.dxf.extrusion)
+    return _flat_polyline(corners, entity.closed, float(entity.dxf.elevation), entity.dxf.extrusion)
 
 
 def _polyline(entity: Polyline) -> list[Primitive]:
@@ -117,17 +117,17 @@ def _polyline(entity: Polyline) -> list[Primitive]:
     vertices = [v for v in entity.vertices if not v.dxf.flags & FRAME_CONTROL_POINT]
     if entity.is_3d_polyline:
         places = [_xyz(v.dxf.location) for v in vertices]
-        return _some(_straights(places, entity.is_closed))
+        return _require_pieces(_straights(places, entity.is_closed))
     elevation = _xyz(entity.dxf.elevation)[2]
     corners = [(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in vertices]
-    return _flat(corners, entity.is_closed, float(elevation), entity.dxf.extrusion)
+    return _flat_polyline(corners, entity.is_closed, float(elevation), entity.dxf.extrusion)
 
 
 FRAME_CONTROL_POINT: Final = 16
 """Flag of a vertex that a spline-fit polyline is drawn from, but does not go through."""
 
 
-def _flat(
+def _flat_polyline(
     corners: Sequence[tuple[float, float, float]], closed: bool, elevation: float, extrusion: Any
 ) -> list[Primitive]:
     """A polyline in its own plane: straight pieces, and arcs where there is a bulge."""
@@ -148,7 +148,7 @@ def _flat(
         Conic(centre[i], u[i], v[i], turn) if round_ else Straight(start[i], end[i])
         for i, (round_, turn) in enumerate(zip(bent.tolist(), sweep.tolist(), strict=True))
     ]
-    return _some(pieces)
+    return _require_pieces(pieces)
 
 
 def _bulged(
@@ -164,14 +164,14 @@ def _bulged(
         raise ValueError(f"the bulge {largest:g} is a full circle through one point")
     chord = end - start
     sweep = 4.0 * np.arctan(np.abs(bulges))
-    bent = sweep * np.linalg.norm(chord, axis=1) >= FLATTEST
+    bent = sweep * np.linalg.norm(chord, axis=1) >= FLATTEST_BULGE
     b = np.where(bent, bulges, 1.0)
-    centre = (start + end) / 2.0 + _left(chord) * ((1.0 - b * b) / (4.0 * b))[:, None]
+    centre = (start + end) / 2.0 + _turned_left(chord) * ((1.0 - b * b) / (4.0 * b))[:, None]
     u = start - centre
-    return bent, centre, u, _left(u) * np.sign(b)[:, None], sweep
+    return bent, centre, u, _turned_left(u) * np.sign(b)[:, None], sweep
 
 
-def _left(v: Floats) -> Floats:
+def _turned_left(v: Floats) -> Floats:
     """Vectors (n, 3) turned to the left about z by a quarter."""
     return np.column_stack([-v[:, 1], v[:, 0], np.zeros(len(v))])
 
@@ -179,7 +179,7 @@ def _left(v: Floats) -> Floats:
 LARGEST_BULGE: Final = 1e6
 """Beyond it start and end of the arc cannot be told apart."""
 
-FLATTEST: Final = 1e-9
+FLATTEST_BULGE: Final = 1e-9
 """Angle times chord of a bulge below which the arc is straight to any printed decimal."""
 
 
@@ -240,7 +240,7 @@ def _nurbs(degree: int, knots: Sequence[float], points: Floats, weights: Sequenc
     return Spline(int(degree), knot, points, weight)
 
 
-def _some(pieces: list[Primitive]) -> list[Primitive]:
+def _require_pieces(pieces: list[Primitive]) -> list[Primitive]:
     if not pieces:
         raise Degenerate("without length")
     return pieces
@@ -256,7 +256,7 @@ def _points(vectors: Iterable[ArrayLike]) -> Floats:
     return np.array([tuple(v) for v in vectors], dtype=np.float64).reshape(-1, 3)  # type: ignore[arg-type]
 
 
-STATED: Final[dict[str, tuple[str, ...]]] = {
+STATED_ATTRIBUTES: Final[dict[str, tuple[str, ...]]] = {
     "LINE": ("start", "end"),
     "ARC": ("center", "radius", "start_angle", "end_angle"),
     "CIRCLE": ("center", "radius"),
@@ -266,7 +266,7 @@ STATED: Final[dict[str, tuple[str, ...]]] = {
 }
 """What an entity has to state itself: with a default instead, a robot would go elsewhere."""
 
-READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
+PRIMITIVE_READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
     "LINE": _line,
     "ARC": _arc,
     "CIRCLE": _circle,

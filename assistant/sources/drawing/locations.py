@@ -26,7 +26,7 @@ from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import Speed
 from assistant.program.statements import Motion
-from assistant.sources.drawing.attributes import ANGLES, QUATERNION, Tags, Values, texts_of
+from assistant.sources.drawing.attributes import ANGLES, QUATERNION, LocationValues, Tags, texts_of
 from assistant.sources.drawing.document import library_errors
 from assistant.sources.drawing.entities import check_stated
 from assistant.sources.drawing.findings import (
@@ -45,7 +45,7 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.primitives import check_places
+from assistant.sources.drawing.primitives import check_coordinates
 from assistant.sources.drawing.transforms import (
     direction,
     insert_axes,
@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.insert import Insert
 
-    from assistant.sources.drawing.traversal import Placed
+    from assistant.sources.drawing.traversal import PlacedEntity
 
 NOTED_LENGTH: Final = 1e-6
 """A quaternion this near to unit length has only been rounded, and is not worth a warning."""
@@ -70,11 +70,11 @@ NOTED_LENGTH: Final = 1e-6
 REPAIRED_LENGTH: Final = 1e-3
 """Beyond it a quaternion is taken for a mistake, not for rounding."""
 
-DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
+TOOL_DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
 """Tool against the axes of the location: half a turn about x."""
 
 UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
-LEVEL: Final = 1e-9
+UPRIGHT_COSINE: Final = 1e-9
 """1 - cosine up to which an axis counts as upright; 0.003 degrees."""
 
 
@@ -95,7 +95,7 @@ class Location:
 
 
 @dataclass(slots=True)
-class Locations:
+class LocationReader:
     """Reads one location after the other; `findings` and `tally` fill while it goes.
 
     attached: they are of bodies, so that only poses count, in the drawing's world whatever frame
@@ -116,7 +116,7 @@ class Locations:
         self.tools = {FLANGE: Tool(), **self.process.tools}
         self.frames = {BASE: Frame(), **self.process.frames}
 
-    def read(self, placed: Placed) -> Location | None:
+    def read(self, placed: PlacedEntity) -> Location | None:
         """The location that a point or insert stands for; None if it cannot be had."""
         try:
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
@@ -128,7 +128,7 @@ class Locations:
             self._say(BAD_ENTITY, placed.place, kind=kind, reason=shown(str(error)))
             return None
 
-    def _of_point(self, placed: Placed) -> Location:
+    def _of_point(self, placed: PlacedEntity) -> Location:
         check_stated(placed.entity)
         dxf = placed.entity.dxf
         if dxf.get("thickness", 0) or dxf.get("angle", 0):
@@ -139,9 +139,9 @@ class Locations:
         pose = self._into_frame(placed, pose, motion.frame)
         return Location("", placed.layer, pose, None, motion, None, placed.place)
 
-    def _of_insert(self, placed: Placed) -> Location | None:
+    def _of_insert(self, placed: PlacedEntity) -> Location | None:
         insert = cast("Insert", placed.entity)
-        values = Values(self.tags, self.path, placed.place)
+        values = LocationValues(self.tags, self.path, placed.place)
         values.take(texts_of(insert, self.document))
         kind = values.kind()
         motion = self._motion(values, self._usual(placed.layer))
@@ -164,7 +164,7 @@ class Locations:
                 return process.motion
         return self.process.defaults.motion
 
-    def _motion(self, values: Values, usual: Motion) -> Motion:
+    def _motion(self, values: LocationValues, usual: Motion) -> Motion:
         if self.attached:
             return usual
         speed, blend = values.speed(), values.blend()
@@ -176,7 +176,7 @@ class Locations:
             values.name_of("frame", self.frames) or usual.frame,
         )
 
-    def _turn(self, values: Values) -> Floats | None:
+    def _turn(self, values: LocationValues) -> Floats | None:
         """Quaternion in the axes of the insert; None if no orientation is stated."""
         angles = [m for m in ANGLES if m in values.texts]
         parts = [m for m in QUATERNION if m in values.texts]
@@ -198,7 +198,7 @@ class Locations:
         x, y, z = numbers
         return rotations.from_euler((z, y, x) if order == "ZYX" else (x, y, z), order)
 
-    def _unit(self, values: Values, quaternion: Floats) -> Floats | None:
+    def _unit(self, values: LocationValues, quaternion: Floats) -> Floats | None:
         length = float(np.linalg.norm(quaternion))
         if not abs(length - 1.0) <= REPAIRED_LENGTH:
             values.say(NO_QUATERNION, length=length)
@@ -207,15 +207,17 @@ class Locations:
             values.say(REPAIRED_QUATERNION, length=length)
         return rotations.canonical(quaternion)
 
-    def _pose(self, placed: Placed, at: Any, axes: Floats, turn: Floats | None, name: str) -> Pose:
+    def _pose(
+        self, placed: PlacedEntity, at: Any, axes: Floats, turn: Floats | None, name: str
+    ) -> Pose:
         """In the drawing's world, of a location at `at` with `axes` in its layout.
 
         Raises ValueError if it lies nowhere or its axes fall together.
         """
         position = point(placed.matrix, at)
-        check_places(position)
+        check_coordinates(position)
         stated = turn is not None
-        tool = axes @ rotations.to_matrix(DOWN if turn is None else turn)
+        tool = axes @ rotations.to_matrix(TOOL_DOWN if turn is None else turn)
         x, z = direction(placed.matrix, tool[:, 0]), direction(placed.matrix, tool[:, 2])
         if skews(placed.matrix):
             self._say(SKEWED, placed.place, name=shown(name))
@@ -226,7 +228,7 @@ class Locations:
             rotation = self._facing(placed, rotation, name)
         return Pose.of(position, rotations.from_matrix(rotation))
 
-    def _facing(self, placed: Placed, rotation: Floats, name: str) -> Floats:
+    def _facing(self, placed: PlacedEntity, rotation: Floats, name: str) -> Floats:
         """The tool of a location that states no orientation.
 
         As the layer's process says, unless the location is drawn on a slope; against its axes
@@ -234,19 +236,19 @@ class Locations:
         """
         kind, handle = placed.entity.dxftype(), placed.entity.dxf.handle or ""
         upwards = np.array(self.process.placed(UPWARDS))
-        slope = 1.0 - abs(float(rotation[:, 2] @ upwards)) > LEVEL
+        slope = 1.0 - abs(float(rotation[:, 2] @ upwards)) > UPRIGHT_COSINE
         for layer, process in self.process.layers.items():
             if layer.casefold() == placed.layer.casefold() and not slope:
                 self.tally.add(FACING, kind, placed.layer, "as the layer's process says", handle)
                 z = np.asarray(self.process.placed(process.direction), dtype=np.float64)
-                steep = abs(float(z @ rotation[:, 0])) > (1.0 - LEVEL) * np.linalg.norm(z)
+                steep = abs(float(z @ rotation[:, 0])) > (1.0 - UPRIGHT_COSINE) * np.linalg.norm(z)
                 return right_handed(rotation[:, 1] if steep else rotation[:, 0], z)
         self.tally.add(FACING, kind, placed.layer, "against their own z axis", handle)
         if not slope and rotation[:, 2] @ upwards > 0:
             self._say(FACING_UP, placed.place, name=shown(name))
         return rotation
 
-    def _into_frame(self, placed: Placed, pose: Pose, name: str) -> Pose:
+    def _into_frame(self, placed: PlacedEntity, pose: Pose, name: str) -> Pose:
         """A pose of the drawing's world in the frame of that name, at the same place."""
         drawing = self.process.defaults.frame
         if name == drawing or self.attached:
@@ -257,7 +259,7 @@ class Locations:
             return pose
         return frames[1].pose.inverse() @ frames[0].pose @ pose
 
-    def _ignored(self, placed: Placed) -> None:
+    def _ignored(self, placed: PlacedEntity) -> None:
         handle = placed.entity.dxf.handle or ""
         self.tally.add(IGNORED, "POINT", placed.layer, "thickness or angle", handle)
 

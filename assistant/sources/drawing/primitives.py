@@ -27,16 +27,16 @@ from assistant.sources.contours.curves import (
 )
 from assistant.sources.drawing.transforms import direction, point
 
-ROUND: Final = 1e-9
+ROUND_TOLERANCE: Final = 1e-9
 """Relative difference of two conjugate radii, and cosine between them, of a circle."""
 
-FARTHEST: Final = 1e7
+FARTHEST_COORDINATE: Final = 1e7
 """mm; a coordinate beyond 10 km is no work piece but a broken file."""
 
-FLAT: Final = 1e-4
+FLATTEST_ARC: Final = 1e-4
 """mm; an arc that leaves its chord by less is a line, where its centre is no place."""
 
-SHORTEST: Final = 1e-9
+SHORTEST_CURVE: Final = 1e-9
 """mm; what is shorter has no direction."""
 
 
@@ -55,8 +55,8 @@ class Straight:
         return Straight(point(matrix, self.start), point(matrix, self.end))
 
     def curve(self, layer: str, handle: str) -> Curve:
-        check_places(self.start, self.end)
-        if np.linalg.norm(self.end - self.start) <= SHORTEST:
+        check_coordinates(self.start, self.end)
+        if np.linalg.norm(self.end - self.start) <= SHORTEST_CURVE:
             raise Degenerate("without length")
         return Line(vector(self.start), vector(self.end), layer, handle)
 
@@ -86,19 +86,22 @@ class Conic:
 
     def curve(self, layer: str, handle: str) -> Curve:
         radius = max(math.hypot(*vector(self.u)), math.hypot(*vector(self.v)))
-        if radius >= FARTHEST and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= FLAT:
+        if (
+            radius >= FARTHEST_COORDINATE
+            and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= FLATTEST_ARC
+        ):
             start, end = self._evaluate(np.array([0.0, 1.0]))
             return Straight(start, end).curve(layer, handle)
-        check_places(self.centre, self.u, self.v)
+        check_coordinates(self.centre, self.u, self.v)
         # Plain numbers: a drawing may have thousands of these, of three numbers each.
         centre, u, v = vector(self.centre), vector(self.u), vector(self.v)
         normal = cross_product(u, v)
         sizes = math.hypot(*u), math.hypot(*v)
-        flat = math.hypot(*normal) <= ROUND * max(sizes) ** 2
-        if flat or self.sweep * max(sizes) <= SHORTEST:
+        flat = math.hypot(*normal) <= ROUND_TOLERANCE * max(sizes) ** 2
+        if flat or self.sweep * max(sizes) <= SHORTEST_CURVE:
             raise Degenerate("without length or area")
-        even = abs(sizes[0] - sizes[1]) <= ROUND * max(sizes)
-        if even and abs(dot_product(u, v)) <= ROUND * max(sizes) ** 2:
+        even = abs(sizes[0] - sizes[1]) <= ROUND_TOLERANCE * max(sizes)
+        if even and abs(dot_product(u, v)) <= ROUND_TOLERANCE * max(sizes) ** 2:
             sweep = 360.0 if self.whole else math.degrees(self.sweep)
             start = (centre[0] + u[0], centre[1] + u[1], centre[2] + u[2])
             return Arc.about(centre, normal, start, sweep, layer, handle)
@@ -125,14 +128,14 @@ class Spline:
         return replace(self, points=point(matrix, self.points))
 
     def curve(self, layer: str, handle: str) -> Curve:
-        check_places(self.points)
-        if np.linalg.norm(np.ptp(self.points, axis=0)) <= SHORTEST:
+        check_coordinates(self.points)
+        if np.linalg.norm(np.ptp(self.points, axis=0)) <= SHORTEST_CURVE:
             raise Degenerate("without length")
         low, high = self._domain
         inner = np.unique(self.knots[(self.knots > low) & (self.knots < high)])
         breaks = (0.0, *(float(b) for b in (inner - low) / (high - low)), 1.0)
         ends = self._evaluate(np.array([0.0, 1.0]))
-        closed = bool(np.linalg.norm(ends[1] - ends[0]) <= SHORTEST)
+        closed = bool(np.linalg.norm(ends[1] - ends[0]) <= SHORTEST_CURVE)
         return FreeCurve(self._evaluate, closed, layer, handle, breaks)
 
     def continuous(self) -> Iterator[Spline]:
@@ -183,7 +186,7 @@ class Spline:
 Primitive = Straight | Conic | Spline
 
 
-def check_places(*places: Floats) -> None:
+def check_coordinates(*places: Floats) -> None:
     """Raises ValueError for a coordinate that is not finite, or is no place for a robot."""
-    if not (np.abs(np.concatenate(places)) < FARTHEST).all():  # NaN fails as well
-        raise ValueError(f"a coordinate is not finite or beyond {FARTHEST:g} mm")
+    if not (np.abs(np.concatenate(places)) < FARTHEST_COORDINATE).all():  # NaN fails as well
+        raise ValueError(f"a coordinate is not finite or beyond {FARTHEST_COORDINATE:g} mm")

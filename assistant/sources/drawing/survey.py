@@ -14,13 +14,13 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, INSERTING, within
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Vector
-from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.chaining import chain_curves
 from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
 from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.findings import NO_UNITS, Tally, shown
-from assistant.sources.drawing.locations import Location, Locations
+from assistant.sources.drawing.locations import Location, LocationReader
 from assistant.sources.drawing.traversal import Traversal
 from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
@@ -136,7 +136,7 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
     if NO_UNITS.code in {finding.code for finding in units}:
         said = "assumed, as the drawing names none"
     traversal = Traversal(document, name, tags, tally)
-    reader = Locations(document, name, tags, process, Tally(), attached=True)
+    reader = LocationReader(document, name, tags, process, Tally(), attached=True)
     layers: dict[str, _Layer] = {}
     found: list[SurveyedLocation] = []
 
@@ -194,7 +194,7 @@ def _layer(
     layer: _Layer, document: Drawing, process: Process, traversal: Traversal
 ) -> SurveyedLayer:
     state = traversal.states.get(layer.name.lower(), "") or "on"
-    contours = chain(layer.curves, process.tolerance)[0] if layer.curves else ()
+    contours = chain_curves(layer.curves, process.tolerance)[0] if layer.curves else ()
     closed = sum(contour.closed for contour in contours)
     length = sum(curve.length for contour in contours for curve in contour.curves)
     colour = None

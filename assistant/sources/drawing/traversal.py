@@ -20,9 +20,9 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import budget_factor
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
-from assistant.sources.drawing.counting import Count
+from assistant.sources.drawing.counting import EntityCount
 from assistant.sources.drawing.document import library_errors
-from assistant.sources.drawing.entities import check_stated, follows
+from assistant.sources.drawing.entities import check_stated, is_followed
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     CLIPPED,
@@ -79,12 +79,12 @@ ANNOTATION: Final = frozenset(
 XREF_FLAGS: Final = 4 | 8
 
 
-def _none(_: str) -> bool:
+def _never(_: str) -> bool:
     return False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class PlacedEntity:
     """An entity at one of its places.
 
     matrix: from the coordinates that it stands in to the drawing's world, in mm. layer: in
@@ -97,11 +97,11 @@ class Placed:
     layer: str
     place: str
     cell: tuple[float, float] = (0.0, 0.0)
-    inserted: Inserted | None = None
+    inserted: InsertedBlock | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inserted:
+class InsertedBlock:
     """A block at one place in the model space, the same object for all that comes with it.
 
     matrix: (4, 4) from its coordinates to the drawing's world in mm. base: (3,) its base point.
@@ -125,9 +125,9 @@ class Traversal:
     path: str
     tags: Tags
     tally: Tally
-    wanted: Callable[[DXFGraphic], bool] = follows
+    wanted: Callable[[DXFGraphic], bool] = is_followed
     numbering: Callable[[DXFGraphic, str], bool] = lambda entity, layer: False  # noqa: ARG005
-    unwanted: Callable[[str], bool] = _none
+    unwanted: Callable[[str], bool] = _never
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
@@ -137,17 +137,17 @@ class Traversal:
             state = "frozen" if layer.is_frozen() else "off" if layer.is_off() else ""
             self.states[layer.dxf.name.lower()] = state
 
-    def model(self, root: Floats) -> Iterator[Placed]:
+    def model(self, root: Floats) -> Iterator[PlacedEntity]:
         """Curves, points and location inserts of the model space, in order of drawing.
 
         root: scale from drawing units to mm.
         """
-        yield from self._walk(self.document.modelspace(), _Owner(root))
+        yield from self._walk(self.document.modelspace(), _BlockOwner(root))
 
     def count(self) -> int:
         """Entities of the model space with all inserts; raises Refused if there are too many."""
         entities = self.document.modelspace()
-        count = Count(self.document, self._layered, MOST_NESTED).of(entities)
+        count = EntityCount(self.document, self._layered, MOST_NESTED).of(entities)
         if count > MOST_ENTITIES * budget_factor():
             raise Refused(TOO_MANY(path=self.path, most=int(MOST_ENTITIES * budget_factor())))
         return count
@@ -157,7 +157,7 @@ class Traversal:
         layer = layer_of(entity)
         if layer == "0" and around:
             layer = around
-        return layer, self._hidden(entity, layer) in (None, OFF)
+        return layer, self._hidden(entity, layer) in (None, LAYER_OFF)
 
     def paper(self) -> None:
         """Counts what stands in paper space; viewports there are windows, no drawing."""
@@ -169,34 +169,34 @@ class Traversal:
                 if entity.dxftype() != "VIEWPORT":
                     self._leave(LEFT_OUT, entity, layer_of(entity), reason)
 
-    def _walk(self, entities: Iterable[DXFGraphic], owner: _Owner) -> Iterator[Placed]:
+    def _walk(self, entities: Iterable[DXFGraphic], owner: _BlockOwner) -> Iterator[PlacedEntity]:
         for entity in entities:
             layer = layer_of(entity)
             if layer == "0" and owner.blocks:
                 layer = owner.layer
             kind = entity.dxftype()
             hidden = self._hidden(entity, layer)
-            if kind == "INSERT" and hidden in (None, OFF):
+            if kind == "INSERT" and hidden in (None, LAYER_OFF):
                 yield from self._insert(cast("Insert", entity), layer, hidden, owner)
             elif kind == "ATTDEF" and owner.blocks:
                 continue  # says which attributes an insert may have; those are read there
             elif hidden:
                 self._leave(LEFT_OUT, entity, layer, hidden)
             elif owner.symbol:
-                self._leave(LEFT_OUT, entity, layer, SYMBOL)
+                self._leave(LEFT_OUT, entity, layer, LOCATION_SYMBOL)
             elif layer.lower() == DIMENSION_LAYER:
                 self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
             elif kind in ANNOTATION and not self.numbering(entity, layer):
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
             elif kind == "POINT" or kind in ANNOTATION or self.wanted(entity):
                 place = owner.place(entity)
-                yield Placed(entity, owner.matrix, layer, place, inserted=owner.inserted)
+                yield PlacedEntity(entity, owner.matrix, layer, place, inserted=owner.inserted)
             else:
                 self._leave(UNUSED, entity, layer, "")
 
     def _insert(
-        self, insert: Insert, layer: str, hidden: str | None, owner: _Owner
-    ) -> Iterator[Placed]:
+        self, insert: Insert, layer: str, hidden: str | None, owner: _BlockOwner
+    ) -> Iterator[PlacedEntity]:
         place = owner.place(insert)
         try:
             check_stated(insert)
@@ -215,7 +215,7 @@ class Traversal:
         symbol = owner.symbol or location
         for cell in cells(insert):
             if location:
-                yield Placed(insert, owner.matrix, layer, place, cell, owner.inserted)
+                yield PlacedEntity(insert, owner.matrix, layer, place, cell, owner.inserted)
             if block is None:
                 continue
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
@@ -223,12 +223,12 @@ class Traversal:
             blocks = (*owner.blocks, block.name.lower())
             inserted = owner.inserted
             if inserted is None and not location:
-                inserted = Inserted(block.name, inner, np.array(block.base_point.xyz))
-            own = _Owner(inner, layer, f"{place} > ", blocks, symbol, inserted)
+                inserted = InsertedBlock(block.name, inner, np.array(block.base_point.xyz))
+            own = _BlockOwner(inner, layer, f"{place} > ", blocks, symbol, inserted)
             yield from self._walk(block, own)
 
     def _block(
-        self, insert: Insert, place: str, owner: _Owner, *, needed: bool
+        self, insert: Insert, place: str, owner: _BlockOwner, *, needed: bool
     ) -> BlockLayout | None:
         """The block of an insert; None, with a finding, if its content cannot be had."""
         name = insert.dxf.get("name", "")
@@ -237,7 +237,7 @@ class Traversal:
         if block is None:
             if needed:  # a location needs no symbol
                 self._say(NO_BLOCK, place, block=given)
-        elif needed and _clipped(insert):
+        elif needed and _is_clipped(insert):
             self._say(CLIPPED, place, block=given)
         elif block.name.lower() in (*owner.blocks, "*model_space"):
             self._say(RECURSIVE, place, block=given)
@@ -261,7 +261,7 @@ class Traversal:
         if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
             return "it is invisible"
         state = self.states.get(layer.lower(), "")
-        return {"frozen": "the layer is frozen", "off": OFF}.get(state)
+        return {"frozen": "the layer is frozen", "off": LAYER_OFF}.get(state)
 
     def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
         if not self.unwanted(layer):
@@ -271,7 +271,7 @@ class Traversal:
         self.findings.append(rule(path=self.path, place=place, **fields))
 
 
-def _clipped(insert: Insert) -> bool:
+def _is_clipped(insert: Insert) -> bool:
     """Whether only a part of the block is shown; a robot must not follow the rest."""
     from ezdxf.xclip import XClip
 
@@ -289,12 +289,12 @@ def layer_of(entity: DXFGraphic) -> str:
 
 
 LAYER_CODE: Final = 8
-SYMBOL: Final = "it is the symbol of a location"
-OFF: Final = "the layer is off"
+LOCATION_SYMBOL: Final = "it is the symbol of a location"
+LAYER_OFF: Final = "the layer is off"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Owner:
+class _BlockOwner:
     """What the content of a block gets from the inserts around it."""
 
     matrix: Floats
@@ -302,7 +302,7 @@ class _Owner:
     prefix: str = ""
     blocks: tuple[str, ...] = ()
     symbol: bool = False
-    inserted: Inserted | None = None
+    inserted: InsertedBlock | None = None
 
     def place(self, entity: DXFGraphic) -> str:
         return f"{self.prefix}{shown(entity.dxftype())} #{entity.dxf.handle}"

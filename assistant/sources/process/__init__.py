@@ -17,12 +17,20 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Interface, Signal
 from assistant.program.statements import Motion
 from assistant.program.undeclared_names import ChannelLine
-from assistant.sources.process.seen import NOT_SAID, Seen
+from assistant.sources.process.seen import NO_SEEN_SETTINGS, SeenSettings
 from assistant.sources.process.shaping import AS_DRAWN, Shaping
-from assistant.sources.process.ways import AT_ENDS, EVEN, LOW, Above, Order, Pace, Switching
+from assistant.sources.process.ways import (
+    EVEN_SPEED,
+    SWITCHED_AT_ENDS,
+    TRAVEL_BY_APPROACH,
+    ContourTravel,
+    OrderKind,
+    OutputSwitching,
+    SpeedProfile,
+)
 from assistant.sources.surroundings import Surroundings
 
-SLOW: Final = Speed(100.0)
+DEFAULT_SPEED: Final = Speed(100.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +44,7 @@ class Defaults:
     """
 
     kind: Literal["joint", "linear", "travel"] = "linear"
-    speed: Speed | Name = SLOW
+    speed: Speed | Name = DEFAULT_SPEED
     blend: Blend | Name | None = None
     tool: str = FLANGE
     frame: str = BASE
@@ -53,8 +61,8 @@ class Defaults:
         return Motion(self.speed, self.blend or FINE, self.tool, self.frame)
 
 
-DEFAULTS: Final = Defaults()
-TRAVEL: Final = Speed(200.0)
+DEFAULT_MOTION: Final = Defaults()
+DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,17 +87,17 @@ class Layer:
     off: tuple[tuple[str, float], ...] = ()
     approach: float = 50.0
     retract: float = 50.0
-    travel: Speed = TRAVEL
+    travel: Speed = DEFAULT_TRAVEL_SPEED
     direction: Vector = (0.0, 0.0, -1.0)
     tangential: bool = False
     delay: float = 0.0
     inside_first: bool = True
     rounded: bool = False
     shaping: Shaping = AS_DRAWN
-    order: Order = "travel"
-    pace: Pace = EVEN
-    switching: Switching = AT_ENDS
-    above: Above = LOW
+    order: OrderKind = "travel"
+    pace: SpeedProfile = EVEN_SPEED
+    switching: OutputSwitching = SWITCHED_AT_ENDS
+    above: ContourTravel = TRAVEL_BY_APPROACH
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +122,7 @@ class Process:
     findings: warnings about the process file itself.
     """
 
-    defaults: Defaults = DEFAULTS
+    defaults: Defaults = DEFAULT_MOTION
     tools: Mapping[str, Tool] = field(default_factory=dict)
     frames: Mapping[str, Frame] = field(default_factory=dict)
     signals: Mapping[str, Signal] = field(default_factory=dict)
@@ -131,7 +139,7 @@ class Process:
     lines: Mapping[int, ChannelLine] = field(default_factory=dict)
     interface: Interface | None = None
     home: tuple[float, ...] | None = None
-    seen: Seen = NOT_SAID
+    seen: SeenSettings = NO_SEEN_SETTINGS
     around: Surroundings | None = None
     findings: tuple[Diagnostic, ...] = ()
 
@@ -140,7 +148,7 @@ class Process:
         name = layer.casefold()
         if name in {one.casefold() for one in self.layers}:
             return False
-        return any(_like(pattern.casefold(), name) for pattern in self.leave_out)
+        return any(_matches_pattern(pattern.casefold(), name) for pattern in self.leave_out)
 
     def placed(self, direction: Vector) -> Vector:
         """A direction of the drawing as the drawing stands in the default frame."""
@@ -152,7 +160,7 @@ class Process:
         return (x, y, z)
 
 
-def _like(pattern: str, name: str) -> bool:
+def _matches_pattern(pattern: str, name: str) -> bool:
     """Whether a name is of a pattern, in which `*` stands for any letters and nothing else does."""
     return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), name, re.DOTALL) is not None
 

@@ -130,15 +130,23 @@ from assistant.program.program import Signal
 from assistant.program.settings_tables import REPAIRED, Page, Read, Table, shown
 from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import Defaults, Process
-from assistant.sources.process.known import MOTION, Known
+from assistant.sources.process.known import MOTION_KEYS, DefinedNames
 from assistant.sources.process.layers import layer_of
-from assistant.sources.process.names import THERE, interface_of
-from assistant.sources.process.placing import MOST_MISFIT, ONE_WAY, PLACEMENT, by_marks, wrong_ways
-from assistant.sources.process.seen import KEYS as KEYS_OF_SEEN
+from assistant.sources.process.names import ON_CONTROLLER_KEYS, interface_of
+from assistant.sources.process.placing import (
+    MOST_MISFIT,
+    ONE_PLACEMENT,
+    PLACEMENT_KEYS,
+    placement_by_marks,
+    placement_fault,
+)
+from assistant.sources.process.seen import SEEN_KEYS as KEYS_OF_SEEN
 from assistant.sources.process.seen import seen_of
 
 NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
-BOTH = error("CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx")
+TWO_ORIENTATIONS = error(
+    "CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx"
+)
 NO_MASS = error(
     "CT307", "`{name}` has a centre of gravity but no mass", "give `mass` in kg as well"
 )
@@ -156,14 +164,24 @@ NO_MAIN = error(
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
-AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
+ERROR_POSITION: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
 
-MOST_NUMBER: Final = 65535
+MOST_SIGNAL_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("program", "motion", "tools", "frames", "seen", "signals", "lines", "layers", "tags")
+TOP_TABLES: Final = (
+    "program",
+    "motion",
+    "tools",
+    "frames",
+    "seen",
+    "signals",
+    "lines",
+    "layers",
+    "tags",
+)
 
-PLAIN: Final[Mapping[str, Read]] = {
+TOP_KEYS: Final[Mapping[str, Read]] = {
     "robot": values.text,
     "tolerance": values.tolerance,
     "joint_speed": values.number("mm/s", above=0.0),
@@ -171,46 +189,46 @@ PLAIN: Final[Mapping[str, Read]] = {
 }
 """Keys of the top that hold one value."""
 
-OF_DRAWINGS: Final[Mapping[str, Read]] = {
+DRAWING_KEYS: Final[Mapping[str, Read]] = {
     "unit": values.unit,
     "leave_out": values.texts,
     "home": values.axes,
 }
 """Keys of the top that only a drawing needs."""
-PLACE: Final = "placement"
+PLACEMENT_TABLE: Final = "placement"
 """A table that only a drawing needs."""
 
-ORIENTATION: Final[Mapping[str, Read]] = {
+ORIENTATION_KEYS: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
     "euler_zyx": values.euler_zyx,
     "held": values.truth,
-    **THERE,
+    **ON_CONTROLLER_KEYS,
 }
-TOOL: Final[Mapping[str, Read]] = {
+TOOL_KEYS: Final[Mapping[str, Read]] = {
     "tip": values.position,
-    **ORIENTATION,
+    **ORIENTATION_KEYS,
     "free_turn": values.truth,
     "mass": values.number("kg", above=0.0),
     "centre": values.position,
 }
-FRAME: Final[Mapping[str, Read]] = {
+FRAME_KEYS: Final[Mapping[str, Read]] = {
     "position": values.position,
-    **ORIENTATION,
+    **ORIENTATION_KEYS,
     "seen": values.text,
 }
-DEFAULTS: Final[Mapping[str, Read]] = {
+DEFAULT_MOTION_KEYS: Final[Mapping[str, Read]] = {
     "kind": values.choice("joint", "linear", "travel"),
-    **MOTION,
+    **MOTION_KEYS,
     "approach": values.number("mm", least=0.0),
     "retract": values.number("mm", least=0.0),
 }
-SIGNAL: Final[Mapping[str, Read]] = {
+SIGNAL_KEYS: Final[Mapping[str, Read]] = {
     "kind": values.choice("digital", "analog", "group"),
     "direction": values.choice("output", "input"),
-    "number": values.whole(0, MOST_NUMBER),
+    "number": values.whole(0, MOST_SIGNAL_NUMBER),
     "bits": values.whole(1, values.MOST_BITS),
 }
-LINE: Final[Mapping[str, Read]] = {
+LINE_KEYS: Final[Mapping[str, Read]] = {
     "role": values.choice("server", "client", "serial"),
     "port": values.whole(1, 65535),
     "address": values.text,
@@ -236,28 +254,32 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     Such a document is no drawing: it states lengths in mm, and has no layers to leave out.
     """
     page = top.page
-    keys = {**dict.fromkeys((*TOP, *beside), _as_it_is), **PLAIN}
-    found = top.read(keys if beside else {**keys, **OF_DRAWINGS, PLACE: _as_it_is})
-    tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
-    frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
-    signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
-    lines = dict(one for n, t in top.table("lines").named() for one in _line(n, t))
+    keys = {**dict.fromkeys((*TOP_TABLES, *beside), _read_unchanged), **TOP_KEYS}
+    found = top.read(keys if beside else {**keys, **DRAWING_KEYS, PLACEMENT_TABLE: _read_unchanged})
+    tools = {n: _read_tool(n, t) for n, t in top.table("tools").named()}
+    frames = {n: _read_frame(n, t) for n, t in top.table("frames").named()}
+    signals = {n: _read_signal(n, t) for n, t in top.table("signals").named()}
+    lines = dict(one for n, t in top.table("lines").named() for one in _read_line(n, t))
     seen = seen_of(top.table("seen").read(KEYS_OF_SEEN), page.source.path)
     interface = interface_of(top)
     if "home" in found and interface is not None and not interface.main:
         top.say(NO_MAIN, "home")
-    names = Known(tools, frames, signals)
-    defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
+    names = DefinedNames(tools, frames, signals)
+    defaults = Defaults(**names.motion(top.table("motion"), DEFAULT_MOTION_KEYS))
     layers = {
         layer: layer_of(layer, table, defaults, names)
         for layer, table in top.table("layers").named(identifiers=False)
     }
     tags = top.table("tags").read(_tag_keys(top))
-    placement = _placement(top.table(PLACE)) if not beside and PLACE in top.content else None
+    placement = (
+        _read_placement(top.table(PLACEMENT_TABLE))
+        if not beside and PLACEMENT_TABLE in top.content
+        else None
+    )
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
-    plain = {key: found[key] for key in (*PLAIN, *OF_DRAWINGS) if key in found}
+    plain = {key: found[key] for key in (*TOP_KEYS, *DRAWING_KEYS) if key in found}
     return Process(
         *(defaults, tools, frames, signals, layers, tags),
         lines=lines,
@@ -295,8 +317,8 @@ def _long_number(text: str) -> Span:
 
 
 def _not_toml(source: SourceText, reason: str) -> Diagnostic:
-    place = AT.search(reason)
-    said = AT.sub("", reason)
+    place = ERROR_POSITION.search(reason)
+    said = ERROR_POSITION.sub("", reason)
     said = shown(said[:1].lower() + said[1:], 200)
     lines = source.text.count("\n") + 1
     line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, None)
@@ -304,7 +326,7 @@ def _not_toml(source: SourceText, reason: str) -> Diagnostic:
     return NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)
 
 
-def _as_it_is(value: Any) -> Any:
+def _read_unchanged(value: Any) -> Any:
     return value
 
 
@@ -312,48 +334,48 @@ def _tag_keys(top: Table) -> dict[str, Read]:
     """The meanings that attributes of a drawing can have."""
     if "tags" not in top.content:
         return {}
-    from assistant.sources.drawing.attributes import MEANINGS
+    from assistant.sources.drawing.attributes import TAG_MEANINGS
 
-    return dict.fromkeys(MEANINGS, values.text)
+    return dict.fromkeys(TAG_MEANINGS, values.text)
 
 
-def _tool(name: str, table: Table) -> Tool:
-    found = table.read(TOOL)
+def _read_tool(name: str, table: Table) -> Tool:
+    found = table.read(TOOL_KEYS)
     if name.casefold() == FLANGE:
         table.say(RESERVED, name=name, meaning="the bare flange")
     if "centre" in found and "mass" not in table.content:
         table.say(NO_MASS, "centre", name=name)
     load = Load(found["mass"], found.get("centre", (0.0, 0.0, 0.0))) if "mass" in found else None
     free = found.get("free_turn", False)
-    return Tool(_pose(name, table, found, "tip"), load, found.get("held", True), free)
+    return Tool(_read_pose(name, table, found, "tip"), load, found.get("held", True), free)
 
 
-def _frame(name: str, table: Table) -> Frame:
-    found = table.read(FRAME)
+def _read_frame(name: str, table: Table) -> Frame:
+    found = table.read(FRAME_KEYS)
     if name.casefold() == BASE:
         table.say(RESERVED, name=name, meaning="the robot's own base")
     held, seen = found.get("held", False), found.get("seen", "")
-    return Frame(user=_pose(name, table, found, "position"), held=held, seen=seen)
+    return Frame(user=_read_pose(name, table, found, "position"), held=held, seen=seen)
 
 
-def _placement(table: Table) -> Pose | None:
+def _read_placement(table: Table) -> Pose | None:
     """None with a finding where the table is wrong."""
-    found = table.read(PLACEMENT)
-    wrong = wrong_ways(table.content)
+    found = table.read(PLACEMENT_KEYS)
+    wrong = placement_fault(table.content)
     if wrong is not None:
-        table.say(ONE_WAY, what=wrong)
+        table.say(ONE_PLACEMENT, what=wrong)
     if wrong is not None or len(found) < len(table.content):
         return None
     if "drawing" not in found:
-        return _pose(PLACE, table, found, "position")
-    placed = by_marks(found["drawing"], found["cell"], found.get("misfit", MOST_MISFIT))
+        return _read_pose(PLACEMENT_TABLE, table, found, "position")
+    placed = placement_by_marks(found["drawing"], found["cell"], found.get("misfit", MOST_MISFIT))
     table.say(placed.rule, **placed.fields)
     return placed.pose
 
 
-def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> Pose:
+def _read_pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> Pose:
     if "quaternion" in table.content and "euler_zyx" in table.content:
-        table.say(BOTH, "euler_zyx", name=name)
+        table.say(TWO_ORIENTATIONS, "euler_zyx", name=name)
     turn = found.get("euler_zyx", Pose().quaternion)
     if "quaternion" in found:
         turn, length = found["quaternion"]
@@ -362,16 +384,16 @@ def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> P
     return Pose(found.get(position, (0.0, 0.0, 0.0)), turn)
 
 
-def _line(name: str, table: Table) -> Iterator[tuple[int, ChannelLine]]:
-    found, number = table.read(LINE), re.fullmatch(r"(?i)line_([1-8])", name)
-    if number is None or len(found) < len(LINE) - (found.get("role") == "serial"):
+def _read_line(name: str, table: Table) -> Iterator[tuple[int, ChannelLine]]:
+    found, number = table.read(LINE_KEYS), re.fullmatch(r"(?i)line_([1-8])", name)
+    if number is None or len(found) < len(LINE_KEYS) - (found.get("role") == "serial"):
         table.say(NO_LINE, name=name)
     else:
         yield int(number[1]), ChannelLine(**found)
 
 
-def _signal(name: str, table: Table) -> Signal:
-    found = table.read(SIGNAL)
+def _read_signal(name: str, table: Table) -> Signal:
+    found = table.read(SIGNAL_KEYS)
     kind = found.get("kind", "digital")
     if found.get("bits", 1) != 1 and kind != "group":
         table.say(ONE_BIT, "bits", name=name, kind=kind)

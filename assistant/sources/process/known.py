@@ -15,7 +15,7 @@ NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
 NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
 NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
 
-MOTION: Final[Mapping[str, Read]] = {
+MOTION_KEYS: Final[Mapping[str, Read]] = {
     "speed": settings_tables.speed,
     "blend": settings_tables.blend,
     "tool": settings_tables.name,
@@ -23,7 +23,7 @@ MOTION: Final[Mapping[str, Read]] = {
 }
 
 
-class Known:
+class DefinedNames:
     """The tools, frames and signals of the file, to find those that others name."""
 
     def __init__(

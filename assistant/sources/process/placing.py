@@ -21,13 +21,13 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import Read, Wrong, kind_of
 
-MISFIT = error(
+MARKS_MISFIT = error(
     "CT360",
     "the marks do not fit: mark {mark} would come {misfit:.2f} mm from where it was taught, "
     "and {most:g} mm are allowed; {lengths}",
     "teach the marks again, look at the unit of the drawing, or allow it: `misfit` {wanted:g}",
 )
-ON_A_LINE = error(
+MARKS_ON_A_LINE = error(
     "CT361",
     "the three marks of {where} lie on one line or too near to each other: {reason}",
     "take three marks that are well apart and not in a row",
@@ -38,32 +38,32 @@ TURNED_OVER = error(
     "see that the marks of `drawing` and of `cell` are in the same order; a part that does lie on "
     "its face is placed by `position` and `euler_zyx`",
 )
-ONE_WAY = error(
+ONE_PLACEMENT = error(
     "CT363",
     "{what}",
     "give `position` and `euler_zyx` or `quaternion`, or three marks as `drawing` and `cell`",
 )
-BY_MARKS = info(
+PLACED_BY_MARKS = info(
     "CT364",
     "the drawing stands at {position}, turned by {angles} degrees about z, y, x; its marks fit "
     "within {misfit:.2f} mm",
 )
 MOST_MISFIT: Final = 1.0
 """mm that a mark may be off where the file does not say: what a careful hand teaches."""
-NEAREST: Final = 1.0
+LEAST_MARK_DISTANCE: Final = 1.0
 """mm that marks have to be apart, and the third one from the line through the others."""
-SLIMMEST: Final = 0.05
+LEAST_MARK_SINE: Final = 0.05
 """Sine of the least angle at the first mark: below 3 degrees a mistake of the third turns all."""
 
 
-def _mark(value: Any) -> tuple[float, ...]:
+def _read_mark(value: Any) -> tuple[float, ...]:
     """Two or three numbers; in the plane of the drawing z is 0."""
     if isinstance(value, list) and len(value) == 2:
         value = [*value, 0.0]
     return settings_tables.position(value)
 
 
-def _marks(value: Any) -> tuple[tuple[float, ...], ...]:
+def _read_marks(value: Any) -> tuple[tuple[float, ...], ...]:
     if not isinstance(value, list):
         raise Wrong(f"is {kind_of(value)}", "write three points: [[0, 0], [100, 0], [0, 50]]")
     if len(value) != 3:
@@ -71,24 +71,24 @@ def _marks(value: Any) -> tuple[tuple[float, ...], ...]:
     found = []
     for number, one in enumerate(value, 1):
         try:
-            found.append(_mark(one))
+            found.append(_read_mark(one))
         except Wrong as wrong:
             raise Wrong(f"{wrong.what} in mark {number}", wrong.cure) from None
     return tuple(found)
 
 
-PLACEMENT: Final[Mapping[str, Read]] = {
+PLACEMENT_KEYS: Final[Mapping[str, Read]] = {
     "position": settings_tables.position,
     "quaternion": settings_tables.quaternion,
     "euler_zyx": settings_tables.euler_zyx,
-    "drawing": _marks,
-    "cell": _marks,
+    "drawing": _read_marks,
+    "cell": _read_marks,
     "misfit": settings_tables.number("mm", above=0.0, most=100.0),
 }
 """Keys of [placement]."""
 
 
-def wrong_ways(given: Mapping[str, Any]) -> str | None:
+def placement_fault(given: Mapping[str, Any]) -> str | None:
     """What is wrong with the keys of a placement that were given together."""
     marks, pose = {"drawing", "cell"} & given.keys(), {"position", "quaternion", "euler_zyx"}
     if marks and pose & given.keys():
@@ -102,7 +102,7 @@ def wrong_ways(given: Mapping[str, Any]) -> str | None:
 
 
 @dataclass(frozen=True, slots=True)
-class ByMarks:
+class MarkPlacement:
     """pose: the drawing's world in the frame that marks were taught in; None if they are wrong.
 
     rule, fields: the finding about it.
@@ -113,43 +113,47 @@ class ByMarks:
     fields: Mapping[str, Any]
 
 
-def by_marks(
+def placement_by_marks(
     drawing: Sequence[Sequence[float]], cell: Sequence[Sequence[float]], most: float = MOST_MISFIT
-) -> ByMarks:
+) -> MarkPlacement:
     """Where three marks put a drawing. drawing, cell: (3, 3) mm. most: mm that one may be off."""
     drawn, taught = np.array(drawing, dtype=np.float64), np.array(cell, dtype=np.float64)
     for where, marks in (("drawing", drawn), ("cell", taught)):
-        reason = _slim(marks)
+        reason = _marks_fault(marks)
         if reason is not None:
-            return ByMarks(None, ON_A_LINE, {"where": f"`{where}`", "reason": reason})
-    placed = _frame(taught) @ _frame(drawn).inverse()
+            return MarkPlacement(None, MARKS_ON_A_LINE, {"where": f"`{where}`", "reason": reason})
+    placed = _frame_of_marks(taught) @ _frame_of_marks(drawn).inverse()
     off = np.linalg.norm(placed.moved(drawn) - taught, axis=1)
     worst = int(off.argmax())
     misfit = float(off[worst])
     if misfit > most:
-        wanted, lengths = math.ceil(misfit * 10.0) / 10.0, _lengths(drawn, taught)
+        wanted, lengths = math.ceil(misfit * 10.0) / 10.0, _mark_distances(drawn, taught)
         fields = {"mark": worst + 1, "misfit": misfit, "most": most, "wanted": wanted}
-        return ByMarks(None, MISFIT, {**fields, "lengths": lengths})
+        return MarkPlacement(None, MARKS_MISFIT, {**fields, "lengths": lengths})
     if rotations.rotate(np.array(placed.quaternion), np.array([0.0, 0.0, 1.0]))[2] < 0.0:
-        return ByMarks(None, TURNED_OVER, {})
+        return MarkPlacement(None, TURNED_OVER, {})
     angles = rotations.to_euler(np.array(placed.quaternion), "ZYX") + 0.0
-    at = {"position": _listed(placed.position), "angles": _listed(angles), "misfit": misfit}
-    return ByMarks(placed, BY_MARKS, at)
+    at = {
+        "position": _numbers_text(placed.position),
+        "angles": _numbers_text(angles),
+        "misfit": misfit,
+    }
+    return MarkPlacement(placed, PLACED_BY_MARKS, at)
 
 
-def _slim(marks: Floats) -> str | None:
+def _marks_fault(marks: Floats) -> str | None:
     """Why marks are too near to each other, or to one line, to tell how something is turned."""
     along, aside = marks[1] - marks[0], marks[2] - marks[0]
     sides = (along, aside, marks[2] - marks[1])
-    if min(float(np.linalg.norm(side)) for side in sides) < NEAREST:
+    if min(float(np.linalg.norm(side)) for side in sides) < LEAST_MARK_DISTANCE:
         return "two of them are one place"
     away = float(np.linalg.norm(np.cross(along, aside)) / np.linalg.norm(along))
-    if away < max(NEAREST, SLIMMEST * float(np.linalg.norm(aside))):
+    if away < max(LEAST_MARK_DISTANCE, LEAST_MARK_SINE * float(np.linalg.norm(aside))):
         return f"the third is {away:.2f} mm from the line through the others"
     return None
 
 
-def _frame(marks: Floats) -> Pose:
+def _frame_of_marks(marks: Floats) -> Pose:
     """The right-handed frame of an origin, a point on its x axis and one on the side of its y."""
     along, normal = marks[1] - marks[0], np.cross(marks[1] - marks[0], marks[2] - marks[0])
     x, z = along / np.linalg.norm(along), normal / np.linalg.norm(normal)
@@ -157,7 +161,7 @@ def _frame(marks: Floats) -> Pose:
     return Pose.of(marks[0], turn)
 
 
-def _lengths(drawn: Floats, taught: Floats) -> str:
+def _mark_distances(drawn: Floats, taught: Floats) -> str:
     """How far the marks are from each other, drawn and taught."""
     said = []
     for one, other in ((0, 1), (0, 2), (1, 2)):
@@ -166,5 +170,5 @@ def _lengths(drawn: Floats, taught: Floats) -> str:
     return "; ".join(said)
 
 
-def _listed(numbers: Sequence[float] | Floats) -> str:
+def _numbers_text(numbers: Sequence[float] | Floats) -> str:
     return "[" + ", ".join(f"{round(float(n), 3) + 0.0:g}" for n in numbers) + "]"

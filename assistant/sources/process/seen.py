@@ -23,12 +23,12 @@ from typing import Any, Final, Literal
 from assistant.program import settings_tables
 from assistant.program.settings_tables import Read, Wrong, shown
 
-NO_ADDRESS: Final = "is no address at which a program can ask"
-ADDRESSES: Final = (
+NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
+ADDRESS_FORMS: Final = (
     "write HOST:PORT of the computer that answers, listen:ADDRESS:PORT for a controller that "
     "waits for it, or line:NUMBER for a communication line of the controller"
 )
-_PLACES: Final = re.compile(
+_ADDRESS: Final = re.compile(
     r"line:(?P<line>[1-8])|(?P<listen>listen:)?(?P<host>[A-Za-z0-9_.\-]+):(?P<port>[0-9]{1,5})"
 )
 MOST_PORT: Final = 65535
@@ -50,11 +50,11 @@ class Trust:
     within: float = 300.0
 
 
-TRUSTED: Final = Trust()
+DEFAULT_TRUST: Final = Trust()
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class PoseServer:
     """Whom a program asks as it runs.
 
     kind: `client` connects to another computer, `server` waits for it at its own address, `line` is
@@ -74,41 +74,41 @@ class Asking:
         return f"{who} {self.address}:{self.number}"
 
     @staticmethod
-    def parse(text: str) -> Asking:
+    def parse(text: str) -> PoseServer:
         """From `HOST:PORT`, `listen:ADDRESS:PORT` or `line:NUMBER`; raises Wrong."""
-        match = _PLACES.fullmatch(text.strip())
+        match = _ADDRESS.fullmatch(text.strip())
         if (
             match is None
             or match["host"] == "line"
             or int(match["port"] or 1) not in range(1, MOST_PORT + 1)
         ):
-            raise Wrong(f'is "{shown(text)}", which {NO_ADDRESS}', ADDRESSES)
+            raise Wrong(f'is "{shown(text)}", which {NOT_AN_ADDRESS}', ADDRESS_FORMS)
         if match["line"]:
-            return Asking("line", "", int(match["line"]))
+            return PoseServer("line", "", int(match["line"]))
         kind: Literal["client", "server"] = "server" if match["listen"] else "client"
-        return Asking(kind, match["host"], int(match["port"]))
+        return PoseServer(kind, match["host"], int(match["port"]))
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenSettings:
     """What a process file says under [seen].
 
     found: path of a file of what was found, empty for none.
     """
 
-    ask: Asking | None = None
-    trust: Trust = field(default=TRUSTED)
+    ask: PoseServer | None = None
+    trust: Trust = field(default=DEFAULT_TRUST)
     found: str = ""
 
 
-NOT_SAID: Final = Seen()
+NO_SEEN_SETTINGS: Final = SeenSettings()
 
 
-def _ask(value: Any) -> Asking:
-    return Asking.parse(settings_tables.text(value))
+def _read_address(value: Any) -> PoseServer:
+    return PoseServer.parse(settings_tables.text(value))
 
 
-def _beside(value: Any) -> str:
+def _read_file_beside(value: Any) -> str:
     """The name of a file, in the same folder."""
     given = settings_tables.text(value)
     if re.search(r"[/\\:\x00-\x1f]", given) or given in (".", ".."):
@@ -116,9 +116,9 @@ def _beside(value: Any) -> str:
     return given
 
 
-KEYS: Final[Mapping[str, Read]] = {
-    "ask": _ask,
-    "found": _beside,
+SEEN_KEYS: Final[Mapping[str, Read]] = {
+    "ask": _read_address,
+    "found": _read_file_beside,
     "oldest": settings_tables.number("seconds", above=0.0),
     "sigma_mm": settings_tables.number("mm", above=0.0),
     "sigma_deg": settings_tables.number("degrees", above=0.0),
@@ -127,8 +127,8 @@ KEYS: Final[Mapping[str, Read]] = {
 }
 
 
-def seen_of(said: Mapping[str, Any], path: str | None) -> Seen:
+def seen_of(said: Mapping[str, Any], path: str | None) -> SeenSettings:
     """From the values of KEYS that are there. path: of the file that says them."""
     trust = {key: value for key, value in said.items() if key not in ("ask", "found")}
     found = str(FilePath(path or "").parent / said["found"]) if "found" in said else ""
-    return Seen(said.get("ask"), Trust(**trust), found)
+    return SeenSettings(said.get("ask"), Trust(**trust), found)

@@ -12,7 +12,7 @@ from assistant.program import settings_tables
 from assistant.program.settings_tables import Read, Table, Wrong, kind_of, shown
 
 NO_DEPTH = error("CT330", "`passes` needs a depth that they share", "give `depth` in mm as well")
-NO_WAY_UP = error(
+DEPTH_WITHOUT_RETRACT = error(
     "CT331",
     "with `depth` the tool is in the work: it needs ways in and out of it",
     "give `approach` and `retract` of more than 0 mm",
@@ -22,8 +22,8 @@ NO_SIDE = error(
 )
 
 MOST_PASSES: Final = 1000
-QUARTER: Final = 90.0
-LEAD: Final = "write {arc = 5, angle = 90}, {line = 5, angle = 60} or {tangent = 5}"
+QUARTER_TURN: Final = 90.0
+LEAD_FORMS: Final = "write {arc = 5, angle = 90}, {line = 5, angle = 60} or {tangent = 5}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Lead:
 
     kind: Literal["line", "arc"]
     size: float
-    angle: float = QUARTER
+    angle: float = QUARTER_TURN
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,21 +86,21 @@ class Shaping:
 AS_DRAWN: Final = Shaping()
 
 
-def lead(value: Any) -> Lead:
+def read_lead(value: Any) -> Lead:
     if not isinstance(value, dict):
-        raise Wrong(f"is {kind_of(value)}", LEAD)
+        raise Wrong(f"is {kind_of(value)}", LEAD_FORMS)
     kinds = [kind for kind in ("arc", "line", "tangent") if kind in value]
     other = next((key for key in value if key not in ("arc", "line", "tangent", "angle")), None)
     if other is not None:
-        raise Wrong(f"has no key {shown(other)}", LEAD)
+        raise Wrong(f"has no key {shown(other)}", LEAD_FORMS)
     if len(kinds) != 1:
-        raise Wrong("is not one of arc, line and tangent", LEAD)
+        raise Wrong("is not one of arc, line and tangent", LEAD_FORMS)
     (kind,) = kinds
     if kind == "tangent" and "angle" in value:
         raise Wrong("runs along the tangent and has no angle", "leave out the angle, or write line")
     try:
         size: float = settings_tables.number("mm", above=0.0)(value[kind])
-        angle: float = QUARTER
+        angle: float = QUARTER_TURN
         if "angle" in value:
             most = 180.0 if kind == "arc" else 150.0
             angle = settings_tables.number("degrees", above=0.0, most=most)(value["angle"])
@@ -111,7 +111,7 @@ def lead(value: Any) -> Lead:
     return Lead("arc" if kind == "arc" else "line", size, angle)
 
 
-def allowances(value: Any) -> tuple[float, ...]:
+def read_allowances(value: Any) -> tuple[float, ...]:
     cure = "write mm in brackets, falling to what the last one leaves: [0.5, 0]"
     if not isinstance(value, list) or not value:
         raise Wrong(f"is {kind_of(value)}" if value != [] else "is empty", cure)
@@ -122,30 +122,30 @@ def allowances(value: Any) -> tuple[float, ...]:
     return found
 
 
-SHAPING: Final[Mapping[str, Read]] = {
+SHAPING_KEYS: Final[Mapping[str, Read]] = {
     "offset": settings_tables.number("mm", above=0.0),
     "side": settings_tables.choice("nesting", "inside", "outside", "left", "right"),
     "way_round": settings_tables.choice(
         "climb", "conventional", "clockwise", "anticlockwise", "drawn"
     ),
     "start": settings_tables.choice("nearest", "corner", "longest", "point"),
-    "lead_in": lead,
-    "lead_out": lead,
+    "lead_in": read_lead,
+    "lead_out": read_lead,
     "overlap": settings_tables.number("mm", least=0.0),
     "depth": settings_tables.number("mm", least=0.0),
     "passes": settings_tables.whole(1, MOST_PASSES),
-    "allowances": allowances,
+    "allowances": read_allowances,
 }
 
 
 def shaping_of(table: Table, found: dict[str, Any]) -> Shaping:
     """From the values of a layer's table, which it takes out of them."""
     stated = "side" in found
-    shaping = Shaping(**{key: found.pop(key) for key in SHAPING if key in found})
+    shaping = Shaping(**{key: found.pop(key) for key in SHAPING_KEYS if key in found})
     if "passes" in table.content and not shaping.depth:
         table.say(NO_DEPTH, "passes")
     if shaping.depth and not all(found.get(key, 1.0) > 0.0 for key in ("approach", "retract")):
-        table.say(NO_WAY_UP, "depth")
+        table.say(DEPTH_WITHOUT_RETRACT, "depth")
     if stated and not shaping.sided:
         cure = "give `offset`, a lead, or `way_round`; or delete `side`"
         table.say(NO_SIDE, "side", cure=cure)

@@ -7,12 +7,12 @@ from typing import Final, Literal
 
 from assistant.program.motion import FINE, Blend, Speed
 
-Order = Literal["travel", "drawing", "text"]
+OrderKind = Literal["travel", "drawing", "text"]
 """Of contours: as travel is shortest, as they were drawn, by the numbers written beside them."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class SpeedProfile:
     """Speeds along a contour where they are not the layer's; None for that one.
 
     corner: where it turns by `angle` degrees or more, and on arcs of up to `radius` mm that do,
@@ -35,7 +35,7 @@ class Pace:
 
 
 @dataclass(frozen=True, slots=True)
-class Instant:
+class SwitchPoint:
     """A place on the way and a time, mm and seconds before or behind the start or the end."""
 
     mm: float = 0.0
@@ -43,17 +43,17 @@ class Instant:
 
 
 @dataclass(frozen=True, slots=True)
-class Switching:
+class OutputSwitching:
     """When outputs are set, None for at the start and the end themselves, where the tool stops."""
 
-    on_before: Instant | None = None
-    on_after: Instant | None = None
-    off_before: Instant | None = None
-    off_after: Instant | None = None
+    on_before: SwitchPoint | None = None
+    on_after: SwitchPoint | None = None
+    off_before: SwitchPoint | None = None
+    off_after: SwitchPoint | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Above:
+class ContourTravel:
     """Travel between contours.
 
     height: mm above the highest point of the layer, None for the approach and retract of each
@@ -66,6 +66,6 @@ class Above:
     kind: Literal["joint", "linear"] | None = None
 
 
-EVEN: Final = Pace()
-AT_ENDS: Final = Switching()
-LOW: Final = Above()
+EVEN_SPEED: Final = SpeedProfile()
+SWITCHED_AT_ENDS: Final = OutputSwitching()
+TRAVEL_BY_APPROACH: Final = ContourTravel()

@@ -26,14 +26,14 @@ def signal_findings(
     for index, column in enumerate(columns):
         if column.group != "set":
             continue
-        name = output(column.detail, process)
+        name = output_signal(column.detail, process)
         if name is None:
             cure = rows.cure_for("signal", column.detail, process.signals)
             place = cells.header_place(index)
             findings.append(rows.UNKNOWN_SIGNAL(**place, name=shown(column.detail), cure=cure))
             continue
         signal, given = process.signals[name], values[:, index]
-        most = rows.most_of(signal)
+        most = rows.most_value(signal)
         with np.errstate(invalid="ignore"):
             wrong = ~np.isnan(given) & ((given < 0) | (given > most) | (given != np.rint(given)))
         if most < np.inf and wrong.any():
@@ -64,6 +64,6 @@ def via_findings(
     return findings
 
 
-def output(name: str, process: Process) -> str | None:
+def output_signal(name: str, process: Process) -> str | None:
     found = next((s for s in process.signals if s.lower() == name.lower()), None)
     return found if found and process.signals[found].direction == "output" else None

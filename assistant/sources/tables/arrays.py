@@ -28,11 +28,11 @@ TRUNCATED = error(
     "the array says {shape} but the file ends after {there} of its {wanted} bytes",
     "copy or write the file again",
 )
-OBJECTS = error(
+OBJECT_ARRAY = error(
     "TB403", "the array holds Python objects, which are never loaded", "save an array of float64"
 )
 WRONG_TYPE = error("TB404", "the array holds `{dtype}`, not numbers", "save an array of float64")
-COARSE = error(
+HALF_PRECISION = error(
     "TB405",
     "the array holds half-precision numbers, too coarse for positions",
     "save an array of float64",
@@ -57,9 +57,9 @@ BROKEN_ZIP: Final = (
     ValueError,
 )
 """What the zip reader raises for damaged, encrypted and unknown content."""
-_NUMBERS: Final = {("f", 4), ("f", 8), *((kind, 2**i) for kind in "iu" for i in range(4))}
+_NUMBER_TYPES: Final = {("f", 4), ("f", 8), *((kind, 2**i) for kind in "iu" for i in range(4))}
 """Kinds and sizes of elements that are taken."""
-_MAGIC: Final = b"\x93NUMPY"
+_NPY_MAGIC: Final = b"\x93NUMPY"
 _MOST_DIMENSIONS: Final = 64
 _MOST_SIZE: Final = 2**63 - 1
 """Of arrays of numpy 2: how many extents, and bytes, extents of 0 not counted."""
@@ -75,12 +75,12 @@ def read_npy(data: bytes, path: str, place: str | None = None) -> Floats:
     header = _npy_header(data, path, place)
     kind, size = header.kind, header.size
     if kind == "O":
-        raise Refused(OBJECTS(path=path, place=place))
+        raise Refused(OBJECT_ARRAY(path=path, place=place))
     if (kind, size) == ("f", 2):
-        raise Refused(COARSE(path=path, place=place))
-    if (kind, size) not in _NUMBERS:
+        raise Refused(HALF_PRECISION(path=path, place=place))
+    if (kind, size) not in _NUMBER_TYPES:
         raise Refused(WRONG_TYPE(path=path, place=place, dtype=header.descr[:60]))
-    return _elements(data, path, place, header).astype(np.float64, copy=False)
+    return _npy_elements(data, path, place, header).astype(np.float64, copy=False)
 
 
 def read_npz(data: bytes, path: str) -> tuple[dict[str, Floats], dict[str, str]]:
@@ -90,7 +90,7 @@ def read_npz(data: bytes, path: str) -> tuple[dict[str, Floats], dict[str, str]]
     """
     arrays: dict[str, Floats] = {}
     texts: dict[str, str] = {}
-    for member, content in _members(data, path):
+    for member, content in _archive_members(data, path):
         name = member.removesuffix(".npy")
         if name == member or name in arrays or name in texts:
             raise Unreadable(NOT_AN_ARRAY(path=path, name=shown(member)))
@@ -102,7 +102,7 @@ def read_npz(data: bytes, path: str) -> tuple[dict[str, Floats], dict[str, str]]
     return arrays, texts
 
 
-def _members(data: bytes, path: str) -> list[tuple[str, bytes]]:
+def _archive_members(data: bytes, path: str) -> list[tuple[str, bytes]]:
     """Names and bytes of what a zip archive holds; raises Unreadable."""
     too_large = None
     try:
@@ -112,12 +112,12 @@ def _members(data: bytes, path: str) -> list[tuple[str, bytes]]:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
             too_large = TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)
     except BROKEN_ZIP as error:
-        raise Unreadable(NOT_NPZ(path=path, reason=_reason(error))) from None
+        raise Unreadable(NOT_NPZ(path=path, reason=_reason_of(error))) from None
     raise Unreadable(too_large)
 
 
 @dataclass(frozen=True, slots=True)
-class _Header:
+class _NpyHeader:
     """What an NPY header says; descr: byte order, kind and size of an element; start: offset."""
 
     descr: str
@@ -135,10 +135,10 @@ class _Header:
         return int(digits) if digits else 0
 
 
-def _npy_header(data: bytes, path: str, place: str | None) -> _Header:
+def _npy_header(data: bytes, path: str, place: str | None) -> _NpyHeader:
     """The header, as numpy.lib.format documents it, version 1 and 2."""
     try:
-        if not data.startswith(_MAGIC) or len(data) < len(_MAGIC) + 6:
+        if not data.startswith(_NPY_MAGIC) or len(data) < len(_NPY_MAGIC) + 6:
             raise ValueError("it does not begin like one")
         wide = {b"\1\0": 2, b"\2\0": 4}.get(data[6:8])
         if wide is None:
@@ -155,11 +155,13 @@ def _npy_header(data: bytes, path: str, place: str | None) -> _Header:
         if not (isinstance(shape, tuple) and all(type(n) is int and n >= 0 for n in shape)):
             raise ValueError("its shape is no list of extents")
     except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError) as error:
-        raise Unreadable(NOT_NPY(path=path, place=place, reason=_reason(error))) from None
-    return _Header(descr, bool(fortran), shape, start)
+        raise Unreadable(NOT_NPY(path=path, place=place, reason=_reason_of(error))) from None
+    return _NpyHeader(descr, bool(fortran), shape, start)
 
 
-def _elements(data: bytes, path: str, place: str | None, header: _Header) -> NDArray[np.generic]:
+def _npy_elements(
+    data: bytes, path: str, place: str | None, header: _NpyHeader
+) -> NDArray[np.generic]:
     dtype: np.dtype[np.generic] = np.dtype(header.descr)
     full = math.prod(max(extent, 1) for extent in header.shape) * dtype.itemsize
     if len(header.shape) > _MOST_DIMENSIONS or full > _MOST_SIZE:
@@ -181,12 +183,12 @@ def _npy_text(data: bytes, path: str, name: str) -> str | None:
     if header.kind != "U" or header.shape != () or not 0 < header.size <= _LONGEST_TEXT:
         return None
     try:
-        return str(_elements(data, path, shown(name), header))
+        return str(_npy_elements(data, path, shown(name), header))
     except (ValueError, SystemError) as error:  # code points that there are not
         if isinstance(error, Refused):
             raise
-        raise Unreadable(NOT_NPY(path=path, place=shown(name), reason=_reason(error))) from None
+        raise Unreadable(NOT_NPY(path=path, place=shown(name), reason=_reason_of(error))) from None
 
 
-def _reason(error: Exception) -> str:
+def _reason_of(error: Exception) -> str:
     return " ".join(str(error).split())[:120] or type(error).__name__

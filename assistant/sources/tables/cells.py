@@ -33,11 +33,11 @@ NOT_A_NUMBER = error("TB125", "{cell} is no number{more}", "write a number such 
 EMPTY_CELL = error("TB126", "the cell is empty{more}", "fill it in, or remove the row")
 
 BLANKS: Final = b" \t"
-_CHUNK: Final = 1 << 14
+_ROWS_AT_ONCE: Final = 1 << 14
 """Rows read at a time, so that what is made of them stays in the processor's cache."""
 _WIDEST: Final = 256
-_NUMERIC: Final = b"0123456789+-.eE "
-_HINTS: Final = (
+_NUMERIC_BYTES: Final = b"0123456789+-.eE "
+_NUMBER_HINTS: Final = (
     (re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d{1,3}(\.\d{3})+,\d+"), COMMA_DECIMAL),
     (re.compile(r"(?i)[+-]?(nan|inf|infinity|1\.#\w+)"), NOT_FINITE),
     (re.compile(r"(?s)[=@].*"), FORMULA),
@@ -80,13 +80,13 @@ class Cells:
 
     def text(self, row: int, column: int) -> str:
         """One cell, for the few."""
-        return unescaped(self.data[self.starts[row, column] : self.ends[row, column]])
+        return unescaped_cell(self.data[self.starts[row, column] : self.ends[row, column]])
 
     def place(self, row: int, column: int | None = None) -> dict[str, Any]:
         """Where a cell is, as the arguments of a rule."""
         offset = int(self.starts[row, column or 0])
         label = f"column {shown(self.header[column])}" if column is not None else None
-        return {"path": self.path, "place": label, **line_of(self.data, offset)}
+        return {"path": self.path, "place": label, **line_at(self.data, offset)}
 
     def header_place(self, column: int) -> dict[str, Any]:
         label = f"column {column + 1}"
@@ -99,8 +99,8 @@ class Cells:
         """
         columns = sorted(columns)
         values = np.full((len(self), len(columns)), np.nan)
-        for start in range(0, len(self), _CHUNK):
-            rows = slice(start, start + _CHUNK)
+        for start in range(0, len(self), _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
             starts, ends = self.starts[rows, columns], self.ends[rows, columns]
             present = starts < ends
             found = self._parsed(starts[present], ends[present])
@@ -113,12 +113,12 @@ class Cells:
         """A text column (n,) as indices into the list of its different cells."""
         table: dict[bytes, int] = {}
         parts = [np.empty(0, dtype=np.int32)]
-        for start in range(0, len(self), _CHUNK):
-            rows = slice(start, start + _CHUNK)
+        for start in range(0, len(self), _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
             cells, repeats = self._distinct_runs(rows, column)
             index = [table.setdefault(cell, len(table)) for cell in cells]
             parts.append(np.repeat(np.array(index, dtype=np.int32), repeats))
-        return np.concatenate(parts), [unescaped(cell) for cell in table]
+        return np.concatenate(parts), [unescaped_cell(cell) for cell in table]
 
     def _distinct_runs(self, rows: slice, column: int) -> tuple[list[bytes], NDArray[np.intp]]:
         """The cells of some rows with neighbours that are equal taken together."""
@@ -146,7 +146,7 @@ class Cells:
         edge[ends - first] = -1
         within = np.cumsum(edge[:-1], dtype=np.int8).view(bool)
         text = np.where(within, self.octets[first:last], BLANKS[0]).astype(np.uint8).tobytes()
-        if text.translate(None, _NUMERIC):
+        if text.translate(None, _NUMERIC_BYTES):
             return None
         try:
             found = read_numbers(text)
@@ -173,16 +173,18 @@ class Cells:
         rest = self._parsed(starts[high:], ends[high:]) is None
         row = int(rows[low])
         cell = self.text(row, column)
-        rule = next((rule for hint, rule in _HINTS if hint.fullmatch(cell[:200])), NOT_A_NUMBER)
+        rule = next(
+            (rule for hint, rule in _NUMBER_HINTS if hint.fullmatch(cell[:200])), NOT_A_NUMBER
+        )
         more = ", and so are others below it" if rest else ""
         return [rule(**self.place(row, column), cell=shown(cell), more=more)]
 
 
-def unescaped(cell: bytes) -> str:
+def unescaped_cell(cell: bytes) -> str:
     return cell.decode().replace('""', '"')
 
 
-def line_of(text: bytes, offset: int) -> dict[str, Any]:
+def line_at(text: bytes, offset: int) -> dict[str, Any]:
     """Line, column and excerpt of an offset, as the arguments of a rule."""
     start = text.rfind(b"\n", 0, offset) + 1
     end = text.find(b"\n", offset)

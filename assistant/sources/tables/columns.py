@@ -42,12 +42,12 @@ JOINTS_ONLY_JOINT = error(
 )
 
 _MOST_CODES: Final = 20
-_FINE: Final = re.compile(rb"(?i)[,;\t\n\" ]fine\s*[,;\t\n\"]")
-_TEXTS: Final = ("name", "tool", "frame", "motion", "comment", "left out")
+_FINE_CELL: Final = re.compile(rb"(?i)[,;\t\n\" ]fine\s*[,;\t\n\"]")
+_TEXT_GROUPS: Final = ("name", "tool", "frame", "motion", "comment", "left out")
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ColumnTable:
     """A table as neutral columns.
 
     of_joints: (n,) rows that are joint targets. joints: (n, a), NaN for an absent joint.
@@ -62,21 +62,21 @@ class Table:
     external: Floats | None
     configurations: NDArray[np.int8] | None
     kinds: NDArray[np.uint8]
-    motions: rows.Motions
+    motions: rows.RowMotions
     values: Floats
     findings: list[Diagnostic]
 
     def first(self, group: str) -> int | None:
-        return _first(self.columns, group)
+        return _first_column(self.columns, group)
 
 
-def _first(columns: list[Column], group: str) -> int | None:
+def _first_column(columns: list[Column], group: str) -> int | None:
     return next((i for i, c in enumerate(columns) if c.group == group), None)
 
 
-def table_of(cells: Cells, columns: list[Column], process: Process) -> Table:
+def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTable:
     """Every column read and checked; raises Refused with all that is wrong."""
-    values, findings = _numbers(cells, columns)
+    values, findings = _number_columns(cells, columns)
     groups = {c.group for c in columns}
     of_joints, wrong = _row_kinds(cells, columns)
     findings += wrong
@@ -85,48 +85,48 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> Table:
     positions, quaternions = np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     if orientation and not wrong:
         at = np.flatnonzero(poses)
-        given = _group(columns, values, "position", 3)[at]
+        given = _group_columns(columns, values, "position", 3)[at]
         findings += position_findings(given, _locate(cells, columns, "position", at))
         positions[at] = given
         turned, wrong = _orientation(cells, columns, values, orientation, at)
         findings += wrong
         if not has_errors(wrong):
             quaternions[at] = turned
-    joints = _group(
+    joints = _group_columns(
         columns,
         values,
         "joints",
         1 + max((c.part for c in columns if c.group == "joints"), default=-1),
     )
-    external = _group(columns, values, "external", 6) if "external" in groups else None
+    external = _group_columns(columns, values, "external", 6) if "external" in groups else None
     for group, what in (("joints", "the joint"), ("external", "the external axis")):
-        if _first(columns, group) is not None:
-            known = _group(columns, values, group, MOST_JOINTS)
+        if _first_column(columns, group) is not None:
+            known = _group_columns(columns, values, group, MOST_JOINTS)
             known[np.isnan(known)] = 0.0
             findings += position_findings(known, _locate(cells, columns, group), what)
-    kinds, wrong = _kinds(cells, columns, of_joints, process)
+    kinds, wrong = _move_kinds(cells, columns, of_joints, process)
     findings += wrong
     configurations, wrong = _configurations(cells, columns, values)
     findings += wrong
-    motions, wrong = _motions(cells, columns, values, process)
+    motions, wrong = _row_motions(cells, columns, values, process)
     findings += wrong
     findings += signal_findings(cells, columns, values, process)
     findings += via_findings(cells, columns, values, kinds)
     if has_errors(findings):
         raise Refused(*findings)
-    return Table(
+    return ColumnTable(
         cells, columns, positions, quaternions, of_joints, joints, external,
         configurations, kinds, motions, values, findings,
     )  # fmt: skip
 
 
-def _numbers(cells: Cells, columns: list[Column]) -> tuple[Floats, list[Diagnostic]]:
+def _number_columns(cells: Cells, columns: list[Column]) -> tuple[Floats, list[Diagnostic]]:
     """All numbers (n, k) in mm, degrees and mm/s; NaN for empty cells and columns of text."""
     values = np.full(cells.starts.shape, np.nan)
-    wanted = [i for i, c in enumerate(columns) if c.group not in _TEXTS]
-    blend = _first(columns, "blend")
+    wanted = [i for i, c in enumerate(columns) if c.group not in _TEXT_GROUPS]
+    blend = _first_column(columns, "blend")
     findings: list[Diagnostic] = []
-    if blend is not None and _FINE.search(cells.data):
+    if blend is not None and _FINE_CELL.search(cells.data):
         wanted.remove(blend)
         values[:, blend], findings = _blend_words(cells, blend)
     if wanted:
@@ -153,7 +153,7 @@ def _blend_words(cells: Cells, column: int) -> tuple[Floats, list[Diagnostic]]:
     return np.array(radii)[index], findings
 
 
-def _group(columns: list[Column], values: Floats, group: str, size: int) -> Floats:
+def _group_columns(columns: list[Column], values: Floats, group: str, size: int) -> Floats:
     """The columns of a group (n, size) in the order of their parts, NaN for missing ones."""
     gathered = np.full((len(values), max(size, 0)), np.nan)
     for index, column in enumerate(columns):
@@ -162,9 +162,11 @@ def _group(columns: list[Column], values: Floats, group: str, size: int) -> Floa
     return gathered
 
 
-def _locate(cells: Cells, columns: list[Column], group: str, at: Rows | None = None) -> rows.Place:
+def _locate(
+    cells: Cells, columns: list[Column], group: str, at: Rows | None = None
+) -> rows.RowPlace:
     """Where the rows, or of them those `at`, are in the first column of a group."""
-    column = _first(columns, group)
+    column = _first_column(columns, group)
     return lambda row: cells.place(int(at[row]) if at is not None else row, column)
 
 
@@ -182,13 +184,13 @@ def _row_kinds(cells: Cells, columns: list[Column]) -> tuple[Truths, list[Diagno
             rows_with = np.asarray(holes.any(axis=1))
             row = int(np.argmax(rows_with))
             column = group[int(np.argmax(holes[row]))]
-            findings.append(EMPTY_CELL(**cells.place(row, column), more=rows.many(rows_with)))
+            findings.append(EMPTY_CELL(**cells.place(row, column), more=rows.more_rows(rows_with)))
     for rule, wrong in (
         (NO_TARGET, ~some_pose & ~some_joint),
         (BOTH_TARGETS, some_pose & some_joint),
     ):
         if wrong.any():
-            findings.append(rule(**cells.place(int(np.argmax(wrong))), more=rows.many(wrong)))
+            findings.append(rule(**cells.place(int(np.argmax(wrong))), more=rows.more_rows(wrong)))
     return some_joint, findings
 
 
@@ -202,8 +204,8 @@ def _orientation(
     """Canonical quaternions of the rows `at`, however the table states them."""
     locate = _locate(cells, columns, group, at)
     if group == "quaternion":
-        return unit_quaternions(_group(columns, values, group, 4)[at], locate)
-    angles = _group(columns, values, group, 3)[at]
+        return unit_quaternions(_group_columns(columns, values, group, 4)[at], locate)
+    angles = _group_columns(columns, values, group, 3)[at]
     findings = position_findings(angles, locate, "the angle", most=LARGEST_ANGLE)
     if findings:
         return angles, findings
@@ -215,22 +217,22 @@ def _orientation(
     return rotations.from_euler(angles, order), []
 
 
-def _kinds(
+def _move_kinds(
     cells: Cells, columns: list[Column], of_joints: Truths, process: Process
 ) -> tuple[NDArray[np.uint8], list[Diagnostic]]:
     """A `Kind` for each row (n,); without a motion column the default for every row."""
     default = rows.default_kind(process)
-    column = _first(columns, "motion")
+    column = _first_column(columns, "motion")
     if column is None:
-        return rows.begun(np.where(of_joints, Kind.JOINT, default).astype(np.uint8)), []
+        return rows.beginning_kinds(np.where(of_joints, Kind.JOINT, default).astype(np.uint8)), []
     index, table = cells.codes(column)
-    words = {"": default, **rows.KINDS}
+    words = {"": default, **rows.KIND_WORDS}
     kinds = np.array([words.get(t.strip().lower(), default) for t in table], np.uint8)[index]
     findings = [
         rows.UNKNOWN_KIND(
             **cells.place(int(np.argmax(index == code)), column),
             name=shown(text),
-            more=rows.many(index == code),
+            more=rows.more_rows(index == code),
         )
         for code, text in enumerate(table[:_MOST_CODES])
         if text.strip().lower() not in words
@@ -243,17 +245,17 @@ def _kinds(
         findings.append(JOINTS_ONLY_JOINT(**cells.place(row, column), motion=motion))
     kinds = np.where(of_joints, np.uint8(Kind.JOINT), kinds)
     findings += rows.arc_findings(kinds, lambda row: cells.place(row, column))
-    return rows.begun(kinds, stated=bool(stated[:1].any())), findings
+    return rows.beginning_kinds(kinds, stated=bool(stated[:1].any())), findings
 
 
 def _configurations(
     cells: Cells, columns: list[Column], values: Floats
 ) -> tuple[NDArray[np.int8] | None, list[Diagnostic]]:
     """Configuration columns (n, 6) as in a `Path`, None if the table has none."""
-    column = _first(columns, "configuration")
+    column = _first_column(columns, "configuration")
     if column is None:
         return None, []
-    given = _group(columns, values, "configuration", 6)
+    given = _group_columns(columns, values, "configuration", 6)
     absent = np.isnan(given)
     none = absent.all(axis=1)
     whole = np.where(absent, 0.0, given)
@@ -265,15 +267,15 @@ def _configurations(
     )
     if wrong.any():
         place = cells.place(int(np.argmax(wrong)), column)
-        return None, [NO_CONFIGURATION(**place, more=rows.many(wrong))]
+        return None, [NO_CONFIGURATION(**place, more=rows.more_rows(wrong))]
     configurations = whole.astype(np.int8)
     configurations[none] = (UNSTATED, 0, 0, 0, 0, 0)
     return configurations, []
 
 
-def _motions(
+def _row_motions(
     cells: Cells, columns: list[Column], values: Floats, process: Process
-) -> tuple[rows.Motions, list[Diagnostic]]:
+) -> tuple[rows.RowMotions, list[Diagnostic]]:
     """Speeds, blends, tools and frames of the rows."""
     findings: list[Diagnostic] = []
     motions = rows.default_motions(len(cells), process)
@@ -284,7 +286,7 @@ def _motions(
         ("blend", rows.NEGATIVE, 0.0),
         ("wait", rows.NEGATIVE, 0.0),
     ):
-        column = _first(columns, group)
+        column = _first_column(columns, group)
         if column is None:
             continue
         low = values[:, column] < minimum
@@ -295,7 +297,7 @@ def _motions(
                     **cells.place(row, column),
                     what=shown(cells.header[column]),
                     value=float(values[row, column]),
-                    more=rows.many(low),
+                    more=rows.more_rows(low),
                 )
             )
         known = values[:, [column]]
@@ -304,22 +306,22 @@ def _motions(
         findings += position_findings(
             known, _locate(cells, columns, group), shown(cells.header[column]), most=most
         )
-        findings += _too_many(cells, column, values[:, column]) if group != "wait" else []
+        findings += _too_many_values(cells, column, values[:, column]) if group != "wait" else []
     if not findings:
-        if any(_first(columns, g) is not None for g in quantities):
-            parts = [_group(columns, values, g, 1)[:, 0] for g in quantities]
+        if any(_first_column(columns, g) is not None for g in quantities):
+            parts = [_group_columns(columns, values, g, 1)[:, 0] for g in quantities]
             speed = rows.speeds_of(parts[0], parts[1], parts[2], process)
-        if _first(columns, "blend") is not None:
-            blend = rows.blends_of(_group(columns, values, "blend", 1)[:, 0], process)
-    tool, tools, wrong = _names(cells, columns, "tool", process)
-    frame, frames, also = _names(cells, columns, "frame", process)
+        if _first_column(columns, "blend") is not None:
+            blend = rows.blends_of(_group_columns(columns, values, "blend", 1)[:, 0], process)
+    tool, tools, wrong = _name_indices(cells, columns, "tool", process)
+    frame, frames, also = _name_indices(cells, columns, "frame", process)
     findings += [*wrong, *also]
-    return rows.Motions(
+    return rows.RowMotions(
         speed[0], blend[0], tool, frame, speed[1], blend[1], tools, frames
     ), findings
 
 
-def _too_many(cells: Cells, column: int, values: Floats) -> list[Diagnostic]:
+def _too_many_values(cells: Cells, column: int, values: Floats) -> list[Diagnostic]:
     different = len(np.unique(values))
     if different <= rows.MOST_DIFFERENT:
         return []
@@ -328,7 +330,7 @@ def _too_many(cells: Cells, column: int, values: Floats) -> list[Diagnostic]:
     return [rows.TOO_MANY_SPEEDS(**place, count=different, what=what, most=most)]
 
 
-def _names(
+def _name_indices(
     cells: Cells, columns: list[Column], group: str, process: Process
 ) -> tuple[NDArray[np.int32], tuple[str, ...], list[Diagnostic]]:
     """Tool or frame index (n,) and table; an empty cell is the default."""
@@ -336,7 +338,7 @@ def _names(
     table = getattr(process, group + "s")
     find = rows.known_tool if group == "tool" else rows.known_frame
     rule = rows.UNKNOWN_TOOL if group == "tool" else rows.UNKNOWN_FRAME
-    column = _first(columns, group)
+    column = _first_column(columns, group)
     texts = [""]
     index = np.zeros(len(cells), dtype=np.int32)
     if column is not None:
@@ -352,7 +354,7 @@ def _names(
                 rule(
                     **cells.place(int(np.argmax(where)), column),
                     name=shown(wanted),
-                    more=rows.many(where),
+                    more=rows.more_rows(where),
                     cure=rows.cure_for(group, wanted, table),
                 )
             )

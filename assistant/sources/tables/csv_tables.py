@@ -30,16 +30,16 @@ from assistant.program.statements import (
     Statement,
     Wait,
 )
-from assistant.sources.contours.thinning import shortest
+from assistant.sources.contours.thinning import shortest_piece
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
-from assistant.sources.tables.actions import output
+from assistant.sources.tables.actions import output_signal
 from assistant.sources.tables.cells import Cells
-from assistant.sources.tables.columns import Table, table_of
+from assistant.sources.tables.columns import ColumnTable, table_of
 from assistant.sources.tables.delimited import read_cells
 from assistant.sources.tables.headers import columns_of, shown
-from assistant.sources.tables.poses import like_metres
+from assistant.sources.tables.poses import metres_finding
 
 ERROR: Final = Severity.ERROR
 MIXED = error(
@@ -66,7 +66,7 @@ def read_table(data: bytes, path: str, stem: str, process: Process) -> Reading:
         names = ", ".join(shown(cells.header[c.part]) for c in left)
         notes.append(LEFT_OUT(path=path, line=cells.header_line, names=names))
     if set(table.motions.frames) <= {BASE} and not table.of_joints.any():
-        notes += like_metres(table.positions, {"path": path})
+        notes += metres_finding(table.positions, {"path": path})
     if any(c.group == "name" for c in columns):
         program, more = _named(name, table, process)
         notes += more
@@ -86,7 +86,7 @@ def _check_header(header: tuple[str, ...], where: Mapping[str, Any]) -> None:
         )
 
 
-def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Diagnostic]]:
+def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[Diagnostic]]:
     """The program of rows without names: one path, or moves to joints."""
     comments = tuple(_one_line(c) for c in table.cells.comments)
     motions, external, stated = table.motions, table.external, table.configurations
@@ -126,7 +126,7 @@ def _waypoints(name: str, table: Table, process: Process) -> tuple[Any, list[Dia
     return rows.paths_program(name, [path], process, comments), findings
 
 
-def _thinned(table: Table, rows_out: Rows, off: float, tolerance: float) -> list[Diagnostic]:
+def _thinned(table: ColumnTable, rows_out: Rows, off: float, tolerance: float) -> list[Diagnostic]:
     """A note of the rows that the tolerance does not need."""
     if not rows_out.size:
         return []
@@ -135,7 +135,7 @@ def _thinned(table: Table, rows_out: Rows, off: float, tolerance: float) -> list
         rows.THINNED_ROWS(
             **place,
             count=len(rows_out),
-            short=shortest(tolerance),
+            short=shortest_piece(tolerance),
             deviation=off,
             first=f"line {place['line']}",
         )
@@ -143,15 +143,15 @@ def _thinned(table: Table, rows_out: Rows, off: float, tolerance: float) -> list
 
 
 def _kept(
-    table: Table, positions: Floats, others: Sequence[NDArray[Any] | None], process: Process
+    table: ColumnTable, positions: Floats, others: Sequence[NDArray[Any] | None], process: Process
 ) -> Truths:
     """The rows that are not left out."""
     if not process.merges:
         return np.ones(len(positions), dtype=np.bool_)
-    return rows.different(positions, table.quaternions, table.kinds, *others)
+    return rows.moving_rows(positions, table.quaternions, table.kinds, *others)
 
 
-def _repeated(table: Table, kept: Truths) -> list[Diagnostic]:
+def _repeated(table: ColumnTable, kept: Truths) -> list[Diagnostic]:
     """A note of the rows that are left out."""
     if kept.all():
         return []
@@ -160,11 +160,11 @@ def _repeated(table: Table, kept: Truths) -> list[Diagnostic]:
     return [rows.REPEATED(**place, count=count, first=f"line {place['line']}")]
 
 
-def _named(name: str, table: Table, process: Process) -> tuple[Any, list[Diagnostic]]:
+def _named(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[Diagnostic]]:
     """The program of rows with names: targets, and a move to each in turn."""
     cells, column = table.cells, table.first("name")
     assert column is not None
-    names = rows.Names()
+    names = rows.RowNames()
     targets: dict[str, Target] = {}
     joint_targets: dict[str, JointTarget] = {}
     body: list[Statement] = []
@@ -200,7 +200,7 @@ def _lines(cells: Cells) -> list[int]:
     return lines
 
 
-def _target(table: Table, row: int) -> Target:
+def _target(table: ColumnTable, row: int) -> Target:
     pose = Pose.of(table.positions[row], table.quaternions[row])
     stated = table.configurations
     configuration = configuration_of(stated[row]) if stated is not None else None
@@ -209,20 +209,20 @@ def _target(table: Table, row: int) -> Target:
     return Target(pose, configuration, tuple(table.external[row].tolist()))
 
 
-def _joint_target(table: Table, row: int) -> JointTarget:
+def _joint_target(table: ColumnTable, row: int) -> JointTarget:
     joints = tuple(table.joints[row].tolist())
     if table.external is None:
         return JointTarget(joints)
     return JointTarget(joints, tuple(table.external[row].tolist()))
 
 
-def _comments(table: Table, row: int) -> Iterator[Statement]:
+def _comments(table: ColumnTable, row: int) -> Iterator[Statement]:
     column = table.first("comment")
     if column is not None and (text := _one_line(table.cells.text(row, column))):
         yield Comment(text)
 
 
-def _after(table: Table, row: int, process: Process) -> Iterator[Statement]:
+def _after(table: ColumnTable, row: int, process: Process) -> Iterator[Statement]:
     """The signals that are set and the wait after a move."""
     for index, column in enumerate(table.columns):
         value = float(table.values[row, index]) if column.group in ("set", "wait") else np.nan
@@ -232,7 +232,9 @@ def _after(table: Table, row: int, process: Process) -> Iterator[Statement]:
         if column.group == "wait":
             yield Wait(number)
         else:
-            yield SetSignal(output(column.detail, process) or identifier(column.detail), number)
+            yield SetSignal(
+                output_signal(column.detail, process) or identifier(column.detail), number
+            )
 
 
 def _one_line(text: str) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from assistant.base.arrays import Rows
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
 from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
-from assistant.sources.tables.cells import BLANKS, Cells, Offsets, line_of, unescaped
+from assistant.sources.tables.cells import BLANKS, Cells, Offsets, line_at, unescaped_cell
 
 ERROR: Final = Severity.ERROR
 NOT_TEXT = error("TB111", "the file holds zero bytes, it is no text", "export it as CSV")
@@ -39,9 +39,9 @@ UNCLOSED_QUOTE = error(
 EMPTY_ROWS = info("TB118", "{count} rows of empty cells are left out")
 
 DELIMITERS: Final = b",;\t"
-_QUOTE, _LINE = b'"'[0], b"\n"[0]
+_QUOTE, _LINE_END = b'"'[0], b"\n"[0]
 _TRIM_STEPS: Final = 16
-_PART: Final = 1 << 19
+_SPLIT_BYTES: Final = 1 << 19
 """Bytes split at a time, so that what is made of them stays in the processor's cache."""
 
 HeaderCheck = Callable[[tuple[str, ...], Mapping[str, Any]], None]
@@ -69,9 +69,11 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
             break
         at = end + 1
     delimiter = _delimiter(text[at:end])
-    starts, ends, counts = _split(text, at, delimiter, path)
+    starts, ends, counts = _split_cells(text, at, delimiter, path)
     width = int(counts[0])
-    header = tuple(unescaped(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True))
+    header = tuple(
+        unescaped_cell(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True)
+    )
     header_line = text.count(b"\n", 0, at) + 1
     check(header, {"path": path, "line": header_line})
     starts, ends = _without_blank_lines(starts[width:], ends[width:], counts[1:], width, text, path)
@@ -81,7 +83,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     if not filled.all():
         gone = np.flatnonzero(~filled)
         findings = (
-            EMPTY_ROWS(path=path, count=len(gone), **line_of(text, int(starts[gone[0], 0]))),
+            EMPTY_ROWS(path=path, count=len(gone), **line_at(text, int(starts[gone[0], 0]))),
         )
         starts, ends = starts[filled], ends[filled]
     if not len(starts):
@@ -120,33 +122,33 @@ def _delimiter(header: bytes) -> int:
     return max(DELIMITERS, key=lambda mark: bare.count(bytes([mark])))
 
 
-def _split(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offsets, Offsets, Rows]:
+def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offsets, Offsets, Rows]:
     """Starts and ends of all cells from an offset on, and how many each line has."""
     body = np.frombuffer(text, dtype=np.uint8)[at:]
     quoted = bytes([_QUOTE]) in text
     if quoted:
         _check_quotes(text, at, body, delimiter, path)
-    ends = _edges(body, delimiter, quoted)
+    ends = _cell_edges(body, delimiter, quoted)
     starts = np.concatenate([np.zeros(1, ends.dtype), ends[:-1] + 1])
-    counts = np.diff(np.flatnonzero(body[ends] == _LINE), prepend=-1)
+    counts = np.diff(np.flatnonzero(body[ends] == _LINE_END), prepend=-1)
     blanks = [b for b in BLANKS if b != delimiter]
     if any(bytes([b]) in text for b in blanks):
-        starts, ends = _trimmed(body, starts, ends, blanks)
+        starts, ends = _trimmed_cells(body, starts, ends, blanks)
     if quoted:
         outer = (ends > starts) & (body[np.minimum(starts, len(body) - 1)] == _QUOTE)
-        starts, ends = _trimmed(body, starts + outer, ends - outer, list(BLANKS))
+        starts, ends = _trimmed_cells(body, starts + outer, ends - outer, list(BLANKS))
     starts += at
     ends = ends + at
     return starts, ends, counts
 
 
-def _edges(body: NDArray[np.uint8], delimiter: int, quoted: bool) -> Offsets:
+def _cell_edges(body: NDArray[np.uint8], delimiter: int, quoted: bool) -> Offsets:
     """Offsets of the delimiters and line ends outside quotes, found a part at a time."""
     kind = np.int32 if len(body) < np.iinfo(np.int32).max else np.int64
     parts, within_last = [], np.uint8(0)
-    for start in range(0, len(body), _PART):
-        part = body[start : start + _PART]
-        marks = (part == delimiter) | (part == _LINE)
+    for start in range(0, len(body), _SPLIT_BYTES):
+        part = body[start : start + _SPLIT_BYTES]
+        marks = (part == delimiter) | (part == _LINE_END)
         if quoted:
             within = np.bitwise_xor.accumulate((part == _QUOTE).view(np.uint8)) ^ within_last
             within_last = within[-1]
@@ -165,23 +167,23 @@ def _check_quotes(
     """Quotes open at the start of a cell and close at its end, or are doubled."""
     quotes = np.flatnonzero(body == _QUOTE)
     opening, closing = quotes[::2], quotes[1::2]
-    edges = np.array([delimiter, _LINE], dtype=np.uint8)
+    edges = np.array([delimiter, _LINE_END], dtype=np.uint8)
     inside = [b for b in BLANKS if b != delimiter]
-    before = np.where(opening > 0, body[opening - 1], _LINE)
+    before = np.where(opening > 0, body[opening - 1], _LINE_END)
     after = body[np.minimum(closing + 1, len(body) - 1)]
     loose = [
         int(quote)
         for neighbours, marks, step in ((before, opening, -1), (after, closing, 1))
         for quote in marks[~np.isin(neighbours, [*edges, _QUOTE])]
-        if not _reaches_edge(body, int(quote), step, inside, edges.tolist())
+        if not _is_at_cell_edge(body, int(quote), step, inside, edges.tolist())
     ]
     if loose:
-        raise Refused(STRAY_QUOTE(path=path, **line_of(text, at + min(loose))))
+        raise Refused(STRAY_QUOTE(path=path, **line_at(text, at + min(loose))))
     if len(opening) > len(closing):
-        raise Refused(UNCLOSED_QUOTE(path=path, **line_of(text, at + int(opening[-1]))))
+        raise Refused(UNCLOSED_QUOTE(path=path, **line_at(text, at + int(opening[-1]))))
 
 
-def _reaches_edge(
+def _is_at_cell_edge(
     body: NDArray[np.uint8], quote: int, step: int, blanks: list[int], edges: list[int]
 ) -> bool:
     """Whether only blanks are between a quote and the edge of its cell."""
@@ -191,7 +193,7 @@ def _reaches_edge(
     return not 0 <= at < len(body) or int(body[at]) in edges
 
 
-def _trimmed(
+def _trimmed_cells(
     body: NDArray[np.uint8],
     starts: Offsets,
     ends: Offsets,
@@ -242,7 +244,7 @@ def _without_blank_lines(
                 count=int(counts[row]),
                 wanted=width,
                 more=more,
-                **line_of(text, int(starts[first[row]])),
+                **line_at(text, int(starts[first[row]])),
             )
         )
     if not blank.any():

@@ -12,7 +12,7 @@ from assistant.base.arrays import Floats, Rows, norms
 from assistant.base.diagnostics import Diagnostic, error, warning
 
 NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
-HUGE = error(
+TOO_LARGE = error(
     "TB202",
     "{what} {value:g} is larger than {most:g}{more}",
     "check the unit and the decimal point",
@@ -42,7 +42,7 @@ LAST_ROW = error(
     "the last row of the matrix is {row}, not 0 0 0 1{more}",
     "give homogeneous matrices with the position in the last column",
 )
-METRES = warning(
+LIKELY_METRES = warning(
     "TB208",
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
     'give millimetres, or say `unit = "m"` in the file or its process file; columns of metres are '
@@ -53,20 +53,20 @@ LARGEST_POSITION: Final = 1e6
 """mm; no robot, track or gantry is a kilometre long."""
 LARGEST_ANGLE: Final = 1e5
 """degrees."""
-SILENT: Final = 1e-6
+SILENT_DEVIATION: Final = 1e-6
 """Deviation from unit length that is taken for rounding in the last decimal."""
-REPAIRED: Final = 1e-3
+REPAIRABLE_DEVIATION: Final = 1e-3
 """Deviation from unit length up to which it is repaired with a warning."""
 LIKE_METRES: Final = 3.0
 """mm; a path that stays this near to the origin of its frame is likely in metres."""
 
-Locate = Callable[[int], Mapping[str, Any]]
+LocateRow = Callable[[int], Mapping[str, Any]]
 """Row → where it is, as arguments of a rule (path, line, place …)."""
 
 
 def position_findings(
     values: Floats,
-    locate: Locate,
+    locate: LocateRow,
     what: str = "the coordinate",
     *,
     most: float = LARGEST_POSITION,
@@ -82,19 +82,25 @@ def position_findings(
         rows = np.flatnonzero(~finite.all(axis=1))
         value = values[rows[0]][~finite[rows[0]]][0]
         findings.append(
-            NOT_FINITE(**locate(int(rows[0])), what=what, value=float(value), more=_more(rows))
+            NOT_FINITE(**locate(int(rows[0])), what=what, value=float(value), more=_rows_more(rows))
         )
     large = np.abs(np.where(finite, values, 0.0)) > most
     if large.any():
         rows = np.flatnonzero(large.any(axis=1))
         value = values[rows[0]][large[rows[0]]][0]
         findings.append(
-            HUGE(**locate(int(rows[0])), what=what, value=float(value), most=most, more=_more(rows))
+            TOO_LARGE(
+                **locate(int(rows[0])),
+                what=what,
+                value=float(value),
+                most=most,
+                more=_rows_more(rows),
+            )
         )
     return findings
 
 
-def unit_quaternions(quaternions: Floats, locate: Locate) -> tuple[Floats, list[Diagnostic]]:
+def unit_quaternions(quaternions: Floats, locate: LocateRow) -> tuple[Floats, list[Diagnostic]]:
     """Canonical quaternions (n, 4), and what was wrong with the given ones.
 
     Up to `REPAIRED` off unit length they are repaired, beyond refused; not finite ones too.
@@ -105,17 +111,19 @@ def unit_quaternions(quaternions: Floats, locate: Locate) -> tuple[Floats, list[
     with np.errstate(over="ignore"):
         lengths = norms(quaternions)
     miss = np.abs(lengths - 1.0)
-    bad = np.flatnonzero(~(miss <= REPAIRED))
+    bad = np.flatnonzero(~(miss <= REPAIRABLE_DEVIATION))
     if len(bad):
         row = int(bad[0])
-        return quaternions, [NOT_UNIT(**locate(row), length=lengths[row], more=_more(bad))]
-    if len(off := np.flatnonzero(miss > SILENT)):
+        return quaternions, [NOT_UNIT(**locate(row), length=lengths[row], more=_rows_more(bad))]
+    if len(off := np.flatnonzero(miss > SILENT_DEVIATION)):
         worst = int(np.argmax(miss))
         findings.append(NORMALISED(**locate(worst), count=len(off), length=lengths[worst]))
     return rotations.canonical(quaternions), findings
 
 
-def of_matrices(matrices: Floats, locate: Locate) -> tuple[Floats, Floats, list[Diagnostic]]:
+def poses_of_matrices(
+    matrices: Floats, locate: LocateRow
+) -> tuple[Floats, Floats, list[Diagnostic]]:
     """Positions (n, 3) and canonical quaternions (n, 4) of homogeneous matrices (n, 4, 4)."""
     positions = np.ascontiguousarray(matrices[:, :3, 3])
     findings = position_findings(
@@ -126,31 +134,31 @@ def of_matrices(matrices: Floats, locate: Locate) -> tuple[Floats, Floats, list[
     last = np.flatnonzero((np.abs(matrices[:, 3] - [0, 0, 0, 1]) > 1e-9).any(axis=1))
     if len(last):
         row = " ".join(f"{v:g}" for v in matrices[last[0], 3])
-        findings.append(LAST_ROW(**locate(int(last[0])), row=row, more=_more(last)))
+        findings.append(LAST_ROW(**locate(int(last[0])), row=row, more=_rows_more(last)))
     turn = matrices[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):
         product = np.einsum("nij,nik->njk", turn, turn)
         miss = np.abs(product - np.eye(3)).max(axis=(1, 2))
         miss = np.where(np.linalg.det(turn) < 0, np.maximum(miss, 2.0), miss)
-    bad = np.flatnonzero(~(miss <= REPAIRED))
+    bad = np.flatnonzero(~(miss <= REPAIRABLE_DEVIATION))
     if len(bad):
         first = int(bad[0])
-        findings.append(NOT_RIGID(**locate(first), miss=miss[first], more=_more(bad)))
+        findings.append(NOT_RIGID(**locate(first), miss=miss[first], more=_rows_more(bad)))
     if findings:
         return positions, np.empty((0, 4)), findings
-    if len(off := np.flatnonzero(miss > SILENT)):
+    if len(off := np.flatnonzero(miss > SILENT_DEVIATION)):
         worst = int(np.argmax(miss))
         findings.append(ORTHONORMALISED(**locate(worst), count=len(off), miss=miss[worst]))
     return positions, rotations.from_matrix(turn), findings
 
 
-def like_metres(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
+def metres_finding(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
     """A warning if positions look like metres."""
     apart = len(positions) > 1 and np.ptp(positions, axis=0).max() > 0.0
     if apart and 0 < np.abs(positions).max() <= LIKE_METRES:
-        return [METRES(**place, count=len(positions), most=LIKE_METRES)]
+        return [LIKELY_METRES(**place, count=len(positions), most=LIKE_METRES)]
     return []
 
 
-def _more(rows: Rows) -> str:
+def _rows_more(rows: Rows) -> str:
     return f" ({len(rows)} such rows)" if len(rows) > 1 else ""

@@ -17,9 +17,9 @@ from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
 from assistant.program.settings_tables import nearest
 from assistant.program.statements import Follow, Motion, Move, Statement
-from assistant.sources.contours.thinning import THINNED, needed, shortest
+from assistant.sources.contours.thinning import THINNING_PART, needed_points, shortest_piece
 from assistant.sources.process import Process
-from assistant.sources.rounding import SIZES, radii
+from assistant.sources.rounding import ROUNDING_RADII, rounding_radii
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
@@ -76,20 +76,20 @@ NO_NAME = error("TB310", "the target has no name", "name it, or name none of the
 
 MOST_DIFFERENT: Final = 1000
 """Different speeds or blends in one file: each becomes a declaration on the controller."""
-KINDS: Final = {
+KIND_WORDS: Final = {
     "joint": Kind.JOINT, "linear": Kind.LINEAR, "via": Kind.VIA, "end": Kind.END
 }  # fmt: skip
 
-SAME: Final = 1e-3
+SAME_ROW: Final = 1e-3
 """mm, and degrees, between two rows that are one: a move between them would only be a stop."""
-SAME_TURN: Final = 1.0 - (np.radians(SAME) / 2.0) ** 2 / 2.0
+SAME_ROW_TURN: Final = 1.0 - (np.radians(SAME_ROW) / 2.0) ** 2 / 2.0
 """The product of their quaternions."""
 
-Place = Callable[[int], Mapping[str, Any]]
+RowPlace = Callable[[int], Mapping[str, Any]]
 
 
 @dataclass(frozen=True, slots=True)
-class Motions:
+class RowMotions:
     """Index columns (n,) into tables of speeds, blends, tools and frames, as in a `Path`.
 
     A blend that is None is not stated.
@@ -113,7 +113,7 @@ class Motions:
             self.frames[self.frame[row]],
         )
 
-    def those(self, kept: Truths) -> Motions:
+    def those(self, kept: Truths) -> RowMotions:
         """The motions of some rows."""
         columns = {n: getattr(self, n)[kept] for n in ("speed", "blend", "tool", "frame")}
         return replace(self, **columns)
@@ -127,8 +127,8 @@ class Motions:
             return columns
         whole = (np.diff(self.tool) == 0) & (np.diff(self.frame) == 0)
         stated = np.array([blend is not None for blend in self.blends])[self.blend]
-        sizes = np.where(stated, 0.0, radii(positions, kinds, whole, tolerance))
-        every = np.append(0.0, SIZES)
+        sizes = np.where(stated, 0.0, rounding_radii(positions, kinds, whole, tolerance))
+        every = np.append(0.0, ROUNDING_RADII)
         rows = np.searchsorted(every, sizes)
         used = np.bincount(rows, minlength=len(every)) > 0
         table, rows = every[used], (np.cumsum(used) - 1)[rows]
@@ -138,7 +138,7 @@ class Motions:
         return columns | {"blend": index, "blends": tuple(blends)}
 
 
-def different(
+def moving_rows(
     positions: Floats,
     quaternions: Floats,
     kinds: NDArray[np.uint8],
@@ -156,9 +156,9 @@ def different(
     straight[1:] &= kinds[:-1] != Kind.VIA
 
     def same(one: Rows, two: Rows) -> Truths:
-        found = np.linalg.norm(positions[one] - positions[two], axis=1) <= SAME
+        found = np.linalg.norm(positions[one] - positions[two], axis=1) <= SAME_ROW
         turn = np.abs((quaternions[one] * quaternions[two]).sum(axis=1))
-        found &= turn >= SAME_TURN * np.linalg.norm(quaternions[two], axis=1)
+        found &= turn >= SAME_ROW_TURN * np.linalg.norm(quaternions[two], axis=1)
         for column in others:
             if column is not None:
                 a, b = column[one], column[two]
@@ -180,7 +180,7 @@ def needed_rows(
     positions: Floats,
     quaternions: Floats,
     kinds: NDArray[np.uint8],
-    motions: Motions,
+    motions: RowMotions,
     tolerance: float,
     *others: NDArray[Any] | None,
 ) -> tuple[Truths, float]:
@@ -194,11 +194,11 @@ def needed_rows(
     kept, most = np.ones(n, dtype=np.bool_), 0.0
     if n < 3 or None not in motions.blends:
         return kept, most
-    sides, short = np.linalg.norm(np.diff(positions, axis=0), axis=1), shortest(tolerance)
+    sides, short = np.linalg.norm(np.diff(positions, axis=0), axis=1), shortest_piece(tolerance)
     if not (sides < short).any():
         return kept, most
     columns = (motions.speed, motions.blend, motions.tool, motions.frame, *others)
-    like = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=1)) >= SAME_TURN
+    like = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=1)) >= SAME_ROW_TURN
     like &= (kinds[1:] == Kind.LINEAR) & (sides > 0.0)
     like &= np.array([blend is None for blend in motions.blends])[motions.blend[1:]]
     for column in columns:
@@ -210,20 +210,20 @@ def needed_rows(
     for first, last in bounds.tolist():
         if last - first < 2 or not (sides[first:last] < short).any():
             continue
-        part, off = needed(positions[first : last + 1], THINNED * tolerance, short)
+        part, off = needed_points(positions[first : last + 1], THINNING_PART * tolerance, short)
         kept[first : last + 1] = part
         most = max(most, off)
     return kept, most
 
 
-def default_motions(n: int, process: Process) -> Motions:
+def default_motions(n: int, process: Process) -> RowMotions:
     """Every row as the process file's defaults say."""
     rows = np.broadcast_to(np.int32(0), (n,))
     d = process.defaults
-    return Motions(rows, rows, rows, rows, (d.speed,), (d.blend,), (d.tool,), (d.frame,))
+    return RowMotions(rows, rows, rows, rows, (d.speed,), (d.blend,), (d.tool,), (d.frame,))
 
 
-def begun(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
+def beginning_kinds(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
     """Kinds of rows that begin a program: no line leads from wherever the arm stands.
 
     stated: the first row says itself how it is reached.
@@ -237,10 +237,10 @@ def default_kind(process: Process) -> Kind:
     """Raises Refused for what only drawings have."""
     if process.defaults.travels:
         raise Refused(TRAVELS())
-    return KINDS[process.defaults.kind]
+    return KIND_WORDS[process.defaults.kind]
 
 
-def combined(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
+def distinct_rows(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
     """Rows that agree in all columns (n,), NaN being equal to NaN, get one number.
 
     Gives the number of each row, and for each number a row that has it.
@@ -260,12 +260,12 @@ def speeds_of(
     process: Process,
 ) -> tuple[NDArray[np.int32], tuple[Speed | Name, ...]]:
     """Speed index (n,) and table of columns in mm/s, deg/s and percent, NaN for the default."""
-    index, rows = combined([tcp, rotation, joint])
-    table = [_speed(float(tcp[r]), float(rotation[r]), float(joint[r]), process) for r in rows]
+    index, rows = distinct_rows([tcp, rotation, joint])
+    table = [_speed_of(float(tcp[r]), float(rotation[r]), float(joint[r]), process) for r in rows]
     return index, tuple(table)
 
 
-def _speed(tcp: float, rotation: float, joint: float, process: Process) -> Speed | Name:
+def _speed_of(tcp: float, rotation: float, joint: float, process: Process) -> Speed | Name:
     default = process.defaults.speed
     if tcp != tcp and rotation != rotation and joint != joint:
         return default
@@ -278,13 +278,13 @@ def blends_of(
     radius: Floats, process: Process
 ) -> tuple[NDArray[np.int32], tuple[Blend | Name | None, ...]]:
     """Blend index (n,) and table of radii in mm, 0 to stop, NaN for the default."""
-    index, rows = combined([radius])
+    index, rows = distinct_rows([radius])
     values = [float(radius[r]) for r in rows]
     default = process.defaults.blend
     return index, tuple(default if v != v else Blend(v) if v > 0 else FINE for v in values)
 
 
-def arc_findings(kinds: NDArray[np.uint8], locate: Place) -> list[Diagnostic]:
+def arc_findings(kinds: NDArray[np.uint8], locate: RowPlace) -> list[Diagnostic]:
     """A `via` row without its `end` row, an `end` row without its `via` row."""
     return [BROKEN_ARC(**locate(row), what=what) for row, what in broken_arcs(kinds)]
 
@@ -303,24 +303,24 @@ def broken_arcs(kinds: NDArray[np.uint8]) -> list[tuple[int, str]]:
     return [(int(np.argmax(rows)), what) for what, rows in broken if rows.any()]
 
 
-def known(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
+def known_entry(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
     """The entry of that name, compared without case; None if there is none."""
     if name.lower() == builtin.lower():
         return builtin
     return next((entry for entry in table if entry.lower() == name.lower()), None)
 
 
-def most_of(signal: Signal) -> float:
+def most_value(signal: Signal) -> float:
     """The largest value of a signal that counts in whole numbers from 0; infinite if none."""
     return np.inf if signal.kind == "analog" else 2**signal.bits - 1
 
 
 def known_tool(name: str, process: Process) -> str | None:
-    return known(name, process.tools, FLANGE)
+    return known_entry(name, process.tools, FLANGE)
 
 
 def known_frame(name: str, process: Process) -> str | None:
-    return known(name, process.frames, BASE)
+    return known_entry(name, process.frames, BASE)
 
 
 def cure_for(kind: str, name: str, table: Mapping[str, Any]) -> str:
@@ -342,7 +342,7 @@ def default_findings(process: Process, path: str | None) -> list[Diagnostic]:
     return findings
 
 
-class Names:
+class RowNames:
     """Identifiers for the names of a file, each once; `findings` tell what became of them."""
 
     def __init__(self) -> None:
@@ -421,6 +421,6 @@ def program_of(
     )
 
 
-def many(rows: Truths) -> str:
+def more_rows(rows: Truths) -> str:
     count = int(np.count_nonzero(rows))
     return f" ({count} such rows)" if count > 1 else ""

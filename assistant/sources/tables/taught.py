@@ -60,7 +60,7 @@ from assistant.sources.process import Process
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
-from assistant.sources.tables.actions import output
+from assistant.sources.tables.actions import output_signal
 from assistant.sources.tables.headers import MOST_JOINTS
 from assistant.sources.tables.headers import shown as marked
 from assistant.sources.tables.poses import LARGEST_POSITION
@@ -70,10 +70,12 @@ NO_TARGETS = error(
     "TB501", "there are no targets", "write [[targets]] and its keys for each of them"
 )
 NOT_A_TABLE = error("TB502", "`targets` {what}", "write [[targets]] above each target")
-NEITHER = error(
+POSE_OR_JOINTS = error(
     "TB503", "target {name} has {what}", "give `position` and an orientation, or `joints`"
 )
-ORIENTATION = error("TB504", "target {name} has {what}", "give one of `quaternion`, `euler_zyx`, …")
+WRONG_ORIENTATION = error(
+    "TB504", "target {name} has {what}", "give one of `quaternion`, `euler_zyx`, …"
+)
 JOINTS_BY_LINE = error(
     "TB505", "target {name} has joints, which no {kind} move reaches", 'write kind = "joint"'
 )
@@ -93,11 +95,13 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     """The pseudo-program of a text, named after a file's stem."""
     top = read_toml(source)
     own = process_in(top, beside=("targets",))
-    cell = _joined(top, own, process)
+    cell = _with_own_tables(top, own, process)
     path = source.path or ""
     name, notes = rows.program_name(stem, path)
-    taught = _Taught(top, cell)
-    body = [s for number, table in enumerate(_entries(top)) for s in taught.moves(number, table)]
+    taught = _TargetReader(top, cell)
+    body = [
+        s for number, table in enumerate(_target_tables(top)) for s in taught.moves(number, table)
+    ]
     taught.check_arcs()
     findings = (*notes, *top.page.findings, *taught.names.findings)
     if has_errors(findings):
@@ -106,7 +110,7 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     return Reading(program, findings, seen=cell.seen)
 
 
-def _joined(top: Table, own: Process, process: Process) -> Process:
+def _with_own_tables(top: Table, own: Process, process: Process) -> Process:
     """The process file with what the list of targets declares itself."""
     for kind in ("tools", "frames", "signals"):
         ours, theirs = getattr(own, kind), getattr(process, kind)
@@ -125,7 +129,7 @@ def _joined(top: Table, own: Process, process: Process) -> Process:
     )
 
 
-def _entries(top: Table) -> Iterator[Table]:
+def _target_tables(top: Table) -> Iterator[Table]:
     """Each of the targets as a table."""
     entries = top.content.get("targets", [])
     if not isinstance(entries, list):
@@ -141,7 +145,7 @@ def _entries(top: Table) -> Iterator[Table]:
             yield table
 
 
-def _numbers(least: int, most: int, unit: str, *, gaps: bool = False) -> values.Read:
+def _number_list_reader(least: int, most: int, unit: str, *, gaps: bool = False) -> values.Read:
     """Numbers in brackets, between `least` and `most` of them; gaps: nan for none."""
     cure = f"write {least}{f' to {most}' if most > least else ''} numbers of {unit} in brackets"
     one = values.number(unit, least=-LARGEST_POSITION, most=LARGEST_POSITION)
@@ -158,8 +162,8 @@ def _numbers(least: int, most: int, unit: str, *, gaps: bool = False) -> values.
     return read
 
 
-def _euler(order: rotations.EulerOrder) -> values.Read:
-    angles = _numbers(3, 3, "degrees")
+def _euler_reader(order: rotations.EulerOrder) -> values.Read:
+    angles = _number_list_reader(3, 3, "degrees")
 
     def read(value: Any) -> Any:
         return tuple(rotations.from_euler(angles(value), order).tolist())
@@ -167,7 +171,7 @@ def _euler(order: rotations.EulerOrder) -> values.Read:
     return read
 
 
-def _configuration(value: Any) -> Configuration:
+def _read_configuration(value: Any) -> Configuration:
     form = "{back = false, down = false, flip = false, quadrants = [0, 0, 0]}"
     if not isinstance(value, dict) or value.keys() != {"back", "down", "flip", "quadrants"}:
         raise Wrong("does not state the whole arm branch", f"write {form}")
@@ -180,17 +184,17 @@ def _configuration(value: Any) -> Configuration:
     return Configuration(back, down, flip, (one, four, six))
 
 
-KEYS: Final[Mapping[str, values.Read]] = {
+TARGET_KEYS: Final[Mapping[str, values.Read]] = {
     "name": values.text,
-    "position": _numbers(3, 3, "mm"),
+    "position": _number_list_reader(3, 3, "mm"),
     "quaternion": values.quaternion,
-    "euler_zyx": _euler("ZYX"),
-    "euler_xyz": _euler("XYZ"),
-    "euler_zyz": _euler("ZYZ"),
-    "joints": _numbers(1, MOST_JOINTS, "degrees", gaps=True),
-    "configuration": _configuration,
-    "external": _numbers(1, 6, "mm or degrees", gaps=True),
-    "kind": values.choice(*rows.KINDS),
+    "euler_zyx": _euler_reader("ZYX"),
+    "euler_xyz": _euler_reader("XYZ"),
+    "euler_zyz": _euler_reader("ZYZ"),
+    "joints": _number_list_reader(1, MOST_JOINTS, "degrees", gaps=True),
+    "configuration": _read_configuration,
+    "external": _number_list_reader(1, 6, "mm or degrees", gaps=True),
+    "kind": values.choice(*rows.KIND_WORDS),
     "speed": values.speed,
     "blend": values.blend,
     "tool": values.text,
@@ -202,7 +206,7 @@ KEYS: Final[Mapping[str, values.Read]] = {
 
 
 @dataclass(slots=True)
-class _Found:
+class _StatedTarget:
     """A target as the file states it; found: its values by key, without the wrong ones."""
 
     name: str
@@ -211,27 +215,27 @@ class _Found:
     kind: Kind
 
 
-class _Taught:
+class _TargetReader:
     """Targets and moves, one target after the other."""
 
     def __init__(self, top: Table, process: Process) -> None:
         self.top, self.process = top, process
-        self.names = rows.Names()
+        self.names = rows.RowNames()
         self.targets: dict[str, Target] = {}
         self.joint_targets: dict[str, JointTarget] = {}
-        self._all: list[_Found] = []
+        self._all: list[_StatedTarget] = []
 
     def moves(self, number: int, table: Table) -> Iterator[Statement]:
         """The statements of one target: comment, move, signals, wait."""
-        found = table.read(KEYS)
+        found = table.read(TARGET_KEYS)
         label = f"target {number + 1}"
         span = table.page.spans.get(table.path)
         line = table.page.source.line_column(span.start)[0] if span else None
         where = {"path": table.page.source.path, "line": line, "place": label}
         name = self.names.of(found.get("name", ""), where, label)
         usual = rows.default_kind(self.process) if self._all else Kind.JOINT
-        known = rows.KINDS.get(found.get("kind", ""), usual)
-        one = _Found(name, table, found, known)
+        known = rows.KIND_WORDS.get(found.get("kind", ""), usual)
+        one = _StatedTarget(name, table, found, known)
         if "joints" in table.content:
             one.kind = Kind.JOINT
         via = self._all[-1].name if self._all else ""
@@ -241,7 +245,7 @@ class _Taught:
         yield from self._move(one, via)
         yield from self._after(one)
 
-    def _move(self, one: _Found, via: str) -> Iterator[Statement]:
+    def _move(self, one: _StatedTarget, via: str) -> Iterator[Statement]:
         motion = self._motion(one)
         external = (*one.found.get("external", ()), *NO_EXTERNAL)[:6]
         if not self._is_complete(one):
@@ -257,28 +261,28 @@ class _Taught:
         elif one.kind in (Kind.JOINT, Kind.LINEAR):
             yield Move("joint" if one.kind is Kind.JOINT else "linear", Name(one.name), motion)
 
-    def _is_complete(self, one: _Found) -> bool:
+    def _is_complete(self, one: _StatedTarget) -> bool:
         """Whether the target is a pose or joints, and says what belongs to that alone."""
         there, table, name = one.table.content, one.table, marked(one.name)
         turns = [key for key in ORIENTATIONS if key in there]
         if "joints" in there:
             if "position" in there or turns:
-                table.say(NEITHER, "joints", name=name, what="a pose and joints")
+                table.say(POSE_OR_JOINTS, "joints", name=name, what="a pose and joints")
                 return False
             if there.get("kind", "joint") != "joint":
                 table.say(JOINTS_BY_LINE, "kind", name=name, kind=there["kind"])
                 return False
             return True
         if "position" not in there:
-            table.say(NEITHER, name=name, what="neither a position nor joints")
+            table.say(POSE_OR_JOINTS, name=name, what="neither a position nor joints")
             return False
         if len(turns) != 1:
             what = "two orientations" if turns else "no orientation"
-            table.say(ORIENTATION, turns[-1] if turns else None, name=name, what=what)
+            table.say(WRONG_ORIENTATION, turns[-1] if turns else None, name=name, what=what)
             return False
         return True
 
-    def _orientation(self, one: _Found) -> Any:
+    def _orientation(self, one: _StatedTarget) -> Any:
         if "quaternion" in one.found:
             turn, length = one.found["quaternion"]
             if abs(length - 1.0) > values.EXACT_LENGTH:
@@ -287,7 +291,7 @@ class _Taught:
         angles = (one.found[key] for key in ORIENTATIONS if key in one.found)
         return next(angles, Pose().quaternion)
 
-    def _motion(self, one: _Found) -> Motion:
+    def _motion(self, one: _StatedTarget) -> Motion:
         """The motion of a target; what it leaves out is as the defaults say."""
         found, defaults = one.found, self.process.defaults
         names = {}
@@ -304,24 +308,24 @@ class _Taught:
         speed, blend = found.get("speed", defaults.speed), found.get("blend", defaults.motion.blend)
         return Motion(speed, blend, names["tool"], names["frame"])
 
-    def _after(self, one: _Found) -> Iterator[Statement]:
+    def _after(self, one: _StatedTarget) -> Iterator[Statement]:
         for key in ("set", "wait"):
             if key in one.found and one.kind is Kind.VIA:
                 one.table.say(rows.VIA_ACTION, key, what=f"`{key}`")
         for given, value in one.found.get("set", {}).items():
-            signal = output(given, self.process)
+            signal = output_signal(given, self.process)
             if signal is None:
                 cure = rows.cure_for("signal", given, self.process.signals)
                 one.table.say(rows.UNKNOWN_SIGNAL, "set", name=marked(given), cure=cure)
                 continue
             declared = self.process.signals[signal]
-            most = rows.most_of(declared)
+            most = rows.most_value(declared)
             if most < np.inf and not (value == int(value) and 0 <= value <= most):
                 fields = {"kind": declared.kind, "name": marked(signal), "value": value}
                 one.table.say(rows.NOT_ITS_VALUE, "set", **fields, most=most)
-            yield SetSignal(signal, _number(value))
+            yield SetSignal(signal, _number_expression(value))
         if "wait" in one.found:
-            yield Wait(_number(one.found["wait"]))
+            yield Wait(_number_expression(one.found["wait"]))
 
     def check_arcs(self) -> None:
         """A `via` target is followed by its `end` and comes after one to start from."""
@@ -330,5 +334,5 @@ class _Taught:
             self._all[row].table.say(rows.BROKEN_ARC, "kind", what=what)
 
 
-def _number(value: float) -> Number:
+def _number_expression(value: float) -> Number:
     return Number(int(value) if float(value).is_integer() else value)

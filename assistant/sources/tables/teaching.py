@@ -21,12 +21,12 @@ NO_NAME: Final = error(
     "`{name}` cannot name a target",
     "write {known}, or another name of letters and digits with `_` between them, a letter first",
 )
-IN_BRACKETS: Final = error(
+TARGETS_IN_BRACKETS: Final = error(
     "TB508",
     "the targets stand in brackets, where none can be added",
     "write [[targets]] above each of them",
 )
-THERE: Final = error(
+TARGET_EXISTS: Final = error(
     "TB509", "there is a target `{name}` already", "choose another name, or ask to teach it anew"
 )
 OTHER_ROBOT: Final = error(
@@ -34,7 +34,7 @@ OTHER_ROBOT: Final = error(
     "the targets were taught on `{there}`, and this one is of `{given}`",
     "name another file: joints and branches of one arm mean nothing to another one",
 )
-EXTERNAL: Final = error(
+EXTERNAL_AXES: Final = error(
     "TB511",
     "`{name}` has external axes, and the controller tells no position of them",
     "give it another name, or take `external` out",
@@ -45,8 +45,8 @@ NO_ROBOT: Final = error(
     'write robot = "{robot}" as its first line',
 )
 
-POSE: Final = ("position", "quaternion", "configuration")
-JOINTS: Final = ("joints",)
+POSE_KEYS: Final = ("position", "quaternion", "configuration")
+JOINT_KEYS: Final = ("joints",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class TaughtTarget:
     robot: str | None = None
 
 
-def begun(robot: str | None) -> str:
+def new_file_text(robot: str | None) -> str:
     """The text of a file before its first target."""
     return "" if robot is None else f"robot = {json.dumps(robot)}\n"
 
@@ -90,19 +90,19 @@ def with_target(
         named = target.robot or "NAME"
         raise Refused(NO_ROBOT(path=source.path, robot=named))
     entries = content.get("targets", [])
-    number = _entry(entries, target.name)
+    number = _entry_number(entries, target.name)
     if number is None:
-        text = _added(source, target)
+        text = _with_added_target(source, target)
     elif again:
-        text = _Again(source, number, entries[number], target).text()
+        text = _Reteaching(source, number, entries[number], target).text()
     else:
         span = key_spans(source.text).get(("targets", str(number)), Span(0, 0))
-        raise Refused(source.finding(THERE, span, name=target.name))
+        raise Refused(source.finding(TARGET_EXISTS, span, name=target.name))
     changed = replace(source, text=text)
     return changed, read_taught(changed, stem, process)
 
 
-def _entry(entries: Any, name: str) -> int | None:
+def _entry_number(entries: Any, name: str) -> int | None:
     """Number of the target of a name, compared without case."""
     if not isinstance(entries, list):
         return None
@@ -116,10 +116,12 @@ def _is_in_brackets(source: SourceText) -> bool:
     return span is not None and not source.text[: span.start].rstrip(" \t").endswith("[[")
 
 
-def _added(source: SourceText, target: TaughtTarget) -> str:
+def _with_added_target(source: SourceText, target: TaughtTarget) -> str:
     if _is_in_brackets(source):
         raise Refused(
-            source.finding(IN_BRACKETS, key_spans(source.text)[("targets",)], name=target.name)
+            source.finding(
+                TARGETS_IN_BRACKETS, key_spans(source.text)[("targets",)], name=target.name
+            )
         )
     end, text = source.newline, source.text
     before = "" if not text else end if text.endswith(end) else end + end
@@ -128,7 +130,7 @@ def _added(source: SourceText, target: TaughtTarget) -> str:
     return text + before + "".join(line + end for line in lines)
 
 
-class _Again:
+class _Reteaching:
     """Changes the place of one entry and leaves what else it says: its speed, its comments."""
 
     def __init__(
@@ -141,12 +143,12 @@ class _Again:
     def text(self) -> str:
         name = self.target.name
         if _is_in_brackets(self.source):
-            raise Refused(self.source.finding(IN_BRACKETS, self.keys[self.path], name=name))
+            raise Refused(self.source.finding(TARGETS_IN_BRACKETS, self.keys[self.path], name=name))
         if "external" in self.entry:
             span = self.keys[*self.path, "external"]
-            raise Refused(self.source.finding(EXTERNAL, span, name=name))
+            raise Refused(self.source.finding(EXTERNAL_AXES, span, name=name))
         # In its place among the others: a new value behind an old one of the same meaning.
-        olds = {key for key in (*POSE, *ORIENTATIONS, *JOINTS) if key in self.entry}
+        olds = {key for key in (*POSE_KEYS, *ORIENTATIONS, *JOINT_KEYS) if key in self.entry}
         rest = dict(self.target.values)
         edits: list[tuple[Span, str]] = []
         at = self._line(Span(self.keys[*self.path, "name"].start, self._end("name"))).end
@@ -197,14 +199,14 @@ class _Again:
         return Span(start, len(text) if end < 0 else end + 1)
 
 
-def is_kept(before: str, after: str, name: str) -> bool:
+def is_otherwise_equal(before: str, after: str, name: str) -> bool:
     """Whether a text says of all but one target what another one says."""
-    return _without(before, name) == _without(after, name)
+    return _without_target(before, name) == _without_target(after, name)
 
 
-def _without(text: str, name: str) -> str:
+def _without_target(text: str, name: str) -> str:
     content = parse_toml(text)
     entries = content.get("targets", [])
-    number = _entry(entries, name)
+    number = _entry_number(entries, name)
     kept = [entry for i, entry in enumerate(entries) if i != number]
     return repr({**content, "targets": kept})  # by text: numbers that are none equal no others

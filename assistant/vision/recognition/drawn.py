@@ -17,9 +17,9 @@ from assistant.program.geometry import Pose
 from assistant.program.motion import Kind
 from assistant.program.program import TakenNames, identifier
 from assistant.program.settings_tables import listed, shown
-from assistant.sources.contours.chaining import Contour, chain
+from assistant.sources.contours.chaining import Contour, chain_curves
 from assistant.sources.contours.flat import polyline
-from assistant.sources.contours.moves import as_pieces, moves
+from assistant.sources.contours.moves import as_pieces, contour_moves
 from assistant.sources.drawing import Contents, read_contents
 from assistant.sources.drawing.assembly import name_locations
 from assistant.sources.process import NO_PROCESS
@@ -68,7 +68,7 @@ def read_part(
     given = str(path)
     process = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
     contents = read_contents(FilePath(path), process)
-    chained, joined = chain(contents.curves, TOLERANCE * 2.5, path=given)
+    chained, joined = chain_curves(contents.curves, TOLERANCE * 2.5, path=given)
     if has_errors((*contents.findings, *joined)):
         raise Refused(*contents.findings, *joined)
     ways = _ways(chained, lines, given)
@@ -164,7 +164,7 @@ def _ways(chained: Sequence[Contour], lines: Sequence[str], path: str) -> dict[s
             stem = layer.lower() if len(group) == 1 else f"{layer.lower()}_{number}"
             name = identifier(stem, taken)
             taken.add(name)
-            rows = moves(one, TOLERANCE)
+            rows = contour_moves(one, TOLERANCE)
             vias = np.nonzero(rows.kinds == Kind.VIA)[0] + 1
             points = np.vstack([rows.start, rows.positions])
             found[name] = Line(points, frozenset(int(v) for v in vias))

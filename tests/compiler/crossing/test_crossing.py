@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from assistant.base.source_text import SourceText
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.loading import load_text, with_process
 from assistant.compiler.motion import Proving
 from assistant.compiler.translating import Translation, translate
@@ -67,7 +67,7 @@ def crossed(kind: str, case: dict[str, Any], folder: Path) -> Translation:
         process = folder / "cell.process.toml"
         process.write_text(case["process"], encoding="utf-8")
         loaded = with_process(loaded, process)
-    return translate(in_neutral_cell(loaded), to=to, proving=Proving(seconds=2))
+    return translate(with_neutral_cell(loaded), to=to, proving=Proving(seconds=2))
 
 
 @pytest.mark.one_in(2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.motion import Proving
 from assistant.compiler.running import programs
 from assistant.compiler.tasks import load_task, tasks_of
@@ -64,7 +64,7 @@ def translated(folder: Path, waits: str, proving: Proving | None = None) -> list
         loaded = load_task(one)
         codes = [f.code for f in loaded.findings]
         assert (codes.count("RA395"), codes.count("RA396")) == (2, 1)
-        done.append(translate(in_neutral_cell(loaded), to="melfa-basic-6", proving=proving))
+        done.append(translate(with_neutral_cell(loaded), to="melfa-basic-6", proving=proving))
     return done
 
 

@@ -178,14 +178,19 @@ def all_options() -> frozenset[str]:
 def keys() -> frozenset[str]:
     """Every key of every kind of file that is read."""
     read = (
-        *(of_processes.PLAIN, of_processes.OF_DRAWINGS, of_processes.TOOL, of_processes.FRAME),
         *(
-            of_processes.DEFAULTS,
-            of_processes.SIGNAL,
-            layers.LAYER,
-            placing.PLACEMENT,
-            names.PROGRAM,
-            seen.KEYS,
+            of_processes.TOP_KEYS,
+            of_processes.DRAWING_KEYS,
+            of_processes.TOOL_KEYS,
+            of_processes.FRAME_KEYS,
+        ),
+        *(
+            of_processes.DEFAULT_MOTION_KEYS,
+            of_processes.SIGNAL_KEYS,
+            layers.LAYER_KEYS,
+            placing.PLACEMENT_KEYS,
+            names.PROGRAM_KEYS,
+            seen.SEEN_KEYS,
         ),
         *(
             of_cells.PLACE_KEYS,
@@ -194,8 +199,14 @@ def keys() -> frozenset[str]:
             of_cells.PART_KEYS,
             of_cells.BODY_KEYS,
         ),
-        *(of_data.POSITION, of_data.DATA, of_data.ROUTINE, of_data.RECORD, of_data.ARM),
-        *(script_file.SET, script_file.ANSWER, taught.KEYS, headers.KNOWN),
+        *(
+            of_data.POSITION_KEYS,
+            of_data.DATA_KEYS,
+            of_data.ROUTINE_KEYS,
+            of_data.RECORD_KEYS,
+            of_data.ARM_KEYS,
+        ),
+        *(script_file.CHANGE_KEYS, script_file.ANSWER_KEYS, taught.TARGET_KEYS, headers.KNOWN),
         ROBOTS,
         WAYPOINTS,
     )
@@ -206,11 +217,11 @@ def keys() -> frozenset[str]:
 def tables() -> frozenset[str]:
     """Every table of every kind of file that is read."""
     said = {
-        *of_processes.TOP,
-        of_processes.PLACE,
-        *of_data.TABLES.values(),
+        *of_processes.TOP_TABLES,
+        of_processes.PLACEMENT_TABLE,
+        *of_data.TABLE_OF_KIND.values(),
         *schema()["properties"],
-        *script_file.TOP,
+        *script_file.SCRIPT_KEYS,
     }
     return frozenset({*said, "targets", "world", "robots", "bodies"})
 

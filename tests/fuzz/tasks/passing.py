@@ -9,7 +9,7 @@ from pathlib import Path
 
 from assistant.base.diagnostics import Severity
 from assistant.compiler import Translation, translate
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.compiler.loading import Loaded
 from assistant.compiler.motion import Proving
 from assistant.compiler.tasks import load_task, tasks_of
@@ -54,7 +54,7 @@ def _loaded(task: Drawn, folder: Path) -> Loaded:
     found = tasks_of([str(folder / name) for name in sorted(task.files)])
     promise(len(found) == 1, "one task is read as several", [one.files for one in found])
     promise(len(found[0].files) == len(task.files), "files of the task are left out")
-    return in_neutral_cell(load_task(found[0]))
+    return with_neutral_cell(load_task(found[0]))
 
 
 def _told(task: Drawn, done: Translation, folder: Path) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import compile, languages
 from assistant.base.diagnostics import Refused, Span
-from assistant.compiler.proof import prove
+from assistant.compiler.proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
@@ -68,7 +68,7 @@ def proven(name: str, program: Program) -> Program:
         language.precision.position, language.precision.angle, language.precision.number
     )
     assert compare(adapted.program, language.lift(tree), tolerance).same
-    proof = prove(language, adapted.program, written(language, adapted.program))
+    proof = prove_read_back(language, adapted.program, written(language, adapted.program))
     assert proof.holds, proof.findings
     assert proof.lifted is not None
     return proof.lifted

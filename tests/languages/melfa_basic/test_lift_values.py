@@ -11,7 +11,7 @@ import pytest
 from assistant import languages
 from assistant.base import rotations
 from assistant.base.source_text import SourceText
-from assistant.compiler.proof import prove
+from assistant.compiler.proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Tool
@@ -280,7 +280,7 @@ def test_what_was_never_taught_is_so_in_other_languages(name: str) -> None:
     adapted = language.adapt(replace(lifted(SOME, positions=TAUGHT), origin=None))
     tree = language.build(adapted.program)
     files = {language.file_name(adapted.program, None): language.encode(tree)}
-    assert prove(language, adapted.program, files).holds
+    assert prove_read_back(language, adapted.program, files).holds
     text = language.render(tree)
     if name == "rapid":  # no move takes an orientation of nothing
         unset = "[[0,0,0],[0,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"

@@ -8,8 +8,8 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Severity
-from assistant.compiler.joint_speeds import at_a_speed
-from assistant.compiler.proof import prove
+from assistant.compiler.joint_speeds import with_joint_speed
+from assistant.compiler.proof import prove_read_back
 from assistant.languages.language_types import Frames
 from assistant.program.program import Program, Signal
 
@@ -51,14 +51,14 @@ def written(given: Program, name: str, frames: Frames = "base") -> str:
     assert not [f for f in adapted.findings if f.severity is Severity.ERROR], adapted.findings
     tree = language.build(adapted.program)
     files = {language.file_name(adapted.program): language.encode(tree)}
-    proof = prove(language, adapted.program, files)
+    proof = prove_read_back(language, adapted.program, files)
     assert proof.holds, proof.findings
     assert language.adapt(adapted.program).program == adapted.program
     lifted = language.lift(tree)
-    back = RAPID.adapt(at_a_speed(lifted, 100.0)[0])
+    back = RAPID.adapt(with_joint_speed(lifted, 100.0)[0])
     assert not [f for f in back.findings if f.severity is Severity.ERROR], back.findings
     module = {"job.mod": RAPID.encode(RAPID.build(back.program))}
-    again = prove(RAPID, back.program, module)
+    again = prove_read_back(RAPID, back.program, module)
     assert again.holds, again.findings
     lines = [line.strip().split(" ", 1)[-1] for line in language.render(tree).splitlines()]
     end = lines.index("' robot-assistant: end")
@@ -242,7 +242,7 @@ def test_an_external_variable_keeps_its_name(name: str) -> None:
     for line in ("M_01=M_01+1", "P_AB=P_01", 'C_01$="A"'):
         assert line in lines
     files = {"A.prg": language.encode(language.build(adapted, None))}
-    assert prove(language, adapted, files, None).holds
+    assert prove_read_back(language, adapted, files, None).holds
 
 
 @pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-6"])
@@ -252,7 +252,7 @@ def test_an_expression_of_one_dialect_is_one_of_another(name: str) -> None:
     lines = language.render(language.build(adapted, None)).upper()
     assert "M3=NOT M1" in lines
     files = {"A.prg": language.encode(language.build(adapted, None))}
-    assert prove(language, adapted, files, None).holds
+    assert prove_read_back(language, adapted, files, None).holds
 
 
 @pytest.mark.parametrize(

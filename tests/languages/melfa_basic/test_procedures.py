@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import Severity
-from assistant.compiler.proof import prove
+from assistant.compiler.proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Parameter, Procedure, Program, Signal, ValueType, Variable
@@ -140,7 +140,7 @@ def test_a_program_of_its_own_is_called_with_arguments(name: str) -> None:
         )
         for unit in (None, "far_away")
     }
-    assert prove(language, adapted.program, files).holds
+    assert prove_read_back(language, adapted.program, files).holds
     texts = b"".join(files.values()).upper()
     assert b'CALLP "FARAWAY",2' in texts and b"FPRM MPAUSE" in texts
 
@@ -238,7 +238,7 @@ def test_random_procedures_come_back(name: str, job: Program) -> None:
         return
     assert not errors
     files = {"JOB.prg": language.encode(language.build(adapted.program))}
-    proof = prove(language, adapted.program, files)
+    proof = prove_read_back(language, adapted.program, files)
     assert proof.holds, [f.message[:300] for f in proof.findings]
     again = language.adapt(adapted.program).program
     assert replace(again, origin=None) == adapted.program
@@ -278,7 +278,7 @@ def test_random_arrays_are_handed_over(
     assert not [f for f in adapted.findings if f.severity is Severity.ERROR]
     tree = language.build(adapted.program)
     files = {language.file_name(adapted.program, None): language.encode(tree)}
-    proof = prove(language, adapted.program, files)
+    proof = prove_read_back(language, adapted.program, files)
     assert proof.holds, [f.message[:300] for f in proof.findings]
     assert not [
         f

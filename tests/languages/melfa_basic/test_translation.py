@@ -14,7 +14,7 @@ from assistant import languages
 from assistant.base import rotations
 from assistant.base.diagnostics import Severity
 from assistant.compiler import load, translate
-from assistant.compiler.filling import in_neutral_cell
+from assistant.compiler.filling import with_neutral_cell
 from assistant.languages.language_types import Frames
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, Pose, Tool
@@ -160,7 +160,7 @@ def test_lines_with_columns_and_a_close_of_all(tmp_path: FilePath) -> None:
         'Close\nC_Com(2)="ETH:10.0.0.7, 3000"\nOpen "COM2:" As #1\n'
         'Print #1,"AB","C",M1,"D"\nClose\nEnd\nM1=+3\n'
     )
-    made = translate(in_neutral_cell(load(file)), to="rapid")
+    made = translate(with_neutral_cell(load(file)), to="rapid")
     assert made.ok
     (module,) = made.files.values()
     text = module.decode()
@@ -179,7 +179,7 @@ def test_the_safe_point_is_asked_of_the_cell(tmp_path: FilePath) -> None:
     file = tmp_path / "SAFE.mb5"
     file.write_text("Mov P_Safe\nSpd 100\nMvs P1\nMov P_Safe\nEnd\nP1=(400,0,450,180,0,180)(7,0)\n")
     assert not translate(file, to="rapid").ok
-    made = translate(in_neutral_cell(load(file)), to="rapid")
+    made = translate(with_neutral_cell(load(file)), to="rapid")
     assert made.ok
     assert b"P_Safe" in next(iter(made.files.values()))
 

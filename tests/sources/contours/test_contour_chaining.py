@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Severity
-from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.chaining import chain_curves
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, vector
 from tests.examples import drawn
 
@@ -52,7 +52,7 @@ def test_shuffled_pieces_come_back(given_, noise):
             piece = Line(*shifted, "L")
             pieces.append(piece.reversed() if random.random() < 0.5 else piece)
     order = random.permutation(len(pieces))
-    contours, findings = chain([pieces[i] for i in order], 0.1)
+    contours, findings = chain_curves([pieces[i] for i in order], 0.1)
     assert len(contours) == len(parts)
     assert {f.code for f in findings} <= {"CT105"}
 
@@ -79,7 +79,7 @@ def test_shuffled_pieces_come_back(given_, noise):
 def test_curves_of_all_kinds_make_one_closed_contour():
     half = Arc.about((10, 5, 0), (0, 0, 1), (10, 0, 0), 180.0, "L")
     wave = FreeCurve(lambda t: np.c_[10 * t, 10 + np.sin(np.pi * t), 0 * t], layer="L")
-    contours, findings = chain([*lines((0, 10, 0), (0, 0, 0), (10, 0, 0)), wave, half], 0.05)
+    contours, findings = chain_curves([*lines((0, 10, 0), (0, 0, 0), (10, 0, 0)), wave, half], 0.05)
     assert findings == ()
     (contour,) = contours
     assert contour.closed
@@ -88,7 +88,7 @@ def test_curves_of_all_kinds_make_one_closed_contour():
 
 
 def test_layers_are_chained_apart_and_compared_without_case():
-    contours, _ = chain(
+    contours, _ = chain_curves(
         [
             Line((0, 0, 0), (1, 0, 0), "Glue"),
             Line((1, 0, 0), (2, 0, 0), "cut"),
@@ -100,13 +100,13 @@ def test_layers_are_chained_apart_and_compared_without_case():
 
 
 def test_the_first_curve_keeps_its_direction():
-    contours, _ = chain([Line((5, 0, 0), (0, 0, 0)), Line((5, 0, 0), (9, 0, 0))], 0.05)
+    contours, _ = chain_curves([Line((5, 0, 0), (0, 0, 0)), Line((5, 0, 0), (9, 0, 0))], 0.05)
     assert way(contours[0]) == [(9, 0, 0), (5, 0, 0), (0, 0, 0)]
 
 
 def test_a_circle_is_a_contour_of_its_own_and_can_start_at_its_quadrants():
     circle = Arc.about((0, 0, 0), (0, 0, 1), (10, 0, 0), 360.0, "L")
-    (contour,), _ = chain([circle], 0.05)
+    (contour,), _ = chain_curves([circle], 0.05)
     assert contour.closed
     turned = contour.starting_at(1)
     assert turned.start == pytest.approx((0, 10, 0), abs=1e-12)
@@ -117,7 +117,7 @@ def test_a_circle_is_a_contour_of_its_own_and_can_start_at_its_quadrants():
 def test_a_junction_splits_the_contours():
     middle = (10, 0, 0)
     spokes = [Line(middle, p, "L") for p in [(20, 0, 0), (0, 0, 0), (10, 10, 0)]]
-    contours, findings = chain([*spokes, Line((20, 0, 0), (20, 10, 0), "L")], 0.05)
+    contours, findings = chain_curves([*spokes, Line((20, 0, 0), (20, 10, 0), "L")], 0.05)
     assert [len(c.curves) for c in contours] == [2, 1, 1]
     assert codes(findings) == ["CT104"]
     assert findings[0].severity is Severity.INFO
@@ -125,7 +125,7 @@ def test_a_junction_splits_the_contours():
 
 
 def test_a_junction_within_the_tolerance_is_one_too():
-    contours, findings = chain(
+    contours, findings = chain_curves(
         [
             Line((0, 0, 0), (10, 0, 0)),
             Line((10.01, 0, 0), (20, 0, 0)),
@@ -139,7 +139,7 @@ def test_a_junction_within_the_tolerance_is_one_too():
 
 def test_a_figure_of_eight_is_two_loops():
     eight = lines((0, 0, 0), (5, 5, 0), (5, -5, 0), (0, 0, 0), (-5, 5, 0), (-5, -5, 0), (0, 0, 0))
-    contours, findings = chain(eight, 0.05)
+    contours, findings = chain_curves(eight, 0.05)
     assert [(len(c.curves), c.closed) for c in contours] == [(3, True), (3, True)]
     assert codes(findings) == ["CT104"]
 
@@ -153,7 +153,7 @@ def test_a_figure_of_eight_is_two_loops():
     ],
 )
 def test_a_line_drawn_again_is_followed_once(copy):
-    contours, findings = chain([*lines((0, 0, 0), (10, 0, 0), (10, 9, 0)), copy], 0.05)
+    contours, findings = chain_curves([*lines((0, 0, 0), (10, 0, 0), (10, 9, 0)), copy], 0.05)
     assert [len(c.curves) for c in contours] == [2]
     assert codes(findings) == ["CT103"]
     assert findings[0].place == "entity 9"
@@ -171,13 +171,13 @@ def wave(height, *, back=False):
 
 @pytest.mark.parametrize("other", [wave(-3), wave(3.2), Line((0, 0, 0), (40, 0, 0), "L")])
 def test_curves_that_agree_in_five_points_only_are_not_drawn_again(other):
-    _, findings = chain([wave(3), other], 0.05)
+    _, findings = chain_curves([wave(3), other], 0.05)
     assert "CT103" not in codes(findings)
 
 
 @pytest.mark.parametrize("other", [wave(3), wave(3, back=True), wave(3.01)])
 def test_a_free_curve_drawn_again_is_followed_once(other):
-    contours, findings = chain([wave(3), other], 0.05)
+    contours, findings = chain_curves([wave(3), other], 0.05)
     assert codes(findings) == ["CT103"]
     assert len(contours) == 1
 
@@ -186,7 +186,7 @@ def test_arcs_and_circles_drawn_again_are_followed_once():
     arc = Arc.about((0, 0, 0), (0, 0, 1), (10, 0, 0), 100.0, "L")
     circle = Arc.about((50, 0, 0), (0, 0, 1), (60, 0, 0), 360.0, "L")
     other = Arc.about((50, 0, 0), (0, 0, -1), (50, 10, 0), 360.0, "L")
-    contours, findings = chain([arc, circle, arc.reversed(), other], 0.05)
+    contours, findings = chain_curves([arc, circle, arc.reversed(), other], 0.05)
     assert len(contours) == 2
     assert "2 curves" in findings[0].message
 
@@ -194,14 +194,14 @@ def test_arcs_and_circles_drawn_again_are_followed_once():
 def test_two_arcs_over_one_chord_are_no_copies():
     upper = Arc.about((0, 0, 0), (0, 0, 1), (10, 0, 0), 180.0, "L")
     lower = Arc.about((0, 0, 0), (0, 0, -1), (10, 0, 0), 180.0, "L")
-    contours, findings = chain([upper, lower], 0.05)
+    contours, findings = chain_curves([upper, lower], 0.05)
     assert findings == ()
     assert [(len(c.curves), c.closed) for c in contours] == [(2, True)]
 
 
 def test_curves_without_length_are_counted():
     dots = [Line((i, 0, 0), (i, 0, 0), "L", "A") for i in range(3)]
-    contours, findings = chain([*dots, *lines((0, 0, 0), (1, 0, 0))], 0.05)
+    contours, findings = chain_curves([*dots, *lines((0, 0, 0), (1, 0, 0))], 0.05)
     assert len(contours) == 1
     assert codes(findings) == ["CT102"]
     assert "3 curves" in findings[0].message
@@ -209,7 +209,7 @@ def test_curves_without_length_are_counted():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e12])
 def test_a_coordinate_that_is_no_place_is_an_error(bad):
-    contours, findings = chain([Line((0, 0, 0), (bad, 0, 0), "L", "2B")], 0.05, path="a.dxf")
+    contours, findings = chain_curves([Line((0, 0, 0), (bad, 0, 0), "L", "2B")], 0.05, path="a.dxf")
     assert contours == ()
     (finding,) = findings
     assert (finding.code, finding.severity) == ("CT101", Severity.ERROR)
@@ -220,14 +220,14 @@ def test_segments_shorter_than_the_tolerance_stay():
     t = np.linspace(0, 2 * np.pi, 1001)
     points = [vector(p) for p in np.c_[np.cos(t), np.sin(t), 0 * t]]
     points[-1] = points[0]
-    contours, findings = chain(lines(*points), 0.05)
+    contours, findings = chain_curves(lines(*points), 0.05)
     assert findings == ()
     assert [(len(c.curves), c.closed) for c in contours] == [(1000, True)]
 
 
 def test_gaps_between_short_segments_are_closed_in_order():
     pieces = [Line((i * 0.02 + 0.001, 0, 0), ((i + 1) * 0.02, 0, 0), "L") for i in range(200)]
-    contours, findings = chain(pieces[::-1], 0.05)
+    contours, findings = chain_curves(pieces[::-1], 0.05)
     assert [len(c.curves) for c in contours] == [200]
     assert not contours[0].closed
     assert codes(findings) == ["CT105"]
@@ -235,13 +235,15 @@ def test_gaps_between_short_segments_are_closed_in_order():
 
 
 def test_a_short_segment_alone_is_no_loop():
-    contours, findings = chain([Line((0, 0, 0), (0.03, 0, 0))], 0.05)
+    contours, findings = chain_curves([Line((0, 0, 0), (0.03, 0, 0))], 0.05)
     assert findings == ()
     assert not contours[0].closed
 
 
 def test_gaps_over_the_tolerance_stay_open():
-    contours, findings = chain([Line((0, 0, 0), (5, 0, 0)), Line((5.06, 0, 0), (9, 0, 0))], 0.05)
+    contours, findings = chain_curves(
+        [Line((0, 0, 0), (5, 0, 0)), Line((5.06, 0, 0), (9, 0, 0))], 0.05
+    )
     assert len(contours) == 2
     assert findings == ()
 
@@ -253,7 +255,7 @@ def test_a_star_of_ten_thousand_and_a_crowd_of_loose_ends_end_soon():
     star = [Line((0.0, 0.0, 0.0), vector(p), "S") for p in rim]
     random = np.random.default_rng(1)
     crowd = [Line(vector(random.uniform(0, 0.04, 3)), vector(p), "C") for p in rim]
-    contours, findings = chain([*star, *crowd], 0.05)
+    contours, findings = chain_curves([*star, *crowd], 0.05)
     assert sum(len(c.curves) for c in contours) == 20_000
     assert "CT104" in codes(findings)
 
@@ -262,8 +264,8 @@ def test_chaining_is_deterministic():
     random = np.random.default_rng(5)
     points = [vector(p) for p in random.integers(0, 6, (300, 3)).astype(float)]
     pieces = [Line(a, b) for a, b in itertools.pairwise(points) if a != b]
-    assert chain(pieces, 0.05) == chain(pieces, 0.05)
-    contours, _ = chain(pieces, 0.05)
+    assert chain_curves(pieces, 0.05) == chain_curves(pieces, 0.05)
+    contours, _ = chain_curves(pieces, 0.05)
     distinct = {frozenset((p.start, p.end)) for p in pieces}
     assert sum(len(c.curves) for c in contours) == len(distinct)
 
@@ -271,8 +273,8 @@ def test_chaining_is_deterministic():
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan, math.inf])
 def test_a_bad_tolerance_is_refused(tolerance):
     with pytest.raises(ValueError, match="tolerance"):
-        chain([], tolerance)
+        chain_curves([], tolerance)
 
 
 def test_nothing_gives_nothing():
-    assert chain([], 0.05) == ((), ())
+    assert chain_curves([], 0.05) == ((), ())

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.fitting import fit
+from assistant.sources.contours.fitting import fit_curve
 from tests.examples import drawn
 
 
@@ -66,7 +66,7 @@ def dense(pieces, each=200):
 
 def check(curve, tolerance, count=400):
     """The fit is connected, and within the tolerance of the curve, and the curve of it."""
-    result = fit(curve, tolerance)
+    result = fit_curve(curve, tolerance)
     assert result.within
     assert result.deviation <= tolerance
     true = curve.at(np.linspace(0, 1, count))
@@ -106,12 +106,12 @@ def test_bezier_curves_in_the_plane_and_in_space(flat, lifted):
 
 
 def test_planar_curves_stay_in_their_plane():
-    result = fit(ellipse(100, 30), 0.05)
+    result = fit_curve(ellipse(100, 30), 0.05)
     assert all(p.start[2] == 0.0 and abs(p.via[2]) < 1e-12 for p in result.pieces)
 
 
 def test_a_fit_is_smooth_where_the_curve_is():
-    pieces = fit(ellipse(100, 50), 0.05).pieces
+    pieces = fit_curve(ellipse(100, 50), 0.05).pieces
     for one, two in itertools.pairwise(pieces):
         leaving = one.at([1 - 1e-6, 1.0])
         entering = two.at([0.0, 1e-6])
@@ -121,17 +121,17 @@ def test_a_fit_is_smooth_where_the_curve_is():
 
 
 def test_pieces_carry_layer_and_handle():
-    assert {(p.layer, p.handle) for p in fit(ellipse(9, 5), 0.05).pieces} == {("L", "E1")}
+    assert {(p.layer, p.handle) for p in fit_curve(ellipse(9, 5), 0.05).pieces} == {("L", "E1")}
 
 
 def test_a_tighter_tolerance_takes_more_pieces():
-    counts = [len(fit(ellipse(100, 50), t).pieces) for t in (1.0, 0.1, 0.01)]
+    counts = [len(fit_curve(ellipse(100, 50), t).pieces) for t in (1.0, 0.1, 0.01)]
     assert counts == sorted(counts)
     assert counts[0] < 20 < counts[2] < 120
 
 
 def test_a_circle_given_as_a_curve_comes_back_as_two_arcs():
-    pieces = fit(ellipse(40, 40), 0.05).pieces
+    pieces = fit_curve(ellipse(40, 40), 0.05).pieces
     assert len(pieces) == 2
     assert all(isinstance(p, Arc) and abs(p.radius - 40) < 1e-4 for p in pieces)
 
@@ -144,7 +144,7 @@ def test_a_circle_given_as_a_curve_comes_back_as_two_arcs():
     ],
 )
 def test_a_straight_curve_is_one_exact_line(curve):
-    (line,) = fit(curve, 0.05).pieces
+    (line,) = fit_curve(curve, 0.05).pieces
     assert isinstance(line, Line)
     assert (line.start, line.end) == (curve.start, curve.end)
 
@@ -154,7 +154,7 @@ def test_straight_parts_between_breaks_are_exact_lines_with_their_corner():
         corners = np.array([(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0), (0, 0, 0)], float)
         return np.stack([np.interp(t * 4, range(5), corners[:, i]) for i in range(3)], axis=1)
 
-    result = fit(FreeCurve(square, True, breaks=(0, 0.25, 0.5, 0.75, 1)), 0.05)
+    result = fit_curve(FreeCurve(square, True, breaks=(0, 0.25, 0.5, 0.75, 1)), 0.05)
     assert [type(p) for p in result.pieces] == [Line] * 4
     assert [p.start for p in result.pieces] == [(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0)]
 
@@ -180,6 +180,6 @@ def test_a_cusp():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_a_curve_that_is_no_number_somewhere_is_not_within(bad):
-    result = fit(FreeCurve(lambda t: np.c_[t, np.where(t > 0.5, bad, t), 0 * t]), 0.05)
+    result = fit_curve(FreeCurve(lambda t: np.c_[t, np.where(t > 0.5, bad, t), 0 * t]), 0.05)
     assert not result.within
     assert result.pieces == ()

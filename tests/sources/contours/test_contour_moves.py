@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.motion import Kind
-from assistant.sources.contours.chaining import Contour, chain
+from assistant.sources.contours.chaining import Contour, chain_curves
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.moves import moves
+from assistant.sources.contours.moves import contour_moves
 from tests.examples import drawn
 
 
 def rows(*curves, tolerance=0.05, closed=False, **options):
-    return moves(Contour(curves, closed), tolerance, **options)
+    return contour_moves(Contour(curves, closed), tolerance, **options)
 
 
 def arc(radius, sweep):
@@ -107,8 +107,8 @@ def test_gaps_are_gone_and_closed_contours_close():
         Arc.about((10, 5, 0), (0, 0, 1), (10.0, 0.02, 0), 180.0),
         Line((10.01, 10, 0), (0.03, 0, 0)),
     ]
-    contours, _ = chain(pieces, 0.05)
-    made = moves(contours[0], 0.05)
+    contours, _ = chain_curves(pieces, 0.05)
+    made = contour_moves(contours[0], 0.05)
     assert contours[0].closed
     assert np.array_equal(made.positions[-1], made.start)
     assert made.kinds.tolist() == [Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR]

@@ -13,7 +13,7 @@ from assistant import sources
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.nesting import holders
-from assistant.sources.contours.ordering import ordered, travel
+from assistant.sources.contours.ordering import order_contours, travel_length
 from tests.examples import drawn
 from tests.sources.contours.whole import whole_paths
 
@@ -64,8 +64,8 @@ def test_each_comes_before_all_that_are_around_it(drawn):
     found = holders(contours, DOWN, 0.05)
     for mine, others in zip(found, around, strict=True):
         assert mine == (min(others, key=lambda j: made[j][2]) if others else -1)
-    result = ordered(contours, found)
-    assert result.after == pytest.approx(travel(result.contours))
+    result = order_contours(contours, found)
+    assert result.after == pytest.approx(travel_length(result.contours))
     centres = [c.curves[0].centre for c in result.contours]
     place = [centres.index(c.curves[0].centre) for c in contours]
     assert sorted(place) == list(range(len(contours)))
@@ -113,10 +113,10 @@ def test_parts_in_a_frame():
     assert found[0] == -1
     assert all(i == 0 for i in found[1::3])
     assert found[2::3] == found[3::3] == list(range(1, len(contours), 3))
-    result = ordered(contours, found)
+    result = order_contours(contours, found)
     again = holders(result.contours, DOWN, 0.05)
     assert all(i < holder for i, holder in enumerate(again[:-1]))
-    assert result.after < 1.5 * ordered(contours).after
+    assert result.after < 1.5 * order_contours(contours).after
 
 
 @pytest.fixture

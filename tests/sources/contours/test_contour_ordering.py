@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, Line, vector
-from assistant.sources.contours.ordering import Measure, ordered, travel, visited
+from assistant.sources.contours.ordering import (
+    TravelMeasure,
+    order_contours,
+    order_points,
+    travel_length,
+)
 from tests.examples import drawn
 
 
@@ -56,12 +61,12 @@ def identity(contour):
 @settings(max_examples=drawn(80), deadline=None)
 @given(contours())
 def test_never_longer_and_nothing_lost(given_):
-    result = ordered(given_)
+    result = order_contours(given_)
     assert sorted(map(identity, result.contours)) == sorted(map(identity, given_))
-    assert result.before == pytest.approx(travel(given_))
-    assert result.after == pytest.approx(travel(result.contours))
+    assert result.before == pytest.approx(travel_length(given_))
+    assert result.after == pytest.approx(travel_length(result.contours))
     assert result.after <= result.before
-    assert ordered(given_) == result
+    assert order_contours(given_) == result
 
 
 @settings(max_examples=drawn(30), deadline=None)
@@ -71,7 +76,7 @@ def test_closed_contours_keep_their_direction(given_):
         return {(c.start, c.end) for c in contour.curves}
 
     before = [sides(c) for c in given_ if c.closed and len(c.curves) > 1]
-    after = [sides(c) for c in ordered(given_).contours if c.closed and len(c.curves) > 1]
+    after = [sides(c) for c in order_contours(given_).contours if c.closed and len(c.curves) > 1]
     assert sorted(map(sorted, before)) == sorted(map(sorted, after))
 
 
@@ -79,13 +84,13 @@ def test_lines_that_follow_each_other_are_met_end_to_end():
     parts = [line((i * 10, 0, 0), (i * 10 + 9, 0, 0)) for i in range(30)]
     mixed = [c.reversed() if i % 3 else c for i, c in enumerate(parts)]
     np.random.default_rng(3).shuffle(mixed)
-    result = ordered(mixed)
+    result = order_contours(mixed)
     assert result.after == pytest.approx(29.0)
 
 
 def test_a_closed_contour_starts_where_the_tool_comes_from():
     square = ring((100.0, 0.0, 0.0), (90.0, 0.0, 0.0), (90.0, 10.0, 0.0), (100.0, 10.0, 0.0))
-    result = ordered([line((0, 0, 0), (80, 0, 0)), square])
+    result = order_contours([line((0, 0, 0), (80, 0, 0)), square])
     assert result.after == pytest.approx(10.0)
 
 
@@ -106,26 +111,26 @@ def test_small_tours_are_near_the_best_there_is(seed):
                 if length >= best:
                     break
             best = min(best, length)
-    assert ordered(parts).after <= best * 1.25 + 1e-9
+    assert order_contours(parts).after <= best * 1.25 + 1e-9
 
 
 def test_many_contours_are_ordered_well():
     random = np.random.default_rng(7)
     parts = [circle(vector(p), 0.1) for p in random.uniform(0, 1000, (2500, 3)) * (1, 1, 0)]
-    result = ordered(parts)
+    result = order_contours(parts)
     assert len(result.contours) == 2500
     assert result.after < 1.0 * math.sqrt(2500 * 1e6)  # a random tour of the best is 0.71
 
 
 def test_contours_all_in_one_place():
     parts = [circle((0.0, 0.0, 0.0))] * 50
-    assert ordered(parts).after == pytest.approx(0.0)
+    assert order_contours(parts).after == pytest.approx(0.0)
 
 
 def test_none_and_one():
-    assert ordered([]).contours == ()
+    assert order_contours([]).contours == ()
     one = [circle((0.0, 0.0, 0.0))]
-    assert ordered(one).contours == tuple(one)
+    assert order_contours(one).contours == tuple(one)
 
 
 def stretched(points):
@@ -137,7 +142,7 @@ def largest(one, other):
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
-SLOW_ALONG_Y = Measure(stretched, largest)
+SLOW_ALONG_Y = TravelMeasure(stretched, largest)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -151,13 +156,13 @@ def test_travel_is_kept_short_by_what_it_is_measured_by(seed):
         return sum(largest(places[a], places[b]) for a, b in itertools.pairwise(order))
 
     best = min(map(along, itertools.permutations(range(7))))
-    result = ordered(parts, (), SLOW_ALONG_Y)
+    result = order_contours(parts, (), SLOW_ALONG_Y)
     assert result.measured
     assert result.after <= best * 1.25 + 0.5
-    by_length = [tuple(np.round(c.curves[0].centre, 6)) for c in ordered(parts).contours]
+    by_length = [tuple(np.round(c.curves[0].centre, 6)) for c in order_contours(parts).contours]
     rows = [[tuple(np.round(p, 6)) for p in points].index(c) for c in by_length]
     assert result.after < along(rows)
-    visits = visited(points, SLOW_ALONG_Y)
+    visits = order_points(points, SLOW_ALONG_Y)
     assert sorted(visits.rows) == list(range(7))
     assert visits.after == pytest.approx(along(visits.rows))
     assert best - 1e-9 <= visits.after <= min(best * 1.25, visits.before) + 1e-9
@@ -165,6 +170,6 @@ def test_travel_is_kept_short_by_what_it_is_measured_by(seed):
 
 def test_mm_count_where_nothing_else_is_known():
     parts = [circle((0.0, 0.0, 0.0)), circle((90.0, 0.0, 0.0)), circle((30.0, 0.0, 0.0))]
-    result = ordered(parts, (), Measure(lambda points: None, largest))
+    result = order_contours(parts, (), TravelMeasure(lambda points: None, largest))
     assert not result.measured
-    assert result == ordered(parts)
+    assert result == order_contours(parts)

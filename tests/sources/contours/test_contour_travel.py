@@ -10,7 +10,7 @@ from assistant.program.geometry import Pose
 from assistant.program.statements import Move
 from assistant.sources.contours.chaining import Contour
 from assistant.sources.contours.curves import Arc, FreeCurve
-from assistant.sources.contours.following import Placed, highest
+from assistant.sources.contours.following import PlacedLayer, highest_point
 
 PROCESS = """
 [motion]
@@ -114,7 +114,7 @@ def test_the_highest_point_of_a_curve_is_between_its_samples(curve, height, off,
     half = np.radians(turn) / 2.0  # about x, the tool with it
     pose = Pose((3.0, -20.0, 11.0), (float(np.cos(half)), float(np.sin(half)), 0.0, 0.0))
     down = (0.0, float(np.sin(2 * half)), -float(np.cos(2 * half)))
-    found = highest([Contour((curve,), False)], Placed(pose, down))
+    found = highest_point([Contour((curve,), False)], PlacedLayer(pose, down))
     origin = -float(np.dot(pose.position, down))
     assert found == pytest.approx(origin + height, abs=off)
     assert found <= origin + height + 1e-9

@@ -21,7 +21,7 @@ from assistant.sources.process import file as process_file
 from assistant.sources.process import layers as process_layers
 from assistant.sources.process.file import parse_process, read_process
 from assistant.sources.process.shaping import Lead, Shaping
-from assistant.sources.process.ways import Above, Instant, Pace, Switching
+from assistant.sources.process.ways import ContourTravel, OutputSwitching, SpeedProfile, SwitchPoint
 from tests.examples import drawn
 
 
@@ -63,9 +63,11 @@ def test_the_example_of_the_documentation():
                 passes=3,
                 allowances=(0.5, 0.0),
             ),
-            pace=Pace(Speed(20.0), start=Speed(30.0), end=Speed(30.0)),
-            switching=Switching(on_before=Instant(seconds=0.03), off_before=Instant(mm=5.0)),
-            above=Above(None, Blend(10.0), "linear"),
+            pace=SpeedProfile(Speed(20.0), start=Speed(30.0), end=Speed(30.0)),
+            switching=OutputSwitching(
+                on_before=SwitchPoint(seconds=0.03), off_before=SwitchPoint(mm=5.0)
+            ),
+            above=ContourTravel(None, Blend(10.0), "linear"),
         )
     }
     assert process.home == (0.0, 0.0, 0.0, 0.0, 30.0, 0.0)
@@ -76,13 +78,13 @@ def test_the_example_of_the_documentation():
 def test_every_key_is_in_the_documentation():
     doc = inspect.getdoc(process_file)
     tables = (
-        process_file.TOOL,
-        process_file.FRAME,
-        process_file.DEFAULTS,
-        process_file.SIGNAL,
-        process_layers.LAYER,
+        process_file.TOOL_KEYS,
+        process_file.FRAME_KEYS,
+        process_file.DEFAULT_MOTION_KEYS,
+        process_file.SIGNAL_KEYS,
+        process_layers.LAYER_KEYS,
     )
-    for key in {k for table in tables for k in table} | {"tolerance", *process_file.OF_DRAWINGS}:
+    for key in {k for table in tables for k in table} | {"tolerance", *process_file.DRAWING_KEYS}:
         assert re.search(rf"\b{key} = ", doc), key
 
 
@@ -368,7 +370,14 @@ values = st.one_of(
     st.sampled_from(["{t = 1}", "{t = {}}", "[[1]]", "07:32:00", '"\\u0000"', '""']),
 )
 keys = st.sampled_from(
-    [*process_file.TOP, *process_layers.LAYER, *process_file.TOOL, *process_file.SIGNAL, "t", "x-y"]
+    [
+        *process_file.TOP_TABLES,
+        *process_layers.LAYER_KEYS,
+        *process_file.TOOL_KEYS,
+        *process_file.SIGNAL_KEYS,
+        "t",
+        "x-y",
+    ]
 )
 
 

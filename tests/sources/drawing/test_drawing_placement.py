@@ -19,10 +19,10 @@ from assistant.base.source_text import SourceText
 from assistant.program.geometry import Frame, Pose
 from assistant.program.statements import Follow
 from assistant.sources.drawing import read
-from assistant.sources.placements import of_options
+from assistant.sources.placements import placement_of_options
 from assistant.sources.process import NO_PROCESS, Defaults
 from assistant.sources.process.file import parse_process
-from assistant.sources.process.placing import by_marks
+from assistant.sources.process.placing import placement_by_marks
 from tests.examples import drawn
 
 MARKS = [[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [40.0, 100.0, 0.0]]
@@ -109,7 +109,7 @@ def test_marks_that_were_moved_tell_the_move(marks, position, about_z, about_y):
     if np.linalg.norm(normal) < 0.2 * longest**2 or longest < 20:
         return
     turn = Rotation.from_euler("ZY", (about_z, about_y), degrees=True)
-    placed = by_marks(drawn, turn.apply(drawn) + position)
+    placed = placement_by_marks(drawn, turn.apply(drawn) + position)
     assert placed.pose is not None
     found = Rotation.from_quat(placed.pose.quaternion, scalar_first=True)
     assert (found * turn.inv()).magnitude() < 1e-7
@@ -120,7 +120,7 @@ def test_marks_that_were_moved_tell_the_move(marks, position, about_z, about_y):
 def test_the_first_mark_the_line_to_the_second_and_the_side_of_the_third_count():
     """A third mark that is 0.3 mm further out, as a hand teaches it, changes nothing else."""
     cell = [[10.0, 20.0, 0.0], [10.0, 220.4, 0.0], [-90.3, 60.0, 0.0]]
-    placed = by_marks(MARKS, cell)
+    placed = placement_by_marks(MARKS, cell)
     assert placed.pose is not None
     assert placed.pose.position == (10.0, 20.0, 0.0)
     assert placed.pose.quaternion == pytest.approx((math.sqrt(0.5), 0, 0, math.sqrt(0.5)))
@@ -130,7 +130,7 @@ def test_the_first_mark_the_line_to_the_second_and_the_side_of_the_third_count()
 
 def test_marks_of_another_unit_do_not_fit():
     inches = [[x / 25.4 for x in mark] for mark in MARKS]
-    placed = by_marks(inches, MARKS)
+    placed = placement_by_marks(inches, MARKS)
     assert (placed.pose, placed.rule.code) == (None, "CT360")
     assert placed.fields["misfit"] == pytest.approx(200 - 200 / 25.4)
     assert "1 to 2 is 7.87 mm drawn, 200.00 mm taught" in placed.fields["lengths"]
@@ -180,15 +180,15 @@ def test_a_table_of_waypoints_is_not_placed(tmp_path):
 def test_options_place_instead_of_the_file(drawing: Path):
     drawing.with_suffix(".process.toml").write_text("[placement]\nposition = [0, 300, 0]\n")
     by_file = sources.read(drawing)
-    options = of_options("10,20,30,90,0,0", ())
-    marks = of_options(None, ["0,0=10,20,30", "100,0=10,120,30", "0,50,0=-40,20,30"])
+    options = placement_of_options("10,20,30,90,0,0", ())
+    marks = placement_of_options(None, ["0,0=10,20,30", "100,0=10,120,30", "0,50,0=-40,20,30"])
     for one in (options, marks):
         reading = sources.read(drawing, placement=one)
         assert "CT365" in [f.code for f in reading.findings]
         at = reading.program.targets["pick_1"].pose.position
         assert at == pytest.approx((10 - 60, 20 + 50, 34))
     assert by_file.program.targets["pick_1"].pose.position == pytest.approx((50, 360, 4))
-    assert of_options(None, ()) is None
+    assert placement_of_options(None, ()) is None
 
 
 @pytest.mark.parametrize(
@@ -206,7 +206,7 @@ def test_options_place_instead_of_the_file(drawing: Path):
 )
 def test_options_that_say_no_place(place, marks, code):
     with pytest.raises(Refused) as caught:
-        of_options(place, marks)
+        placement_of_options(place, marks)
     assert ([f.code for f in caught.value.findings], caught.value.exit_status) == ([code], 2)
 
 

@@ -18,8 +18,8 @@ from assistant.program.motion import FINE, Blend
 from assistant.program.pseudo import print_program
 from assistant.program.statements import Motion
 from assistant.sources.drawing import read
-from assistant.sources.process import SLOW, Defaults, Layer, Process
-from assistant.sources.surroundings import ALONG, WayIn
+from assistant.sources.process import DEFAULT_SPEED, Defaults, Layer, Process
+from assistant.sources.surroundings import ALONG_TOOL, WayIn
 
 Save = Callable[..., Path]
 
@@ -43,12 +43,12 @@ class Beside:
         self.asked.append((pose, tool, distance))
         if pose.position[1] > 0.0:
             return WayIn((1.0, 0.0, 0.0), (SAID(where=place),))
-        return WayIn(ALONG)
+        return WayIn(ALONG_TOOL)
 
 
 def process(around: Beside | None, **said: object) -> Process:
     defaults = replace(Defaults("travel", tool="nozzle", frame="bench"), **said)  # type: ignore[arg-type]
-    motion = Motion(SLOW, FINE, "nozzle", "bench")
+    motion = Motion(DEFAULT_SPEED, FINE, "nozzle", "bench")
     return Process(
         defaults,
         {"nozzle": Tool(NOZZLE)},

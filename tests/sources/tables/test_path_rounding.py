@@ -11,7 +11,7 @@ from assistant.program.motion import FINE, Blend, Kind
 from assistant.program.statements import Follow, Move
 from assistant.sources import waypoints
 from assistant.sources.process import Defaults, Process
-from assistant.sources.rounding import SIZES, radii
+from assistant.sources.rounding import ROUNDING_RADII, rounding_radii
 from tests.examples import drawn
 
 TURN = (1.0, 0.0, 0.0, 0.0)
@@ -46,10 +46,10 @@ def test_a_rounded_way_stays_within_the_tolerance(seed, tolerance):
     random = np.random.default_rng(seed)
     steps = random.normal(size=(20, 3)) * 10 ** random.uniform(-2, 2, (20, 1))
     corners = np.cumsum(steps, axis=0)
-    sizes = radii(corners, np.full(20, Kind.LINEAR), np.ones(19, dtype=bool), tolerance)
+    sizes = rounding_radii(corners, np.full(20, Kind.LINEAR), np.ones(19, dtype=bool), tolerance)
     way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     assert sizes[0] == sizes[-1] == 0.0
-    assert set(sizes[1:-1]) <= {0.0, *SIZES}
+    assert set(sizes[1:-1]) <= {0.0, *ROUNDING_RADII}
     assert (sizes[1:-1] <= np.minimum(way[:-1], way[1:]) / 2 * (1 + 1e-6)).all()
     for i in range(1, 19):
         before = corners[i] + (corners[i - 1] - corners[i]) / way[i - 1] * sizes[i]

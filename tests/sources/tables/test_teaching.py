@@ -9,7 +9,12 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
-from assistant.sources.tables.teaching import TaughtTarget, begun, is_kept, with_target
+from assistant.sources.tables.teaching import (
+    TaughtTarget,
+    is_otherwise_equal,
+    new_file_text,
+    with_target,
+)
 
 SAMPLE = Path(__file__).parents[3] / "samples" / "taught.toml"
 POSE = {"position": "[1.0, 2.0, 3.0]", "quaternion": "[0.0, 1.0, 0.0, 0.0]"}
@@ -27,7 +32,7 @@ def changes(before: str, after: str) -> list[str]:
 
 
 def test_a_new_file():
-    source = SourceText(begun("rv-2aj"), "x.toml", "utf-8", "\n")
+    source = SourceText(new_file_text("rv-2aj"), "x.toml", "utf-8", "\n")
     text, reading = with_target(source, "x", target("above", POSE, "rv-2aj"))
     assert text.text == (
         'robot = "rv-2aj"\n\n[[targets]]\nname = "above"\nposition = [1.0, 2.0, 3.0]\n'
@@ -44,7 +49,7 @@ def test_a_target_behind_all_others(newline, end):
     text, reading = with_target(source, "taught", target("last", POSE, tool="gripper"))
     assert text.text.startswith(before) and text.text.count("\n") == text.text.count(newline)
     assert list(reading.program.targets)[-1] == "last"
-    assert is_kept(before, text.text, "last")
+    assert is_otherwise_equal(before, text.text, "last")
     assert reading.program.targets["last"].pose.position == (1.0, 2.0, 3.0)
 
 
@@ -59,7 +64,7 @@ def test_taught_anew_only_its_place_changes():
         "- euler_zyx = [0, 0, 180]     # degrees: the tool points down",
         "- position = [420, -60, 360]  # mm",
     ]
-    assert is_kept(before, text.text, "above")
+    assert is_otherwise_equal(before, text.text, "above")
     program = reading.program
     assert program.targets["above"].configuration.down and len(program.targets) == 5
 
@@ -85,7 +90,7 @@ def test_joints_for_a_pose_and_a_pose_for_joints(name, values, wanted):
     assert name in (
         reading.program.joint_targets if "joints" in values else reading.program.targets
     )
-    assert is_kept(before, text.text, name)
+    assert is_otherwise_equal(before, text.text, name)
 
 
 def test_an_old_branch_goes_with_its_place():
