@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant import languages, sources
 from assistant.base import rotations
-from assistant.compiler.proof import prove_read_back
+from assistant.compiler.read_back_proof import prove_read_back
 from assistant.program.motion import Blend, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow

@@ -25,9 +25,8 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving, prove_motion
-from assistant.compiler.motion_sides import written_pair
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving, prove_motion, written_pair
 from benchmarks import drawn_cells
 
 Made = Callable[[re.Match[str], Random, Sequence[str]], str | None]

@@ -16,9 +16,9 @@ from pathlib import Path
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.compiler import translate
-from assistant.compiler.folders import programs_in
-from assistant.compiler.loading import whole_programs
-from assistant.compiler.motion import Proving
+from assistant.compiler.loader import whole_programs
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.program_files import programs_in
 
 
 def main() -> None:

@@ -29,12 +29,12 @@ FUNCTIONS: Final = (
 )  # fmt: skip
 """In the order of the page."""
 CLASSES: Final = (
-    "assistant.compiler.loading.Loaded",
-    "assistant.compiler.compiling.Compiled",
-    "assistant.compiler.translating.Translation",
-    "assistant.compiler.comparing.Comparison",
-    "assistant.compiler.comparing.Difference",
-    "assistant.compiler.motion.Proving",
+    "assistant.compiler.loader.Loaded",
+    "assistant.compiler.compilation.Compiled",
+    "assistant.compiler.translation.Translation",
+    "assistant.compiler.comparison.Comparison",
+    "assistant.compiler.comparison.Difference",
+    "assistant.compiler.motion_proof.Proving",
     "assistant.api.checking.Check",
     "assistant.api.simulating.Simulated",
     "assistant.base.diagnostics.Diagnostic",

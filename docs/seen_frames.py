@@ -12,7 +12,7 @@ import numpy as np
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.compiler.running import programs
+from assistant.compiler.simulated_run import programs
 from assistant.program.geometry import Pose
 from assistant.sources.sights import Seeing, Sight
 from assistant.virtual.events import Moved

@@ -16,9 +16,9 @@ import pytest
 
 from assistant import languages, robots
 from assistant.base.diagnostics import Severity
-from assistant.compiler.pairing import read_names
-from assistant.compiler.project import with_project_settings
-from assistant.compiler.script_file import read_script
+from assistant.compiler.comparison import read_names
+from assistant.compiler.loader import with_project_settings
+from assistant.compiler.simulated_run import read_script
 from assistant.controllers import controllers_of
 from assistant.findings import rulebook
 from assistant.findings.severities import severities_for

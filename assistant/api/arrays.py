@@ -24,8 +24,8 @@ from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import read_process
 from assistant.sources.tables import rows
 from assistant.sources.tables.headers import shown
-from assistant.sources.tables.poses import NOT_FINITE
-from assistant.sources.waypoints import Unit, read_poses
+from assistant.sources.tables.rows import NOT_FINITE
+from assistant.sources.tables.waypoints import Unit, read_poses
 
 NO_JOINTS = error(
     "TB431",

@@ -9,10 +9,10 @@ from pathlib import Path as FilePath
 
 from assistant.base.diagnostics import Diagnostic, FailOn
 from assistant.base.source_text import path_of
-from assistant.compiler.checking import Checked, check_files, check_program
-from assistant.compiler.compiling import Compiled
-from assistant.compiler.loading import Loaded
-from assistant.compiler.scenes import open_cell
+from assistant.compiler.arms import open_cell
+from assistant.compiler.checker import Checked, check_files, check_program
+from assistant.compiler.compilation import Compiled
+from assistant.compiler.loader import Loaded
 from assistant.findings.severities import apply_severities
 from assistant.lazy import pictured
 from assistant.program.program import Program

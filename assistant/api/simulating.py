@@ -8,13 +8,11 @@ from pathlib import Path as FilePath
 from assistant.api.checking import Source
 from assistant.base.diagnostics import Diagnostic, Refused, fold, has_errors
 from assistant.checks.clearances import clearances
-from assistant.compiler.arms import robot_of
-from assistant.compiler.compiling import Compiled
-from assistant.compiler.entering import with_entry
-from assistant.compiler.loading import Loaded
-from assistant.compiler.opening import load
-from assistant.compiler.scenes import open_cell
-from assistant.compiler.solving import solve
+from assistant.compiler.arms import open_cell, robot_of
+from assistant.compiler.compilation import Compiled
+from assistant.compiler.loader import Loaded, with_entry
+from assistant.compiler.program_files import load
+from assistant.compiler.retarget import solve
 from assistant.lazy import pictured
 from assistant.program.program import Program
 from assistant.robots import Robot

@@ -23,7 +23,7 @@ from assistant.blocks.diagrams.running import ending
 from assistant.blocks.library.arrays import pose_signal
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.rules import BEHIND, NO_MEASURING, NO_WAY
-from assistant.compiler.teaching import own_joints
+from assistant.compiler.taught_targets import own_joints
 from assistant.controllers import Controller, connect
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
 from assistant.controllers.mitsubishi.cr import Cr

@@ -40,13 +40,19 @@ from assistant.cell.mesh_files import MOST_TRIANGLES, cleaned_mesh, shells
 from assistant.cell.scene import Body, Colour, Convex, Cylinder, Mesh, Part
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import TakenNames, identifier
-from assistant.sources.drawing.assembly import name_locations
 from assistant.sources.drawing.attributes import Tags
-from assistant.sources.drawing.document import library_errors, open_drawing
-from assistant.sources.drawing.entities import check_stated, primitives
+from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
+from assistant.sources.drawing.entities import (
+    Conic,
+    Degenerate,
+    Straight,
+    check_coordinates,
+    check_stated,
+    primitives,
+)
 from assistant.sources.drawing.findings import BAD_ENTITY, DEGENERATE, Tally, shown
 from assistant.sources.drawing.locations import Location, LocationReader
-from assistant.sources.drawing.primitives import Conic, Degenerate, Straight, check_coordinates
+from assistant.sources.drawing.program import name_locations
 from assistant.sources.drawing.transforms import (
     direction,
     ocs_axes,
@@ -56,7 +62,6 @@ from assistant.sources.drawing.transforms import (
     skews,
 )
 from assistant.sources.drawing.traversal import InsertedBlock, PlacedEntity, Traversal
-from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import NO_PROCESS
 
 if TYPE_CHECKING:

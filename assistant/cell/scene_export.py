@@ -47,7 +47,7 @@ from assistant.cell.scene import (
 )
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import IDENTIFIER
-from assistant.sources.cell import toml_value
+from assistant.sources.cell_values import toml_value
 
 MESH_SUFFIX: Final = ".obj"
 

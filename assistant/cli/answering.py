@@ -81,7 +81,7 @@ def write_each(
     paths: file that each source is, or begins with. Gives the files, and a finding for each that
     was written from another source: of such a source nothing is written.
     """
-    from assistant.compiler.keeping import replaced, with_sources, written_in
+    from assistant.compiler.merge_edits import replaced, with_sources, written_in
 
     wanted: dict[Path, bytes] = {}
     made: dict[Path, dict[str | Path, list[str]]] = {}

@@ -16,7 +16,7 @@ from assistant.cli.presentation import print_findings, say
 
 if TYPE_CHECKING:
     from assistant.program.geometry import Pose
-    from assistant.sources.process.seen import Trust
+    from assistant.sources.process import Trust
     from assistant.sources.sights import Sight
     from assistant.vision.answering import Answer
 
@@ -66,8 +66,8 @@ class Given:
 
 def run_answer(given: Given, process: Path | None, robot: str | None, cell: Path | None) -> int:
     """0 if all that was asked for was found, else 1."""
+    from assistant.sources.process import DEFAULT_TRUST
     from assistant.sources.process.file import read_process
-    from assistant.sources.process.seen import DEFAULT_TRUST
     from assistant.sources.sights import read_sights
 
     trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust
@@ -113,7 +113,7 @@ def _base(robot: str | None, cell: Path | None) -> Pose | None:
     if cell is None:
         return None
     from assistant.cell.clearances import robot_of as robot_in
-    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.arms import open_cell
 
     stands = open_cell(cell, robot)
     if stands.scene is None:

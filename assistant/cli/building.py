@@ -18,7 +18,7 @@ from assistant.cli.presentation import (
 )
 
 if TYPE_CHECKING:
-    from assistant.compiler.keeping import MergeChoices
+    from assistant.compiler.merge_edits import MergeChoices
 
 
 ONE_FOLDER = error(
@@ -32,7 +32,7 @@ NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name on
 def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     from assistant.project.drafting import BLANKS
     from assistant.project.starting import start
-    from assistant.sources.placements import DRAWING_SUFFIXES
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     drawings = [
         path for path in paths if path.suffix.lower() in DRAWING_SUFFIXES and not path.is_dir()

@@ -14,9 +14,9 @@ from assistant.cli.pages import NOBODY, Asked, stem_of, write_page
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.checking import Checked
+    from assistant.compiler.checker import Checked
     from assistant.report.drawn import Line
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 
@@ -73,7 +73,7 @@ def run_explain(codes: Sequence[str]) -> int:
 
 def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
     from assistant.cli.stating import as_stated
-    from assistant.compiler.checking import Checked
+    from assistant.compiler.checker import Checked
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -94,8 +94,8 @@ def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
 
 def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Checked:
     """Sources that are checked with the same options."""
-    from assistant.compiler.checking import Checked, check_files, check_text
-    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.arms import open_cell
+    from assistant.compiler.checker import Checked, check_files, check_text
 
     checked, cell = Checked(), open_cell(options.cell, options.robot)
     cell = cell if options.seeing is None else replace(cell, seeing=options.seeing)

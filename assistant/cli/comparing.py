@@ -13,8 +13,8 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.cli.pages import Asked
-    from assistant.compiler.comparing import Comparison, Difference
-    from assistant.compiler.motion import Proving
+    from assistant.compiler.comparison import Comparison, Difference
+    from assistant.compiler.motion_proof import Proving
     from assistant.compiler.source_map import Place
 
 ALONE: Final = error(
@@ -51,7 +51,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
     that is not a page's.
     """
     from assistant.cli.sheets import compared_page
-    from assistant.compiler.comparing import compare, counterparts
+    from assistant.compiler.comparison import compare, counterparts
 
     asked.only_page()
     pairs = counterparts(first, second, options.language)
@@ -100,7 +100,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
 
 def _show(done: Comparison) -> None:
     """Print the differences with both lines, then what was compared and the answer."""
-    from assistant.compiler.comparing import PROGRAMS_DIFFER
+    from assistant.compiler.comparison import PROGRAMS_DIFFER
 
     print_findings(one for one in done.findings if one.code != PROGRAMS_DIFFER.code)
     for row in done.rows:

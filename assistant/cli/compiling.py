@@ -26,9 +26,9 @@ from assistant.cli.presentation import (
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
-    from assistant.compiler.keeping import MergeChoices
-    from assistant.compiler.motion import Proving
-    from assistant.compiler.scenes import InCell
+    from assistant.compiler.arms import InCell
+    from assistant.compiler.merge_edits import MergeChoices
+    from assistant.compiler.motion_proof import Proving
 
     DrawPage = Callable[
         [InCell, Sequence[tuple[str, Compiled]], list[Diagnostic], Sequence[str]], Sequence[Path]
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
     from assistant.project.stated import Stated
     from assistant.robots import Robot
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process import SurroundingsByRobot
+    from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
-    from assistant.sources.surroundings import SurroundingsByRobot
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
 NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
@@ -98,11 +98,10 @@ def run_compile(
     page: writes a page of what was compiled.
     """
     from assistant.compiler import compile
-    from assistant.compiler.arms import robot_of
-    from assistant.compiler.keeping import Keeper, MergeChoices
-    from assistant.compiler.loading import language_of
-    from assistant.compiler.scenes import open_cell
-    from assistant.compiler.together import combine_sources as joined
+    from assistant.compiler.arms import open_cell, robot_of
+    from assistant.compiler.combine import combine_sources as joined
+    from assistant.compiler.loader import language_of
+    from assistant.compiler.merge_edits import Keeper, MergeChoices
     from assistant.findings.severities import apply_severities
     from assistant.project.stated import Stated
 
@@ -245,8 +244,8 @@ def load_given(
     entry: the procedure that it begins with, None for its own. around: what stands around it.
     """
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.entering import with_entry
-    from assistant.compiler.opening import load
+    from assistant.compiler.loader import with_entry
+    from assistant.compiler.program_files import load
 
     arm = robot_of(robot)
     given = _input(source, from_language, robot, process, unit, placement) or load(
@@ -272,9 +271,9 @@ def _input(
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.base.length_units import unit_stated
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.loading import load_text
-    from assistant.compiler.opening import load
-    from assistant.sources.placements import check_drawn
+    from assistant.compiler.loader import load_text
+    from assistant.compiler.program_files import load
+    from assistant.sources.process.placement import check_drawn
 
     if placement is not None and source == STANDARD:
         check_drawn(Path("standard input"))
@@ -304,7 +303,7 @@ def standard_input(language: str | None) -> tuple[SourceText, str | None]:
     """
     from assistant import languages
     from assistant.base.source_text import decode, read_input
-    from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
+    from assistant.compiler.loader import PSEUDO_ENCODINGS, language_of
 
     data = read_input(sys.stdin.buffer)
     if language is None and not _PSEUDO.search(data):

@@ -52,9 +52,9 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
 
 def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[Any], SourceText]]:
     """Name, language and text of each program that a path stands for."""
-    from assistant.compiler.folders import programs_in
-    from assistant.compiler.formatting import read_program
-    from assistant.compiler.loading import language_of
+    from assistant.compiler.formatter import read_program
+    from assistant.compiler.loader import language_of
+    from assistant.compiler.program_files import programs_in
 
     if path != STANDARD:
         for name in programs_in(path, language):

@@ -56,7 +56,7 @@ def run_debug() -> int:
 def _launch(wanted: Object) -> tuple[Kernel, Lines]:
     """The programs of a launch request, ready to run, and their lines; raises Refused."""
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.running import programs
+    from assistant.compiler.simulated_run import programs
     from assistant.virtual.debugging.break_points import statement_lines
     from assistant.virtual.program_run import MOST_STEPS, Settings, prepared
 

@@ -166,7 +166,7 @@ def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
 def _scene(robot: str) -> Scene | None:
     """The cell; nothing where the library for cells is not installed."""
     from assistant.cell.findings import NO_LIBRARY
-    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.arms import open_cell
 
     try:
         return open_cell(str(resource("samples", f"cell/{CELL}")), robot).scene

@@ -23,8 +23,8 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     from assistant.report import drawings as report
     from assistant.sources import process_of
     from assistant.sources.drawing.survey import survey
-    from assistant.sources.placements import DRAWING_SUFFIXES
     from assistant.sources.process import NO_PROCESS
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     if drawing.suffix.lower() not in DRAWING_SUFFIXES:
         raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)

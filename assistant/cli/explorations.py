@@ -23,7 +23,7 @@ from assistant.cli.presentation import Format
 
 if TYPE_CHECKING:
     from assistant.cli.exploring_arms import Live
-    from assistant.compiler.exploring import ExplorationRequest
+    from assistant.compiler.exploration import ExplorationRequest
 
 explore: Final = typer.Typer(
     help="Chart the space about a robot by where it has been without contact.",
@@ -321,6 +321,6 @@ def _live(
 def _asked(
     cell: Path, chart: Path, robot: str | None, size: float | None, thinner: float
 ) -> ExplorationRequest:
-    from assistant.compiler.exploring import ExplorationRequest
+    from assistant.compiler.exploration import ExplorationRequest
 
     return ExplorationRequest(cell, chart, robot, size, thinner)

@@ -15,7 +15,11 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.cell.exploration.occupancy import Occupancy
     from assistant.cli.simulating import Options
-    from assistant.compiler.exploring import ExplorationRequest, ExplorationResult, ExplorationStart
+    from assistant.compiler.exploration import (
+        ExplorationRequest,
+        ExplorationResult,
+        ExplorationStart,
+    )
 
 NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end its name in .npz")
 NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
@@ -52,7 +56,7 @@ def check_moving(hidden: Path | None) -> None:
 def run_wander(
     asked: ExplorationRequest, hidden: Path | None, runs: int, seed: int | None, format: Format
 ) -> int:
-    from assistant.compiler.exploring import explore_by_random_moves
+    from assistant.compiler.exploration import explore_by_random_moves
 
     with working("exploring"):
         begun = prepared(asked, [] if hidden is None else [str(hidden)])
@@ -63,7 +67,7 @@ def run_wander(
 def run_recorded(
     asked: ExplorationRequest, recordings: Sequence[Path], contact: str | None, format: Format
 ) -> int:
-    from assistant.compiler.exploring import explore_by_recordings
+    from assistant.compiler.exploration import explore_by_recordings
 
     with working("reading what was recorded"):
         begun = prepared(asked, [str(path) for path in recordings])
@@ -81,8 +85,8 @@ def run_program(
 ) -> int:
     """1 if the robot cannot run the program; then the chart stays as it is."""
     from assistant.cli.simulating import refused, solved
-    from assistant.compiler.exploring import explore_by_program
-    from assistant.compiler.scenes import InCell
+    from assistant.compiler.arms import InCell
+    from assistant.compiler.exploration import explore_by_program
     from assistant.robots.timing import simulate
 
     if until is not None and not until > 0.0:
@@ -107,7 +111,7 @@ def run_program(
 
 def prepared(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
     """Raises Refused for a chart that would not be one, or would be written over what is read."""
-    from assistant.compiler.exploring import start_exploration
+    from assistant.compiler.exploration import start_exploration
 
     _check_name(asked.chart)
     keep_sources([str(asked.cell), *read], [asked.chart])

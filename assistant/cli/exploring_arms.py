@@ -25,7 +25,7 @@ from assistant.cli.teaching import ENDS, keys
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
-    from assistant.compiler.exploring import ExplorationRequest, ExplorationStart
+    from assistant.compiler.exploration import ExplorationRequest, ExplorationStart
     from assistant.controllers import Controller
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
@@ -303,7 +303,7 @@ class _Watched:
         self._began: float | None = None
 
     def joints(self) -> Floats:
-        from assistant.compiler.teaching import own_joints
+        from assistant.compiler.taught_targets import own_joints
 
         return np.array(own_joints(self.controller.position(), self.guard.robot))
 
@@ -444,7 +444,7 @@ def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
 def _saved(begun: ExplorationStart, log: Log, live: Live) -> Done:
     """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.occupancy import save_map
-    from assistant.compiler.exploring import learn_from_runs, start_exploration
+    from assistant.compiler.exploration import learn_from_runs, start_exploration
 
     found = learn_from_runs(start_exploration(begun.asked), log.clear(), log.contacts)
     save_map(found.occupancy, begun.asked.chart)

@@ -54,7 +54,7 @@ class Options:
 
 def run_follow(cell: str, trajectory: str, options: Options) -> int:
     """Checks the whole way, asks, and leads the arm along it."""
-    from assistant.compiler.following import trajectory_of_source
+    from assistant.compiler.commanded_motion import trajectory_of_source
     from assistant.controllers import Controller
 
     mode = _mode(options)

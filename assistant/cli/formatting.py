@@ -15,7 +15,7 @@ from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.formatting import Formatted
+    from assistant.compiler.formatter import Formatted
 
 
 STEPS: Final = error(
@@ -30,7 +30,7 @@ def run_fmt(
     paths: Sequence[str], check: bool, diff: bool, language: str | None, renumber: str | None
 ) -> int:
     """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
-    from assistant.compiler.formatting import format_bytes, format_file, rewrite_file
+    from assistant.compiler.formatter import format_bytes, format_file, rewrite_file
 
     if list(paths).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -88,7 +88,7 @@ def _numbering(text: str) -> tuple[int, int]:
 
 def _files(path: str, language: str | None) -> Iterator[str | Refused]:
     """The files that a path stands for, and why there is none or no more."""
-    from assistant.compiler.folders import programs_in
+    from assistant.compiler.program_files import programs_in
 
     if path == STANDARD:
         yield path

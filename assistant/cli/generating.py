@@ -13,7 +13,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.blocks.fmu import Model
     from assistant.cli.simulating import Options
-    from assistant.compiler.solving import Solved
+    from assistant.compiler.retarget import Solved
 
 NO_FMU: Final = error(
     "CL560", "`{name}` is no name of an FMU", "end it in .fmu, as tools that import one expect"

@@ -12,7 +12,7 @@ from assistant.base.file_sets import write_all
 from assistant.cli.answering import Files, places
 
 if TYPE_CHECKING:
-    from assistant.compiler.keeping import Keeper
+    from assistant.compiler.merge_edits import Keeper
 
 
 @dataclass(slots=True)
@@ -32,7 +32,7 @@ def write_kept(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str, keeper: Keeper
 ) -> Written:
     """Writes the files of all sources, with what was edited in those that are there."""
-    from assistant.compiler.keeping import Kept, replaced, with_sources, written_in
+    from assistant.compiler.merge_edits import Kept, replaced, with_sources, written_in
 
     done = Written()
     wanted: dict[Path, bytes] = {}

@@ -152,7 +152,7 @@ def run_motors(cell: str, on: bool, yes: bool, format: Format) -> int:
 
 def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
     """Moves one axis, if that stays within the limits of the arm, and tells where it is then."""
-    from assistant.compiler.jogging import check_jog
+    from assistant.compiler.commanded_motion import check_jog
 
     if not 0.0 < jog.speed <= 100.0:
         raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
@@ -201,7 +201,7 @@ def run_start(
     format: Format,
 ) -> int:
     """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
-    from assistant.compiler.jogging import check_position
+    from assistant.compiler.commanded_motion import check_position
 
     if override is not None and not 1 <= override <= 100:
         raise Refused(NO_OVERRIDE(value=override), exit_status=2)

@@ -276,7 +276,7 @@ def teach(
     At a key press, when an input comes, or when a device is held still. Nothing moves but with
     --go, which asks before.
     """
-    from assistant.compiler.teaching import TargetOptions
+    from assistant.compiler.taught_targets import TargetOptions
 
     wanted = TargetOptions(joints, tool, frame, replace)
     if point is not None:

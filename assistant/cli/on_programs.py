@@ -100,7 +100,7 @@ def compile(
     from assistant.cli.pages import Asked
     from assistant.cli.proving import proving
     from assistant.cli.sheets import compiled_page
-    from assistant.compiler.keeping import MergeChoices
+    from assistant.compiler.merge_edits import MergeChoices
     from assistant.sources.sights import seeing
 
     raise typer.Exit(
@@ -248,7 +248,7 @@ def compare(
     """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
     from assistant.cli.comparing import Options, run_compare
     from assistant.cli.pages import Asked
-    from assistant.compiler.motion import Proving
+    from assistant.compiler.motion_proof import Proving
 
     options = Options(
         robot=robot,

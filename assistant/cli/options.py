@@ -19,7 +19,7 @@ from assistant.cli.presentation import (
 )
 
 if TYPE_CHECKING:
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -199,6 +199,6 @@ def placing(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement 
     """What --place or --mark say, None for neither; raises Refused."""
     if place is None and not marks:
         return None
-    from assistant.sources.placements import placement_of_options
+    from assistant.sources.process.placement import placement_of_options
 
     return placement_of_options(place, marks or ())

@@ -109,7 +109,7 @@ def _robot(one: Named | None, options: Options) -> Robot | None:
 def _places(names: Sequence[str], shown: Shown, robot: Robot | None) -> int:
     """Each place that is shown, as a target, until there are no names or no pictures any more."""
     from assistant.cli.teaching import free_names
-    from assistant.compiler.shown_places import check_names, store_target
+    from assistant.compiler.taught_targets import check_names, store_target
 
     options = shown.options
     check_names(options.into, names, robot, options.wanted)
@@ -137,7 +137,7 @@ def _stroke(shown: Shown, robot: Robot | None) -> int:
     from dataclasses import replace
 
     from assistant.base.file_sets import write_files
-    from assistant.compiler.shown_places import turned_into_plane
+    from assistant.compiler.taught_targets import turned_into_plane
     from assistant.vision.pointing.strokes import Smoothing, strokes
 
     options = shown.options

@@ -21,7 +21,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.shown import Shown, next_place, place_line, recorded, sureness
 
 if TYPE_CHECKING:
-    from assistant.compiler.shown_places import ShownTarget
+    from assistant.compiler.taught_targets import ShownTarget
     from assistant.controllers.setpoint_streams import Mode as ByPictures
     from assistant.controllers.trajectory_execution import LinkOptions, Mode
     from assistant.robots import Robot
@@ -50,9 +50,13 @@ class _Leader:
 
     def led(self, place: ShownTarget, held: Held) -> dict[str, float]:
         """Asks, and leads the arm to a place; how far it is from there. Raises Refused."""
-        from assistant.compiler.following import trajectory_of_program
-        from assistant.compiler.shown_places import check_reached, program_to_target, tip_at
-        from assistant.compiler.teaching import own_joints
+        from assistant.compiler.commanded_motion import trajectory_of_program
+        from assistant.compiler.taught_targets import (
+            check_reached,
+            own_joints,
+            program_to_target,
+            tip_at,
+        )
 
         options, controller = self.shown.options, self.motion.cell.controller
         position = controller.position()
@@ -77,7 +81,7 @@ class _Leader:
         return {"off_mm": off, "off_degrees": turned}
 
     def _set_up(self, place: ShownTarget) -> SetUp | None:
-        from assistant.compiler.shown_places import tip_of
+        from assistant.compiler.taught_targets import tip_of
         from assistant.program.geometry import IDENTITY
         from assistant.vision.servoing.setting_up import set_up
 
@@ -90,7 +94,7 @@ class _Leader:
         """Mm and degrees that are left as the cameras see it."""
         import numpy as np
 
-        from assistant.compiler.teaching import own_joints
+        from assistant.compiler.taught_targets import own_joints
         from assistant.vision.servoing.loop import servo
         from assistant.vision.servoing.setting_up import eyes_of
 
@@ -107,7 +111,7 @@ class _Leader:
 def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
     from assistant.cli.teaching import free_names
-    from assistant.compiler.shown_places import check_names
+    from assistant.compiler.taught_targets import check_names
     from assistant.controllers.trajectory_execution import MODES, LinkOptions
 
     options = shown.options
@@ -152,7 +156,7 @@ def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None
 
 def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[str, object] | None:
     """Leads the arm to the next place and stores where it is then; None without a place."""
-    from assistant.compiler.teaching import own_joints, teach_target
+    from assistant.compiler.taught_targets import own_joints, teach_target
 
     shown, robot = leader.shown, leader.robot
     options, controller = shown.options, leader.motion.cell.controller

@@ -38,7 +38,7 @@ def build(
 ) -> None:
     """Compile the programs of the project for its targets, into build/TARGET/."""
     from assistant.cli.building import run_build
-    from assistant.compiler.keeping import MergeChoices
+    from assistant.compiler.merge_edits import MergeChoices
 
     wishes = MergeChoices.of(overwrite, keep_edit or (), drop_edit or ())
     raise typer.Exit(run_build(names or (), jobs, anew, format, wishes))

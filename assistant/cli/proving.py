@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from assistant.base.diagnostics import Refused, error
 
 if TYPE_CHECKING:
-    from assistant.compiler.motion import Proving
+    from assistant.compiler.motion_proof import Proving
 
 WITHOUT_PROOF = error(
     "CL020", "--signals says nothing without --prove", "add --prove, or leave it out"
@@ -17,7 +17,7 @@ WITHOUT_PROOF = error(
 
 def proving(wanted: bool, signals: Path | None, seed: int) -> Proving | None:
     """How a proof by motion is sought, None for none; raises Refused (exit status 2)."""
-    from assistant.compiler.motion import Proving
+    from assistant.compiler.motion_proof import Proving
 
     if not wanted:
         if signals is not None:

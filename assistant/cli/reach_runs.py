@@ -114,7 +114,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     from assistant.cell.clearances import robot_of
     from assistant.cell.scene import Scene
     from assistant.checks.clearances import no_robot
-    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.arms import open_cell
 
     tip = _tip(tool.tip)
     if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):

@@ -24,7 +24,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
@@ -80,7 +80,7 @@ class Options:
 def run_run(named: Sequence[str], options: Options, format: Format) -> int:
     """0 if the programs came to their end, 1 if they did not."""
     from assistant.compiler.arms import known_robot, robot_of
-    from assistant.compiler.script_file import read_script
+    from assistant.compiler.simulated_run import read_script
     from assistant.virtual.kernel.script import Script
 
     _check(options)
@@ -119,7 +119,7 @@ def _check(options: Options) -> None:
 
 
 def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Programs:
-    from assistant.compiler.running import programs, programs_of_text
+    from assistant.compiler.simulated_run import programs, programs_of_text
 
     if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
         raise Refused(TWICE(), exit_status=2)
@@ -153,7 +153,7 @@ class _Running:
         script: Script,
         format: Format,
     ) -> None:
-        from assistant.compiler.script_file import unknown_visits
+        from assistant.compiler.simulated_run import unknown_visits
         from assistant.virtual.kernel.script import follow
         from assistant.virtual.program_run import Settings, prepared
         from assistant.virtual.run_log import ColumnWidths

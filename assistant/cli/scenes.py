@@ -69,8 +69,8 @@ def _read(
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.drawing_bodies import read_drawing
     from assistant.cell.scene import Scene
-    from assistant.sources.placements import DRAWING_SUFFIXES
     from assistant.sources.process.file import ENCODINGS, read_toml
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     if unit is not None:
         known_unit(unit)

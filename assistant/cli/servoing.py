@@ -110,7 +110,7 @@ def way(by: str) -> Mode:
 
 def near(session: Programs, robot: Robot) -> Floats:
     """Return joints near those of the arm: its own, if the controller reports them."""
-    from assistant.compiler.teaching import own_joints
+    from assistant.compiler.taught_targets import own_joints
     from assistant.controllers import Controller
 
     if isinstance(session, Controller):

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from assistant.cli.compiling import DrawPage
     from assistant.cli.simulating import Options
     from assistant.compiler import Compiled
-    from assistant.compiler.checking import CheckedProgram
-    from assistant.compiler.comparing import Comparison
-    from assistant.compiler.scenes import InCell
-    from assistant.compiler.solving import Solved
+    from assistant.compiler.arms import InCell
+    from assistant.compiler.checker import CheckedProgram
+    from assistant.compiler.comparison import Comparison
+    from assistant.compiler.retarget import Solved
     from assistant.report.drawn import Line
     from assistant.report.translation import Translated
     from assistant.robots import Robot
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
 
 UNLIKE: Final = warning(
     "CL062",

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.program.program import Program
     from assistant.program.pseudo.printer import Printed
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
 
 NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
 NO_LANGUAGE: Final = error(

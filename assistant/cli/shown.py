@@ -14,8 +14,7 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cli.presentation import Format, print_findings, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.shown_places import ShownTarget
-    from assistant.compiler.teaching import TargetOptions
+    from assistant.compiler.taught_targets import ShownTarget, TargetOptions
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.cameras.camera import Camera
@@ -141,7 +140,7 @@ def next_place(
     """The next place that is shown and reached; None when there are no pictures any more."""
     import numpy as np
 
-    from assistant.compiler.shown_places import DEVICE_TILTED, OUT_OF_REACH, target_of_shown
+    from assistant.compiler.taught_targets import DEVICE_TILTED, OUT_OF_REACH, target_of_shown
 
     options = shown.options
     if options.format is Format.TEXT:

@@ -19,11 +19,11 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.stating import as_stated
 
 if TYPE_CHECKING:
-    from assistant.compiler.scenes import InCell
-    from assistant.compiler.solving import Solved
+    from assistant.compiler.arms import InCell
+    from assistant.compiler.retarget import Solved
     from assistant.robots import Robot
     from assistant.robots.timing import Simulation
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 NO_RESULT = error(
@@ -103,8 +103,8 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
 
     stands: the cell, where it has been read already.
     """
-    from assistant.compiler.scenes import open_cell
-    from assistant.compiler.solving import solve
+    from assistant.compiler.arms import open_cell
+    from assistant.compiler.retarget import solve
 
     stands = stands or open_cell(options.cell, options.robot)
     stands = stands if options.seeing is None else replace(stands, seeing=options.seeing)

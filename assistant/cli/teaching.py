@@ -18,7 +18,7 @@ from assistant.cli.cells import joints_line, pose_line, reached, record, robot_o
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.compiler.teaching import TargetOptions
+    from assistant.compiler.taught_targets import TargetOptions
     from assistant.controllers import Controller
 
 ONE_WAY: Final = error(
@@ -59,7 +59,7 @@ def run_teach(
 
     pointing: options of places that are shown to cameras, and whether they were given.
     """
-    from assistant.compiler.teaching import teach_target
+    from assistant.compiler.taught_targets import teach_target
 
     wrong = next((option for option, given in pointing.items() if given), None)
     if wrong is not None:

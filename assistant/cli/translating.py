@@ -34,8 +34,8 @@ from assistant.cli.presentation import (
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
-    from assistant.compiler.motion import Proving
-    from assistant.compiler.tasks import Task
+    from assistant.compiler.motion_proof import Proving
+    from assistant.compiler.program_files import Task
     from assistant.report.translation import Translated
     from assistant.sources.sights import Seeing
 
@@ -67,7 +67,7 @@ class Options:
     def check(self) -> None:
         """Raises Refused for what no program could be translated with."""
         from assistant.compiler.arms import robot_of
-        from assistant.compiler.loading import language_of
+        from assistant.compiler.loader import language_of
 
         for name in (self.to, self.from_language):
             if name is not None:
@@ -95,7 +95,7 @@ def run_translate(
     statement, not only of what most have in common. opened: the report as a page is shown in the
     browser.
     """
-    from assistant.compiler.loading import language_of
+    from assistant.compiler.loader import language_of
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
     from assistant.report.names import names_csv
@@ -181,7 +181,7 @@ def _page(
 ) -> tuple[list[Path], list[Diagnostic]]:
     """The page of all programs; its file, and what is to be said of it."""
     from assistant.cli.sheets import refused_sheets, translated_sheet
-    from assistant.compiler.scenes import open_cell
+    from assistant.compiler.arms import open_cell
 
     stands = open_cell(options.cell, options.robot, values=True)
     sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
@@ -193,8 +193,7 @@ def _tasks(
     programs: Sequence[str], options: Options, output: str, answers: Answers
 ) -> tuple[Task, ...]:
     """What of the files, and of those in folders, is one program each."""
-    from assistant.compiler.folders import OutputFolder, programs_in
-    from assistant.compiler.tasks import tasks_of
+    from assistant.compiler.program_files import OutputFolder, programs_in, tasks_of
 
     found: dict[str, None] = {}
     language, made = options.from_language, OutputFolder(output, options.to)
@@ -211,7 +210,7 @@ def _tasks(
 def _translated(task: Task, options: Options) -> Translated:
     from assistant.compiler import translate
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.tasks import load_task
+    from assistant.compiler.program_files import load_task
     from assistant.report.translation import Translated
     from assistant.sources.sights import NOTHING_SEEN
 
@@ -242,7 +241,7 @@ def _translated(task: Task, options: Options) -> Translated:
 
 def _standard_input(options: Options) -> Loaded:
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.loading import load_text
+    from assistant.compiler.loader import load_text
 
     text, spoken = standard_input(options.from_language)
     arm = robot_of(options.from_robot)
@@ -271,8 +270,8 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
     """
     from assistant.base.file_sets import write_all
     from assistant.base.source_text import SourceText
-    from assistant.compiler.filling import cell_text
-    from assistant.sources.cell import (
+    from assistant.compiler.cell_defaults import cell_text
+    from assistant.sources.cell_values import (
         open_keys,
         parse_cell,
         read_cell,
@@ -311,8 +310,8 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
 def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
     """The cell file, with a place for each value that programs lack; nothing if it has them all."""
     from assistant.base.file_sets import write_all
-    from assistant.compiler.filling import cell_text
-    from assistant.sources.cell import read_cell
+    from assistant.compiler.cell_defaults import cell_text
+    from assistant.sources.cell_values import read_cell
 
     cell = read_cell(path)
     text = cell_text(cell, [lack for one in done for lack in one.translation.wanting])

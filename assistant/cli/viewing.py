@@ -20,7 +20,7 @@ from assistant.cli.stating import as_stated
 from assistant.view.sheets import shown_sheet
 
 if TYPE_CHECKING:
-    from assistant.compiler.solving import Solved
+    from assistant.compiler.retarget import Solved
     from assistant.view.shown import Shown
 
 NO_BROWSER = error(

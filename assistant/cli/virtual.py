@@ -143,7 +143,7 @@ def run_cr(
     """
     from assistant.cli.outside import lines_of
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.exploring import contact_test
+    from assistant.compiler.exploration import contact_test
     from assistant.virtual.cr import Contact
 
     arm = robot_of(robot)

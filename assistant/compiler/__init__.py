@@ -7,28 +7,28 @@ from typing import TYPE_CHECKING, Final
 from assistant.lazy import offered
 
 if TYPE_CHECKING:
-    from assistant.compiler.checking import Checked, check_files
-    from assistant.compiler.comparing import Comparison, compare
-    from assistant.compiler.compiling import Compiled, compile
-    from assistant.compiler.loading import Loaded
-    from assistant.compiler.motion import Proving
-    from assistant.compiler.opening import load
-    from assistant.compiler.proof import Proof
-    from assistant.compiler.translating import Translation, translate
+    from assistant.compiler.checker import Checked, check_files
+    from assistant.compiler.comparison import Comparison, compare
+    from assistant.compiler.compilation import Compiled, compile
+    from assistant.compiler.loader import Loaded
+    from assistant.compiler.motion_proof import Proving
+    from assistant.compiler.program_files import load
+    from assistant.compiler.read_back_proof import Proof
+    from assistant.compiler.translation import Translation, translate
 
 _LAZY: Final = {
-    "Checked": ("assistant.compiler.checking", "Checked"),
-    "Comparison": ("assistant.compiler.comparing", "Comparison"),
-    "Compiled": ("assistant.compiler.compiling", "Compiled"),
-    "Loaded": ("assistant.compiler.loading", "Loaded"),
-    "Proof": ("assistant.compiler.proof", "Proof"),
-    "Proving": ("assistant.compiler.motion", "Proving"),
-    "Translation": ("assistant.compiler.translating", "Translation"),
-    "check_files": ("assistant.compiler.checking", "check_files"),
-    "compare": ("assistant.compiler.comparing", "compare"),
-    "compile": ("assistant.compiler.compiling", "compile"),
-    "load": ("assistant.compiler.opening", "load"),
-    "translate": ("assistant.compiler.translating", "translate"),
+    "Checked": ("assistant.compiler.checker", "Checked"),
+    "Comparison": ("assistant.compiler.comparison", "Comparison"),
+    "Compiled": ("assistant.compiler.compilation", "Compiled"),
+    "Loaded": ("assistant.compiler.loader", "Loaded"),
+    "Proof": ("assistant.compiler.read_back_proof", "Proof"),
+    "Proving": ("assistant.compiler.motion_proof", "Proving"),
+    "Translation": ("assistant.compiler.translation", "Translation"),
+    "check_files": ("assistant.compiler.checker", "check_files"),
+    "compare": ("assistant.compiler.comparison", "compare"),
+    "compile": ("assistant.compiler.compilation", "compile"),
+    "load": ("assistant.compiler.program_files", "load"),
+    "translate": ("assistant.compiler.translation", "translate"),
 }
 
 __all__ = [

@@ -23,7 +23,7 @@ from assistant.base.diagnostics import (
     Span,
 )
 from assistant.base.source_text import SourceText, starts_of
-from assistant.compiler.loading import language_of
+from assistant.compiler.loader import language_of
 from assistant.languages.language_types import Part
 from assistant.program import expressions as e
 from assistant.program import statements as p

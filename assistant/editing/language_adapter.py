@@ -17,14 +17,19 @@ from typing import Any, Final
 from assistant import checks, languages
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import SourceText, lines_of
-from assistant.compiler.checking import Checked, check_text
-from assistant.compiler.compiling import compile
-from assistant.compiler.formatting import NOT_THE_SAME, format_text
-from assistant.compiler.loading import Loaded, lift_trees, parse_pseudo, read_trees
-from assistant.compiler.project import with_project_settings
-from assistant.compiler.scenes import InCell
+from assistant.compiler.arms import InCell
+from assistant.compiler.checker import Checked, check_text
+from assistant.compiler.compilation import compile
+from assistant.compiler.formatter import NOT_THE_SAME, format_text
+from assistant.compiler.loader import (
+    Loaded,
+    lift_trees,
+    parse_pseudo,
+    read_trees,
+    with_project_settings,
+)
 from assistant.compiler.source_map import Places, Trace, at_its_line
-from assistant.compiler.translating import translate
+from assistant.compiler.translation import translate
 from assistant.editing.text_lines import LINE_END
 from assistant.languages import Language
 from assistant.program import pseudo

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from assistant import languages
 from assistant.base.diagnostics import Refused
-from assistant.compiler.loading import language_of
+from assistant.compiler.loader import language_of
 from assistant.editing.answers import Change, Found, Pair, Translation
 from assistant.editing.document_findings import found_at
 from assistant.editing.language_adapter import PSEUDO

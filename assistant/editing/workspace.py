@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.budgets import internal_error, without_gc
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.compiler.scenes import InCell, open_cell
-from assistant.compiler.tasks import tasks_of
+from assistant.compiler.arms import InCell, open_cell
+from assistant.compiler.program_files import tasks_of
 from assistant.editing.answers import Change
 from assistant.editing.excerpts import Excerpt, Structure, excerpt, newline_of, structure
 from assistant.editing.language_adapter import LanguageAdapter, adapter_of, language_name
@@ -293,7 +293,7 @@ class Workspace:
         source: SourceText,
         found: Sequence[Diagnostic],
     ) -> tuple[Diagnostic, ...]:
-        from assistant.compiler.checking import CheckedText
+        from assistant.compiler.checker import CheckedText
 
         text = CheckedText(source, speaks.mark, complete=False)
         placed = [one.within(document.path) for one in found]

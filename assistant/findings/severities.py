@@ -34,10 +34,10 @@ from assistant.base.diagnostics import (
     warning,
 )
 from assistant.base.source_text import SourceText, comments
-from assistant.compiler.checking import CheckedText
+from assistant.compiler.checker import CheckedText
 from assistant.findings import rulebook
 from assistant.findings.rulebook import is_adjustable
-from assistant.sources.project import (
+from assistant.sources.project_file import (
     CONTROLLERS,
     DEPLOY,
     PROGRAMS,

@@ -155,7 +155,7 @@ class MoveJoints(Spanned):
 @dataclass(frozen=True, slots=True)
 class Travel(Spanned):
     """To a target or joints by a way that touches nothing in the cell, which is planned before any
-    language is told of it: `compiler/travelling.py`.
+    language is told of it: `compiler/travel.py`.
 
     motion: blend at the end of the way; those on it are chosen with it. tilt: degrees by which the
     z axis of the tool may turn away from where it points in the end, None for any. search: seconds

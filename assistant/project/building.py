@@ -12,7 +12,7 @@ from typing import Any
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import file_in_folder, write_all
-from assistant.compiler.keeping import WRITTEN, Keeper, Kept, MergeChoices
+from assistant.compiler.merge_edits import WRITTEN, Keeper, Kept, MergeChoices
 from assistant.findings.formats import finding_record
 from assistant.findings.severities import apply_severities
 from assistant.program.settings_tables import listed, nearest, shown

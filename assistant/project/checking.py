@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_sets import scratch_folder
-from assistant.compiler.checking import check_files
+from assistant.compiler.checker import check_files
 from assistant.findings.severities import apply_severities
 from assistant.project import rules
 from assistant.project.building import Working, chosen, clashes

@@ -46,7 +46,7 @@ def planned(
 
 def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
     """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
-    from assistant.compiler.checking import check_files
+    from assistant.compiler.checker import check_files
     from assistant.findings.severities import apply_severities
 
     if one.robot is None or not files:

@@ -23,7 +23,7 @@ from assistant.program.settings_tables import Page, Table, listed, nearest, show
 from assistant.project import rules
 from assistant.project.links import check_no_links
 from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
-from assistant.sources import project as stated
+from assistant.sources import project_file as stated
 
 KEPT: Final = FilePath(".robot-assistant")
 """Below the project's folder: what commands keep from one to the next."""

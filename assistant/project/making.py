@@ -13,12 +13,11 @@ from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import read_bytes
 from assistant.compiler import compile
-from assistant.compiler.arms import robot_of
-from assistant.compiler.loading import language_of, load, read_trees
-from assistant.compiler.motion import Proving
-from assistant.compiler.scenes import open_cell
+from assistant.compiler.arms import open_cell, robot_of
+from assistant.compiler.combine import combine_sources
+from assistant.compiler.loader import language_of, load, read_trees
+from assistant.compiler.motion_proof import Proving
 from assistant.compiler.style import style_of
-from assistant.compiler.together import combine_sources
 from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
 from assistant.program.settings_tables import listed
@@ -27,7 +26,7 @@ from assistant.project.inputs import Digests, digests, watched
 from assistant.project.layout import Place, Recipe
 from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.project import PROJECT_FILES
+from assistant.sources.project_file import PROJECT_FILES
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,8 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText, decode, encode
 from assistant.base.toml_text import value_spans
-from assistant.compiler.loading import PSEUDO_ENCODINGS, lift_texts, parse_pseudo
-from assistant.compiler.teaching import branch_words, number_list
+from assistant.compiler.loader import PSEUDO_ENCODINGS, lift_texts, parse_pseudo
+from assistant.compiler.taught_targets import branch_words, number_list
 from assistant.deploy import PlannedFile
 from assistant.languages import Language
 from assistant.languages.language_types import Precision
@@ -26,8 +26,13 @@ from assistant.project import rules
 from assistant.robots import Robot
 from assistant.sources import process_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.tables.taught import ORIENTATIONS, read_taught
-from assistant.sources.tables.teaching import TaughtTarget, is_otherwise_equal, with_target
+from assistant.sources.tables.taught import (
+    ORIENTATIONS,
+    TaughtTarget,
+    is_otherwise_equal,
+    read_taught,
+    with_target,
+)
 
 TAUGHT: Final = ".toml"
 PLACES_OF: Final = (TAUGHT, pseudo.SUFFIX)

@@ -11,8 +11,8 @@ from assistant.controllers.named import NAME as CONTROLLER_NAME
 from assistant.findings.severities import LEVELS, TABLE
 from assistant.languages.language_types import Choice, Setting
 from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, STYLE, TARGET, Key
-from assistant.sources.project import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
-from assistant.sources.project import STYLE as STYLE_TABLE
+from assistant.sources.project_file import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
+from assistant.sources.project_file import STYLE as STYLE_TABLE
 
 FILE: Final = "assistant.schema.json"
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"

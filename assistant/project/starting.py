@@ -22,7 +22,7 @@ from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.survey import survey
 from assistant.sources.process import NO_PROCESS
-from assistant.sources.project import read_project
+from assistant.sources.project_file import read_project
 
 PROJECT: Final = "assistant.toml"
 PLATE: Final[Mapping[str, str]] = {

@@ -10,7 +10,7 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.project.layout import Place, Project, Recipe, inside, project_of
 from assistant.project.making import chosen_language, order_of, shown_path
-from assistant.sources import project as files
+from assistant.sources import project_file as files
 
 SEVERAL: Final = error(
     "PR304",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.compiler.source_map import Place
-from assistant.compiler.translating import Level, ReportRow
+from assistant.compiler.translation import Level, ReportRow
 
 MOST: Final = 10
 """Reasons that a report tells of a program."""

@@ -12,7 +12,7 @@ from assistant.program.geometry import BASE, Frame
 from assistant.sources import process_of
 
 if TYPE_CHECKING:
-    from assistant.sources.placements import DrawingPlacement
+    from assistant.sources.process.placement import DrawingPlacement
 
 SUFFIX: Final = ".dxf"
 

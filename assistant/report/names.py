@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.base.diagnostics import TABLE_NOUNS, Span
-from assistant.compiler.loading import language_of
+from assistant.compiler.loader import language_of
 from assistant.compiler.source_map import Place, Places
-from assistant.compiler.translating import Translation
+from assistant.compiler.translation import Translation
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
 from assistant.report.translation import Translated

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.compiler.source_map import Place
-from assistant.compiler.translating import ReportRow, Translation
+from assistant.compiler.translation import ReportRow, Translation
 from assistant.findings.formats import finding_record
 from assistant.report.costs import MOST, costs
 from assistant.report.markdown import cell, code, findings_markdown

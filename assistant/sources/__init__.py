@@ -13,11 +13,9 @@ from assistant.base.budgets import TABLE, most_unpacked, within
 from assistant.base.diagnostics import Unreadable, error
 from assistant.base.length_units import known_unit, unit_stated
 from assistant.base.source_text import is_file
-from assistant.sources.placements import PLACED_BY_OPTIONS, DrawingPlacement, check_drawn
-from assistant.sources.process import NO_PROCESS, Process
-from assistant.sources.process.seen import NO_SEEN_SETTINGS
+from assistant.sources.process import NO_PROCESS, NO_SEEN_SETTINGS, Process, SurroundingsByRobot
+from assistant.sources.process.placement import PLACED_BY_OPTIONS, DrawingPlacement, check_drawn
 from assistant.sources.reading import Reader, Reading
-from assistant.sources.surroundings import SurroundingsByRobot
 
 __all__ = ["READERS", "Reading", "process_of", "read"]
 
@@ -25,9 +23,9 @@ READERS: Final = {
     ".dxf": "assistant.sources.drawing",
     ".csv": "assistant.sources.tables.csv_tables",
     ".toml": "assistant.sources.tables.taught",
-    ".npy": "assistant.sources.waypoints",
-    ".npz": "assistant.sources.waypoints",
-    ".json": "assistant.sources.waypoints",
+    ".npy": "assistant.sources.tables.waypoints",
+    ".npz": "assistant.sources.tables.waypoints",
+    ".json": "assistant.sources.tables.waypoints",
 }
 """File suffix → module, whose `read(path, process)` gives the `Reading`."""
 
@@ -107,7 +105,7 @@ def _size(source: FilePath) -> int:
     if source.suffix.lower() == ".npz":
         import zipfile
 
-        from assistant.sources.tables.arrays import BROKEN_ZIP
+        from assistant.sources.tables.npy_files import BROKEN_ZIP
 
         with contextlib.suppress(*BROKEN_ZIP), zipfile.ZipFile(source) as archive:
             size = max(size, min(most_unpacked(), sum(one.file_size for one in archive.infolist())))

@@ -8,8 +8,7 @@ from typing import Protocol
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.sources.process import Process
-from assistant.sources.process.seen import NO_SEEN_SETTINGS, SeenSettings
+from assistant.sources.process import NO_SEEN_SETTINGS, Process, SeenSettings
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic
-from assistant.compiler.comparing import Comparison, compare
-from assistant.compiler.motion import Proving
+from assistant.compiler.comparison import Comparison, compare
+from assistant.compiler.motion_proof import Proving
 from assistant.studio.answering import findings
 from assistant.studio.motions import Columns, deviation, shown
 from assistant.studio.running import Wanted

@@ -22,7 +22,7 @@ from typing import Any, Final, TypeVar
 
 from assistant.base.budgets import internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.jogging import JOINT_AXES, LINEAR_AXES, TURNING_AXES, check_jog
+from assistant.compiler.commanded_motion import JOINT_AXES, LINEAR_AXES, TURNING_AXES, check_jog
 from assistant.controllers import Controller, Programs
 from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.arm_stop import PATIENCE, Rest, stop_at_once

@@ -33,7 +33,7 @@ def take(studio: Studio, asked: Asked) -> dict[str, Any]:
 
 
 def _taken(studio: Studio, asked: Asked) -> dict[str, Any]:
-    from assistant.compiler.jogging import check_position
+    from assistant.compiler.commanded_motion import check_position
     from assistant.studio.control import FASTEST, WATCH, Control
 
     found = connection_of(studio)
@@ -105,8 +105,8 @@ def hand(studio: Studio, asked: Asked) -> dict[str, Any]:
 def teach(studio: Studio, asked: Asked) -> dict[str, Any]:
     """Stores where the arm is under a name, as the command of that name does."""
     from assistant.base.source_text import is_file
-    from assistant.compiler.teaching import TargetOptions
-    from assistant.compiler.teaching import teach_target as stored
+    from assistant.compiler.taught_targets import TargetOptions
+    from assistant.compiler.taught_targets import teach_target as stored
     from assistant.studio.dropping import check_name
 
     control_of(studio, asked)

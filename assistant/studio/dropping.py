@@ -17,7 +17,7 @@ from assistant.project.layout import Project
 from assistant.project.starting import PROJECT, Started, start
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.placements import DRAWING_SUFFIXES
+from assistant.sources.process.placement import DRAWING_SUFFIXES
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.studio import Studio

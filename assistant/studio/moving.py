@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Refused, Span
 from assistant.base.toml_text import value_spans
-from assistant.compiler.loading import language_of
-from assistant.compiler.teaching import branch_at
+from assistant.compiler.loader import language_of
+from assistant.compiler.taught_targets import branch_at
 from assistant.editing.excerpts import Excerpt
 from assistant.editing.service import Change, Document, Workspace
 from assistant.editing.text_lines import Lines

@@ -16,7 +16,7 @@ from assistant.studio.answering import Asked, changes, findings, looks, view_pag
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
-    from assistant.compiler.comparing import Comparison
+    from assistant.compiler.comparison import Comparison
     from assistant.studio.running import Running, Wanted
     from assistant.virtual.debugging.break_points import Stride
 
@@ -66,8 +66,7 @@ def start(studio: Studio, asked: Asked) -> dict[str, Any]:
 def _wanted(studio: Studio, asked: Asked, path: str) -> Wanted:
     """What was asked to run; raises Unreadable or Refused for what cannot be read or run."""
     from assistant.compiler.arms import known_robot, robot_of
-    from assistant.compiler.running import programs
-    from assistant.compiler.script_file import read_script
+    from assistant.compiler.simulated_run import programs, read_script
     from assistant.studio.running import Wanted
     from assistant.virtual.kernel.script import Script
 

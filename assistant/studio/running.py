@@ -19,7 +19,7 @@ import numpy as np
 
 from assistant.base.budgets import Reached, internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.script_file import unknown_visits
+from assistant.compiler.simulated_run import unknown_visits
 from assistant.studio import rules
 from assistant.studio.answering import findings
 from assistant.studio.watching import Inputs, shown_data, shown_signals

@@ -12,27 +12,30 @@ from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import SourceText, read_bytes
 from assistant.checks import robot_rules
-from assistant.compiler.arms import robot_of
-from assistant.compiler.entering import with_entry
-from assistant.compiler.loading import (
+from assistant.compiler.arms import InCell, open_cell, robot_of
+from assistant.compiler.loader import (
     Loaded,
     configured_beside,
     language_of,
     lift_texts,
     parse_pseudo,
+    with_entry,
     with_process,
 )
-from assistant.compiler.opening import load
-from assistant.compiler.scenes import InCell, open_cell
-from assistant.compiler.solving import Solved, solve
+from assistant.compiler.program_files import load
+from assistant.compiler.retarget import Solved, solve
 from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
 from assistant.project.stated import Stated, completed
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
-from assistant.sources.placements import DRAWING_SUFFIXES, PLACED_BY_OPTIONS, DrawingPlacement
 from assistant.sources.process.file import parse_process
+from assistant.sources.process.placement import (
+    DRAWING_SUFFIXES,
+    PLACED_BY_OPTIONS,
+    DrawingPlacement,
+)
 from assistant.sources.tables.taught import read_taught
 from assistant.studio import rules
 from assistant.studio.handles import handles

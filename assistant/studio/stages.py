@@ -15,8 +15,8 @@ from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
     from assistant.cell.collision.model import Model
-    from assistant.compiler.loading import Loaded
-    from assistant.compiler.solving import Solved
+    from assistant.compiler.loader import Loaded
+    from assistant.compiler.retarget import Solved
     from assistant.robots import Robot
     from assistant.view.shown import Shown
 

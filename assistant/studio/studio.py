@@ -16,7 +16,7 @@ from assistant.studio import rules
 from assistant.studio.windows import Windows
 
 if TYPE_CHECKING:
-    from assistant.compiler.comparing import Comparison
+    from assistant.compiler.comparison import Comparison
 
 KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
 """Folders that are not looked into."""

@@ -11,7 +11,7 @@ from typing import Any, Final
 from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.sources import PROCESS_SUFFIX
-from assistant.sources.placements import DRAWING_SUFFIXES
+from assistant.sources.process.placement import DRAWING_SUFFIXES
 from assistant.studio.studio import KEPT_OUT
 
 MOST_FILES: Final = 5_000

@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 
 from assistant.base.source_text import SourceText, lines_of, visible
-from assistant.compiler.comparing import Comparison, paired_statements
+from assistant.compiler.comparison import Comparison, paired_statements
 from assistant.compiler.source_map import Place, Places
-from assistant.compiler.translating import LEVELS, Translation
+from assistant.compiler.translation import LEVELS, Translation
 from assistant.report.names import renamed
 from assistant.view.motion import Record, column
 from assistant.view.moves import text_records

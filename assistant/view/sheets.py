@@ -13,7 +13,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
     from assistant.cell.scene import PlacedRobot, Scene
-    from assistant.compiler.comparing import Comparison
+    from assistant.compiler.comparison import Comparison
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
     from assistant.report.drawn import Line

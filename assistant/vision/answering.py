@@ -23,7 +23,7 @@ from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import shown
-from assistant.sources.process.seen import DEFAULT_TRUST, Trust
+from assistant.sources.process import DEFAULT_TRUST, Trust
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
 NO_QUESTION: Final = error(

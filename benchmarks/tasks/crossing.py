@@ -11,10 +11,10 @@ from typing import Any
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.compiler import Loaded, load, translate
 from assistant.compiler.arms import robot_of
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.motion import Proving
-from assistant.compiler.tasks import Task, load_task
-from assistant.compiler.translating import LEVELS, Translation
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.program_files import Task, load_task
+from assistant.compiler.translation import LEVELS, Translation
 from assistant.robots import Robot
 
 NO_MAIN = "MB245"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from assistant.compiler.tasks import Task, tasks_of
+from assistant.compiler.program_files import Task, tasks_of
 
 TO = {"rapid": "melfa-basic-6", "melfa": "rapid"}
 """Folder of a corpus → the language that its programs are translated to."""

@@ -13,7 +13,7 @@ from assistant.cell.collision.model import Model
 from assistant.cell.exploration.occupancy import Occupancy, keys_of, save_map
 from assistant.cell.mesh_files import read_mesh
 from assistant.cell.scene import Box, Cylinder, Mesh, Scene
-from assistant.sources.cell import read_cell
+from assistant.sources.cell_values import read_cell
 
 CELL = """
 [tools.nozzle]

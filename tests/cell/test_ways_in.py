@@ -15,7 +15,7 @@ from assistant.cell.cell_file import read_scene
 from assistant.cell.planning.approaches import CellSurroundings
 from assistant.cell.planning.space import goal_joints
 from assistant.program.geometry import Pose
-from assistant.sources.surroundings import ALONG_TOOL, travel_seconds
+from assistant.sources.process import ALONG_TOOL, travel_seconds
 
 pytest.importorskip("coal")
 

@@ -8,7 +8,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import translate
-from assistant.compiler.loading import whole_programs
+from assistant.compiler.loader import whole_programs
 from tests.cli.test_commands import run
 
 Capture = pytest.CaptureFixture[str]

@@ -13,7 +13,7 @@ from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.occupancy import CellState, load_map
 from assistant.cli import exploring_arms
 from assistant.cli.exploring_arms import NO_CONTACT
-from assistant.compiler.exploring import contact_test
+from assistant.compiler.exploration import contact_test
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.virtual.cr import Contact, VirtualCr

@@ -16,7 +16,7 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.compiler.following import trajectory_of_source
+from assistant.compiler.commanded_motion import trajectory_of_source
 from assistant.controllers import connect, parse
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position

@@ -12,7 +12,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.formatting import NOT_THE_SAME, format_text
+from assistant.compiler.formatter import NOT_THE_SAME, format_text
 from assistant.languages.rapid import Rapid
 from tests.cli.test_commands import run
 

@@ -15,9 +15,8 @@ import assistant
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
-from assistant.compiler.running import programs
-from assistant.compiler.shown_places import check_reached, target_of_shown
-from assistant.compiler.teaching import TargetOptions
+from assistant.compiler.simulated_run import programs
+from assistant.compiler.taught_targets import TargetOptions, check_reached, target_of_shown
 from assistant.controllers import Controller, connect
 from assistant.program.geometry import Pose
 from assistant.sources import read

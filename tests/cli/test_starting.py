@@ -22,7 +22,12 @@ finally:
 
 NETWORK = {"ssl", "urllib.request", "http.client"}
 READERS = {"ezdxf", "assistant.sources.drawing", "assistant.program.pseudo.parser"}
-WRITERS = {"jinja2", "matplotlib", "assistant.compiler.compiling", "assistant.compiler.translating"}
+WRITERS = {
+    "jinja2",
+    "matplotlib",
+    "assistant.compiler.compilation",
+    "assistant.compiler.translation",
+}
 RAPID_ROOMS = {"assistant.languages.rapid.tree.syntax", "assistant.languages.rapid.checks"}
 MELFA_ROOMS = {
     "assistant.languages.melfa_basic.tree.syntax",
@@ -53,5 +58,5 @@ def test_check_loads_what_the_language_of_the_file_needs(file: str, others: set[
 @pytest.mark.parametrize("arguments", [("--help",), ("check", "--help"), ("--version",)])
 def test_help_loads_no_language_and_no_columns(arguments: tuple[str, ...]) -> None:
     modules = loaded(*arguments)
-    assert not modules & {"numpy", "lark", "assistant.compiler.checking", "assistant.languages"}
+    assert not modules & {"numpy", "lark", "assistant.compiler.checker", "assistant.languages"}
     assert not modules & {*NETWORK, *READERS, *WRITERS}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant import compare
-from assistant.compiler.comparing import Comparison
+from assistant.compiler.comparison import Comparison
 
 Around = tuple[str, str]
 """The text before some statements, and behind them."""

@@ -6,8 +6,8 @@ from typing import Any
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import Translation, translate
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving
 
 SIX = "melfa-basic-6"
 

@@ -6,10 +6,10 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation
 
 POINTS = """P1=(+400.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
 P2=(+400.00,+0.00,+500.00,+180.00,+0.00,+180.00)(7,0)

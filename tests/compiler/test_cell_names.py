@@ -15,9 +15,9 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Refused
 from assistant.compiler import Compiled, compile, translate
-from assistant.compiler.checking import check_files
-from assistant.compiler.loading import Loaded
-from assistant.compiler.together import combine_sources
+from assistant.compiler.checker import check_files
+from assistant.compiler.combine import combine_sources
+from assistant.compiler.loader import Loaded
 from assistant.languages.language_types import Frames
 from assistant.program.geometry import Pose
 from assistant.project import build, project_of

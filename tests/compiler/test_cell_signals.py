@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.compiler import load, translate
-from assistant.compiler.filling import with_values_of_file
+from assistant.compiler.cell_defaults import with_values_of_file
 
 RAPID = """MODULE M
 CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

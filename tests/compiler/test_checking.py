@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import check_files, compile
-from assistant.compiler.checking import check_text
+from assistant.compiler.checker import check_text
 
 ARC = """MODULE arc
   CONST robtarget p1:=[[350,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

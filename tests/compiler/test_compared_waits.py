@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import translate
-from assistant.compiler.comparing import Comparison
-from assistant.compiler.motion import Proving
+from assistant.compiler.comparison import Comparison
+from assistant.compiler.motion_proof import Proving
 from tests.compiler import between
 
 HEAD = """MODULE Cell

@@ -9,8 +9,8 @@ import pytest
 
 from assistant import Proving, Refused, compare, translate
 from assistant.base.source_text import SourceText
-from assistant.compiler.comparing import Comparison, counterparts
-from assistant.compiler.loading import load_text
+from assistant.compiler.comparison import Comparison, counterparts
+from assistant.compiler.loader import load_text
 
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];

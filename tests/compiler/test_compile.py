@@ -13,7 +13,7 @@ import assistant
 from assistant import languages
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused, Severity
-from assistant.compiler.loading import load
+from assistant.compiler.loader import load
 from assistant.languages.rapid.text import printer as rapid_printer
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.motion import Blend, Kind, Path, Speed

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.compiler import load, translate
-from assistant.compiler.filling import neutral_cell, with_values_of_file
-from assistant.compiler.motion import Proving
+from assistant.compiler.cell_defaults import neutral_cell, with_values_of_file
+from assistant.compiler.motion_proof import Proving
 
 ASKING = """MODULE Asking
   CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

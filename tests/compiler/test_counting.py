@@ -8,7 +8,7 @@ import pytest
 
 from assistant import compile
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import parse_pseudo
+from assistant.compiler.loader import parse_pseudo
 from tests.compiler.same_motion import MELFA, moves_alike, translated
 
 HEAD = """MODULE cell

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 from assistant.base.diagnostics import Refused
 from assistant.cli.app import app
 from assistant.compiler import load, translate
-from assistant.compiler.filling import cell_text, neutral_cell, with_neutral_cell
-from assistant.compiler.motion import Proving
-from assistant.sources.cell import read_cell
+from assistant.compiler.cell_defaults import cell_text, neutral_cell, with_neutral_cell
+from assistant.compiler.motion_proof import Proving
+from assistant.sources.cell_values import read_cell
 
 USES = """MODULE Cell
   VAR num n:=0;

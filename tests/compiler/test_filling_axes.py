@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.compiler import Translation, load, translate
-from assistant.compiler.filling import neutral_cell
-from assistant.compiler.motion import Proving
+from assistant.compiler.cell_defaults import neutral_cell
+from assistant.compiler.motion_proof import Proving
 from tests.compiler.test_filling import program
 
 HEAD = """MODULE Cell

@@ -8,9 +8,9 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.compiler import Translation, load, translate
-from assistant.compiler.filling import cell_text, neutral_cell, with_cell_values
-from assistant.compiler.motion import Proving
-from assistant.sources.cell import NO_CELL
+from assistant.compiler.cell_defaults import cell_text, neutral_cell, with_cell_values
+from assistant.compiler.motion_proof import Proving
+from assistant.sources.cell_values import NO_CELL
 from tests.compiler.test_filling import program
 
 USES = """MODULE Cell

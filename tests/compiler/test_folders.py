@@ -8,7 +8,7 @@ import pytest
 
 import assistant
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.compiler.folders import OutputFolder, programs_in
+from assistant.compiler.program_files import OutputFolder, programs_in
 
 PROGRAM = "Mvs P1\nEnd\nP1=(+400.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
 MODULE = "MODULE {0}\n    PROC {1}()\n        SetDO do1,1;\n    ENDPROC\nENDMODULE\n"

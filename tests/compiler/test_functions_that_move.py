@@ -5,8 +5,8 @@ from __future__ import annotations
 import assistant
 from assistant.base.source_text import SourceText
 from assistant.compiler import Translation
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving
 
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];

@@ -13,7 +13,7 @@ from lark import Lark
 from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.compiler import compile
-from assistant.compiler.proof import NOT_IN_GRAMMAR, prove_read_back
+from assistant.compiler.read_back_proof import NOT_IN_GRAMMAR, prove_read_back
 from assistant.languages import lark_parsing
 from assistant.languages.lark_parsing import (
     SAMPLED,

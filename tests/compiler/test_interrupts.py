@@ -6,10 +6,10 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation
 
 MODULE = r"""MODULE Cell
 VAR intnum opened;

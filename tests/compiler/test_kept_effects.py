@@ -10,7 +10,7 @@ import pytest
 from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.compiler import load
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.program.program import Program
 from assistant.program.pseudo import print_program
 from assistant.program.rewriting import records

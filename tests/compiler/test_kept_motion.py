@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant import compile as compiled
-from assistant.compiler.keeping import Keeper, written_in
+from assistant.compiler.merge_edits import Keeper, written_in
 from assistant.virtual.events import Moved
 from tests.compiler.same_motion import ran
 from tests.examples import drawn

@@ -9,7 +9,7 @@ import pytest
 from assistant import compile, languages
 from assistant.base.diagnostics import Severity, has_errors
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import parse_pseudo
+from assistant.compiler.loader import parse_pseudo
 
 RAPID = languages.get("rapid")
 

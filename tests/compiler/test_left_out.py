@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages, translate
-from assistant.compiler.translating import Translation
+from assistant.compiler.translation import Translation
 from tests.compiler.test_places_read import HEAD
 
 ARM = "rv-4frl"

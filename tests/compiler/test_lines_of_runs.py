@@ -10,8 +10,8 @@ import pytest
 from assistant.api.simulating import simulate
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
-from assistant.compiler.checking import check_files, check_text
-from assistant.compiler.translating import Translation, translate
+from assistant.compiler.checker import check_files, check_text
+from assistant.compiler.translation import Translation, translate
 from assistant.editing.service import Workspace, findings
 from tests.cli.test_commands import run
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant import translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 MODULE = """MODULE sort
 VAR num n;

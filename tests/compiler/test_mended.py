@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.base.diagnostics import Severity
-from assistant.compiler.checking import check_files
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import translate
+from assistant.compiler.checker import check_files
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import translate
 
 TEXT = "Mvs P1 ‘to the part\nMvs P1,–50\nEnd\nP1=(400,0,400,180,0,180)(7,0)\n"
 

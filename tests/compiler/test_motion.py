@@ -11,9 +11,14 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled
 from assistant.compiler.arms import Arms
-from assistant.compiler.loading import load, load_text
-from assistant.compiler.motion import ComparisonTerms, MotionProof, Proving, prove_motion
-from assistant.compiler.motion_sides import written_pair
+from assistant.compiler.loader import load, load_text
+from assistant.compiler.motion_proof import (
+    ComparisonTerms,
+    MotionProof,
+    Proving,
+    prove_motion,
+    written_pair,
+)
 from assistant.virtual.proving import search
 
 CELL = """

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation, translate
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation, translate
 
 PROGRAM = r"""MODULE m
 VAR num x;

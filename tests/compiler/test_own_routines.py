@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.compiler import load, translate
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation
 
 MAIN = r"""MODULE Main
 CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

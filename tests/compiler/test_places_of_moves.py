@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from assistant.compiler import compile, translate
-from assistant.compiler.checking import check_files
-from assistant.compiler.loading import load
+from assistant.compiler.checker import check_files
+from assistant.compiler.loader import load
 
 FIRST = """MODULE First
   PROC main()

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import translate
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import translate
 
 PLACES = "P1=(400,0,400,180,0,180)(7,0)\nP2=(400,100,300,180,0,90)(7,0)\n"
 

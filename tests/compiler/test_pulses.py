@@ -7,7 +7,7 @@ import pytest
 import assistant
 from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 
 SIGNALS = "".join(f"! signal: do{n} digital output {n}\n" for n in range(1, 6))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.compiler.running import programs
+from assistant.compiler.simulated_run import programs
 from assistant.virtual.events import Said
 from assistant.virtual.program_run import Settings, prepared
 

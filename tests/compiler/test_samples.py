@@ -10,8 +10,8 @@ import pytest
 from assistant import languages
 from assistant.base import rotations
 from assistant.compiler import Translation, load, translate
-from assistant.compiler.checking import check_files
-from assistant.compiler.formatting import format_file
+from assistant.compiler.checker import check_files
+from assistant.compiler.formatter import format_file
 from assistant.program.program import Program
 
 SAMPLES = Path(__file__).parents[2] / "samples"

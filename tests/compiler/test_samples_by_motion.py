@@ -8,7 +8,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 ARMS = {"rapid": "irb1200-7-0.7", "melfa": "rv-4frl"}

@@ -12,7 +12,7 @@ import pytest
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.cli import main
 from assistant.compiler import check_files, compile, translate
-from assistant.compiler.scenes import open_cell
+from assistant.compiler.arms import open_cell
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 DRAWING = SAMPLES / "plate.dxf"

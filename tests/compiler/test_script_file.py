@@ -9,8 +9,7 @@ import pytest
 from assistant import languages, robots
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
-from assistant.compiler.running import programs
-from assistant.compiler.script_file import parse_script
+from assistant.compiler.simulated_run import parse_script, programs
 from assistant.virtual.events import Moved, Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.script import InputChange, follow

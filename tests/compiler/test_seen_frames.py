@@ -9,8 +9,8 @@ import pytest
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler import check_files, compile, translate
-from assistant.compiler.compiling import Compiled
-from assistant.compiler.running import programs
+from assistant.compiler.compilation import Compiled
+from assistant.compiler.simulated_run import programs
 from assistant.sources.sights import NOTHING_SEEN, Seeing, seeing
 
 TEXT = """program seam

@@ -6,9 +6,9 @@ import pytest
 
 import assistant
 from assistant.base.source_text import SourceText
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import MotionProof, Proving
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import MotionProof, Proving
 
 HEAD = """MODULE Cell
 CONST robtarget p10:=[[400,50,450],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

@@ -19,7 +19,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.drawing_bodies import read_drawing
 from assistant.compiler import check_files, compile, load
-from assistant.compiler.compiling import Compiled
+from assistant.compiler.compilation import Compiled
 from assistant.robots.timing import simulate
 from assistant.robots.timing.uninterrupted_moves import stretches_of
 from tests.cell.exact import segment_box

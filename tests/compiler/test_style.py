@@ -12,8 +12,14 @@ from assistant import languages, robots
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.cli import main
 from assistant.compiler import compile, translate
-from assistant.compiler.style import PLAIN_STYLE, Style, apply_style, comment_value, style_of
-from assistant.compiler.templates import jinja_environment
+from assistant.compiler.style import (
+    PLAIN_STYLE,
+    Style,
+    apply_style,
+    comment_value,
+    jinja_environment,
+    style_of,
+)
 from assistant.program import pseudo
 from assistant.resources import resource
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import check_files, load, translate
-from assistant.compiler.motion import Proving
-from assistant.compiler.tasks import load_task, tasks_of
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.program_files import load_task, tasks_of
 
 MAIN = "MODULE {name}\n    PROC main()\n{body}    ENDPROC\nENDMODULE\n"
 LIBRARY = (

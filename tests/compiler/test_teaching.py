@@ -9,8 +9,8 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.compiler.jogging import check_jog, check_position
-from assistant.compiler.teaching import TargetOptions, teach_target
+from assistant.compiler.commanded_motion import check_jog, check_position
+from assistant.compiler.taught_targets import TargetOptions, teach_target
 from assistant.controllers.states import Jog, Position
 from assistant.program.geometry import Pose
 from assistant.sources import read

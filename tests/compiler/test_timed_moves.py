@@ -7,8 +7,8 @@ import pytest
 
 from assistant import languages, robots
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
-from assistant.compiler.translating import translate
+from assistant.compiler.loader import load_text
+from assistant.compiler.translation import translate
 from assistant.program.geometry import Pose
 from assistant.virtual import melfa
 from assistant.virtual.events import Moved

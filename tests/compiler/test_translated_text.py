@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import Translation, translate
-from assistant.compiler.loading import language_of
+from assistant.compiler.loader import language_of
 
 HOME = "[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
 MODULE = f"""MODULE Cell

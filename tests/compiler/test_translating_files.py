@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import translate
-from assistant.compiler.loading import whole_programs
+from assistant.compiler.loader import whole_programs
 from assistant.program import statements as p
 from tests.compiler.test_translating import ARM, MELFA, MODULE
 

@@ -13,7 +13,7 @@ from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.base.rotations import to_matrix
 from assistant.compiler import check_files, compile
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 pytest.importorskip("ompl")
 pytest.importorskip("coal")

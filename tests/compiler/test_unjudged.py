@@ -6,7 +6,7 @@ from pathlib import Path
 
 from assistant import robots
 from assistant.compiler import translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 from assistant.languages import get
 from assistant.virtual import melfa
 

@@ -9,7 +9,7 @@ import pytest
 
 from assistant.base.diagnostics import has_errors
 from assistant.base.source_text import SourceText
-from assistant.compiler.checking import check_text
+from assistant.compiler.checker import check_text
 from assistant.editing import service
 from assistant.editing.live_findings import SMALL
 from assistant.editing.service import Change, Place, Range, Workspace

@@ -10,7 +10,7 @@ import assistant
 from assistant import languages
 from assistant.base.diagnostics import has_errors
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.languages.language_types import Frames
 from tests.fuzz import programs
 from tests.fuzz.target import Target, promise, refusing, sound

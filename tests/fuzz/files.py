@@ -20,9 +20,9 @@ from assistant.base.source_text import decode
 from assistant.cell.cell_file import read_scene
 from assistant.cell.link_bodies import drawn_links
 from assistant.cell.scene_export import cell_files
-from assistant.compiler.checking import check_files
-from assistant.compiler.filling import with_cell_values
-from assistant.compiler.script_file import parse_script
+from assistant.compiler.cell_defaults import with_cell_values
+from assistant.compiler.checker import check_files
+from assistant.compiler.simulated_run import parse_script
 from assistant.controllers.named import controllers_of
 from assistant.deploy.history import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
@@ -40,7 +40,7 @@ from assistant.project import project_of
 from assistant.project.kept import FILE, read_entries
 from assistant.report.scenes import record as said
 from assistant.robots import robot_file
-from assistant.sources.cell import read_cell
+from assistant.sources.cell_values import read_cell
 from assistant.sources.process.file import ENCODINGS, read_process
 from tests.fuzz.target import (
     ROOT,

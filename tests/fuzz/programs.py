@@ -10,9 +10,9 @@ from typing import Any, Final
 from assistant import checks, languages
 from assistant.base.diagnostics import has_errors
 from assistant.base.source_text import SourceText
-from assistant.compiler.checking import check_text
-from assistant.compiler.formatting import NOT_THE_SAME, format_text
-from assistant.compiler.loading import parse_pseudo
+from assistant.compiler.checker import check_text
+from assistant.compiler.formatter import NOT_THE_SAME, format_text
+from assistant.compiler.loader import parse_pseudo
 from assistant.languages import Language
 from assistant.program import pseudo
 from assistant.program.comparison import Tolerance, compare

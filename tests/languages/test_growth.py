@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages, translate
-from assistant.compiler.checking import check_files
+from assistant.compiler.checker import check_files
 from assistant.program.program import TakenNames, identifier
 from benchmarks.growth.flows import flows
 from benchmarks.growth.measuring import calls

@@ -19,8 +19,8 @@ from assistant.base.source_text import (
     lines_of,
     odd_characters,
 )
-from assistant.compiler.formatting import format_bytes
-from assistant.compiler.translating import translate
+from assistant.compiler.formatter import format_bytes
+from assistant.compiler.translation import translate
 from tests.examples import drawn
 
 PACKAGE = Path(__file__).parent.parent.parent / "assistant"
@@ -117,7 +117,7 @@ HARMLESS = {
     "languages/rapid/tables/signatures.py": "a table of the package",
     "languages/texts/words.py": "a table of the package",
     "program/pseudo/editor_support.py": "a table of the package",
-    "sources/drawing/group_codes.py": "bytes, which end at CR and LF only",
+    "sources/drawing/document.py": "bytes, which end at CR and LF only",
 }
 """Modules that may ask Python for lines, and why."""
 

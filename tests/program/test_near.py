@@ -5,7 +5,7 @@ import pytest
 from assistant import languages, robots
 from assistant.base.diagnostics import Refused, near_names
 from assistant.compiler.arms import known_robot
-from assistant.compiler.loading import language_of
+from assistant.compiler.loader import language_of
 
 
 @pytest.mark.parametrize(

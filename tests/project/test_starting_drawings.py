@@ -16,7 +16,7 @@ from assistant.project import build, project_of
 from assistant.project.checking import check
 from assistant.project.drafting import CHOICES, LAYER, TOP
 from assistant.project.starting import AROUND, start
-from assistant.sources.process import layers as process_layers
+from assistant.sources.process import file as process_layers
 from assistant.sources.process.file import parse_process, read_process
 
 PROCESS = "drawings/Teil (ä) 7.process.toml"

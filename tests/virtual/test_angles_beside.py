@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
 from tests.virtual.translating import Tally, judge
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant import compile, robots
-from assistant.compiler.running import programs
+from assistant.compiler.simulated_run import programs
 from assistant.languages import get
 from assistant.program import pseudo
 from assistant.virtual.events import Moved, Run, Said, Stopped, Switched, Waited

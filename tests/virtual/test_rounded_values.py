@@ -9,7 +9,7 @@ import pytest
 import assistant
 from assistant import Proving
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load, load_text
+from assistant.compiler.loader import load, load_text
 from assistant.virtual.events import Waited
 from tests.virtual.test_translated_melfa import run_rapid
 

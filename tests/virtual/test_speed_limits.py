@@ -8,7 +8,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from tests.virtual import rapid_words as w
 from tests.virtual.test_translated_rapid import judged
 

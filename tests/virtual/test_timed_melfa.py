@@ -7,7 +7,7 @@ import pytest
 from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.virtual.events import Run, Switched
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.timed_arm import Timed

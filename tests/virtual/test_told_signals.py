@@ -8,7 +8,7 @@ import pytest
 
 from assistant import translate
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_cases import HEAD
 from tests.virtual.test_translated_rapid import says_the_same

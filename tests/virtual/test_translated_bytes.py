@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation, translate
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation, translate
 from assistant.controllers.gateway import Gateway
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa import Controller, Entry

@@ -9,7 +9,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.virtual.events import Moved, Stopped, Switched
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, says_the_same

@@ -15,7 +15,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
 from tests.virtual.data_cases import angles, arrays, clocks, named, texts, turns, vectors

@@ -9,7 +9,7 @@ import pytest
 import assistant
 from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from tests.virtual.random_melfa_values import DATA
 from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
 from tests.virtual.translating import Tally, judge

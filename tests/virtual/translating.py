@@ -16,10 +16,10 @@ from assistant import languages, robots
 from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
 from assistant.compiler.arms import Arms as KnownArms
-from assistant.compiler.loading import Loaded, load, load_text
-from assistant.compiler.motion import Proving, prove_motion
-from assistant.compiler.motion_sides import written_pair as written_files
-from assistant.compiler.tasks import Task, load_task
+from assistant.compiler.loader import Loaded, load, load_text
+from assistant.compiler.motion_proof import Proving, prove_motion
+from assistant.compiler.motion_proof import written_pair as written_files
+from assistant.compiler.program_files import Task, load_task
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.virtual.events import Run

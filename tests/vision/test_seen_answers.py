@@ -19,7 +19,7 @@ import pytest
 from assistant import robots
 from assistant.base import rotations
 from assistant.compiler import compile, translate
-from assistant.compiler.running import programs
+from assistant.compiler.simulated_run import programs
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose

@@ -22,7 +22,7 @@ from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
 from assistant.cell.findings import NEWER_MAP, NO_MAP, OTHER_GRID, WRONG_CELL_SIZE
-from assistant.sources.tables.arrays import read_npz
+from assistant.sources.tables.npy_files import read_npz
 
 HALF: Final = 1 << 20
 """Places of cells along an axis go from -HALF to HALF - 1."""

@@ -21,7 +21,7 @@ from assistant.cell.findings import (
     TIMES_NOT_ASCENDING,
 )
 from assistant.robots.robot import Robot
-from assistant.sources.tables.delimited import read_cells
+from assistant.sources.tables.delimited_text import read_cells
 from assistant.sources.tables.headers import shown
 
 SECONDS: Final = ("seconds", "t_s", "time")

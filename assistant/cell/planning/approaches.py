@@ -22,7 +22,7 @@ from assistant.cell.collision.continuous import RESOLUTION, JointPath, hits
 from assistant.cell.planning.space import Space, goal_joints
 from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import Pose, Vector
-from assistant.sources.surroundings import ALONG_TOOL, WayIn
+from assistant.sources.process import ALONG_TOOL, WayIn
 
 APPROACH_TILTED: Final = info(
     "CK478",

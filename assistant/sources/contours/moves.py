@@ -1,9 +1,14 @@
-"""A contour as moves that controllers make: lines, and arcs of a via point and an end."""
+"""A contour as moves of a controller: lines, and arcs of a via point and an end; in columns.
+
+With it the orientation of the tool along the contour, and the speeds. Positions of speed changes
+are mm of path from the start. A move is divided by a point on it, which leaves the path as it is:
+an arc becomes two arcs of its circle.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -11,17 +16,28 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Vector
-from assistant.program.motion import Kind
-from assistant.sources.contours.chaining import EXACT_MEETING, Contour
-from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, circle_through, cross
-from assistant.sources.contours.fitting import fit_curve
-from assistant.sources.contours.thinning import (
+from assistant.program.motion import Kind, Speed
+from assistant.sources.contours.biarcs import fit_curve
+from assistant.sources.contours.chains import EXACT_MEETING, Contour
+from assistant.sources.contours.curves import (
+    Arc,
+    FreeCurve,
+    Line,
+    Points,
+    circle_through,
+    cross,
+    vector,
+)
+from assistant.sources.contours.path_tolerance import (
     merge_short_pieces,
     midpoint,
     piece_with_ends,
     thin_pieces,
 )
+from assistant.sources.process import SpeedProfile
 
 LEAST_CHORD: Final = 0.1
 """mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
@@ -225,3 +241,279 @@ def move_columns(
 
 def _unit_vector(v: Points) -> Points:
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))
+
+
+SMOOTH_CORNER: Final = 15.0
+"""Degrees of a corner up to which the tool turns on while it moves; over it, it stops."""
+LEAST_PROJECTION: Final = 1e-6
+"""Length of a projected unit vector below which it has no direction."""
+
+
+def level_x_axis(direction: Vector) -> Points:
+    """The tool's x axis that is as near to the frame's +X as `direction`, its z axis, allows.
+
+    The frame's +Y takes the place of +X where the tool points along X.
+    """
+    z = np.asarray(direction, dtype=np.float64)
+    for axis in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
+        x = axis - (axis @ z) * z
+        length = float(np.linalg.norm(x))
+        if length > LEAST_PROJECTION:
+            return np.asarray(x / length)
+    raise ValueError(f"{direction} is no direction")
+
+
+def facing_quaternions(direction: Vector, x: Points) -> Points:
+    """Canonical quaternions (n, 4) of tools with z along a direction and x axes (n, 3)."""
+    z = np.broadcast_to(np.asarray(direction, dtype=np.float64), x.shape)
+    return rotations.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
+
+
+def degrees_turned(quaternions: Points, direction: Vector) -> float:
+    """Degrees about a direction that tools (n, 4) turn from the first to the last, in all.
+
+    From row to row they turn the shorter way; to the right about the direction counts up.
+    """
+    x = level_x_axis(direction)
+    y = np.cross(np.asarray(direction, dtype=np.float64), x)
+    axes = rotations.rotate(quaternions, np.broadcast_to([1.0, 0.0, 0.0], (len(quaternions), 3)))
+    angles = np.unwrap(np.arctan2(axes @ y, axes @ x))
+    return float(np.degrees(angles[-1] - angles[0]))
+
+
+def x_axes_along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]:
+    """X axes that follow the contour: at its start (3,), at the rows, and where to turn.
+
+    The rows' axes are (m, 3) for the rows that the third result, (m,), lists: a row that
+    comes twice is a corner, at which the tool stops and then turns. At a smooth joint the
+    axis is the mean of both sides. Where the contour runs along the tool, the last axis
+    before it holds on.
+    """
+    n = len(moves)
+    z = np.asarray(direction, dtype=np.float64)
+    arriving, leaving = (_projected_units(v, z) for v in (moves.arriving, moves.leaving))
+    both = np.stack([leaving, arriving], axis=1).reshape(-1, 3)  # in order of the way
+    both = _filled_forward(both, level_x_axis(direction))
+    leaving, arriving = both[0::2], both[1::2]
+    after = np.concatenate([leaving[1:], arriving[-1:]])
+    turn = np.degrees(
+        np.arctan2(
+            np.linalg.norm(np.cross(arriving, after), axis=1), (arriving * after).sum(axis=1)
+        )
+    )
+    corner = (turn > SMOOTH_CORNER) & (moves.kinds != Kind.VIA)
+    mean = _unit_normals(np.where(corner[:, None], arriving, arriving + after))
+    rows = np.repeat(np.arange(n), np.where(corner, 2, 1))
+    second = np.flatnonzero(rows[1:] == rows[:-1]) + 1
+    axes = mean[rows]
+    axes[second] = after[rows[second]]
+    return leaving[0], axes, rows
+
+
+def _projected_units(v: Points, z: Points) -> Points:
+    """Unit vectors of v (n, 3) seen along z; NaN where v runs along it."""
+    flat = v - (v @ z)[:, None] * z
+    size = np.linalg.norm(flat, axis=1, keepdims=True)
+    known = size > LEAST_PROJECTION
+    return np.asarray(np.where(known, flat / np.where(known, size, 1.0), np.nan))
+
+
+def _filled_forward(v: Points, otherwise: Points) -> Points:
+    """Rows of NaN filled with the row before; the first ones with the first known, if any."""
+    known = np.flatnonzero(~np.isnan(v[:, 0]))
+    if not known.size:
+        return np.broadcast_to(otherwise, v.shape)
+    place = np.searchsorted(known, np.arange(len(v)), "right") - 1
+    return np.asarray(v[known[np.maximum(place, 0)]])
+
+
+def _unit_normals(v: Points) -> Points:
+    return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))
+
+
+SHORTEST_SPEED_PART: Final = 0.5
+"""mm of a part of a move; a place that is nearer to the end of one is that end."""
+SMALLEST_DIVIDED_RADIUS: Final = 1.0
+"""mm of radius of an arc that is divided."""
+CLOSED_DISTANCE: Final = 1e-6
+"""mm between the ends of a contour that is closed."""
+STRAIGHT_ARC: Final = 1e-10
+"""Largest product of two chords of an arc and the sine of their turn, in squares of the longer
+chord, of three points on a line."""
+
+LineOrArc = Line | Arc
+
+
+@dataclass(frozen=True, slots=True)
+class MovesWithSpeeds:
+    """rows: the moves. speeds: of each row, rows of `table`. divided: rows that end where a move
+    was divided. corners: how many of them are gone round at the speed of corners.
+    """
+
+    rows: Moves
+    speeds: NDArray[np.int32]
+    table: tuple[Speed | None, ...]
+    divided: Truths
+    corners: int = 0
+
+
+def with_speeds(
+    rows: Moves, pace: SpeedProfile, places: Sequence[float] = (), flat: float = 0.0
+) -> MovesWithSpeeds:
+    """Moves with their speeds, None for the layer's own.
+
+    places: mm from the start at which moves are divided beside that. flat: mm that a part of an
+    arc may be off when it is written as a line.
+    """
+    n = len(rows)
+    if pace.even and not places:
+        return MovesWithSpeeds(rows, np.zeros(n, np.int32), (None,), np.zeros(n, np.bool_))
+    pieces = pieces_of_moves(rows)
+    ends = np.cumsum([0.0, *(piece.length for piece in pieces)])
+    spans, corners = _speed_spans(rows, pieces, ends, pace)
+    cuts = [*places, *(place for low, high, _ in spans for place in (low, high))]
+    made: list[LineOrArc] = []
+    joints: list[bool] = []
+    speeds: list[Speed | None] = []
+    for piece, (low, high) in zip(pieces, pairwise(ends.tolist()), strict=True):
+        parts = _divided_piece(piece, low, high, cuts, flat)
+        at = low
+        for i, part in enumerate(parts):
+            middle = at + part.length / 2.0
+            at += part.length
+            made.append(part)
+            joints.append(i < len(parts) - 1)
+            speeds.append(_slowest_at(spans, middle))
+    table = tuple(dict.fromkeys(speeds))
+    count = [2 if isinstance(part, Arc) else 1 for part in made]
+    of = np.repeat([table.index(speed) for speed in speeds], count).astype(np.int32)
+    kinds, positions, leaving, arriving = move_columns(made)
+    divided = np.repeat(joints, count) & (kinds != Kind.VIA)
+    moved = replace(rows, kinds=kinds, positions=positions, leaving=leaving, arriving=arriving)
+    return MovesWithSpeeds(moved, of, table, divided, corners)
+
+
+def pieces_of_moves(rows: Moves) -> list[LineOrArc]:
+    """The lines and arcs that rows are; an arc through points on one line is two lines."""
+    pieces: list[LineOrArc] = []
+    here = vector(rows.start)
+    places = [vector(p) for p in rows.positions]
+    for i, (place, kind) in enumerate(zip(places, rows.kinds.tolist(), strict=True)):
+        if kind == Kind.VIA:
+            continue
+        arc = Arc.through(here, places[i - 1], place) if kind == Kind.END else None
+        if arc is not None:
+            pieces.append(arc)
+        elif kind == Kind.END:
+            pieces += [Line(here, places[i - 1]), Line(places[i - 1], place)]
+        else:
+            pieces.append(Line(here, place))
+        here = place
+    return pieces
+
+
+def move_lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> Floats:
+    """Length (n,) of each row in mm; that of an arc is at its END.
+
+    An arc turns by twice the turn between its chords (the inscribed angle). Without a turn its
+    length is that of the chords.
+    """
+    places = np.vstack([start, positions])
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    end = np.flatnonzero(kinds == Kind.END)
+    one, two = places[end] - places[end - 1], places[end + 1] - places[end]
+    sine, cosine = np.linalg.norm(cross(one, two), axis=1), (one * two).sum(axis=1)
+    half, chord = np.arctan2(sine, cosine), np.linalg.norm(one + two, axis=1)
+    longest = np.maximum(steps[end - 1], steps[end])
+    bent = sine > STRAIGHT_ARC * longest**2
+    around = chord * half / np.sin(np.where(bent, half, 1.0))
+    steps[end] = np.where(bent, around, steps[end - 1] + steps[end])
+    steps[end - 1] = 0.0
+    return np.asarray(steps)
+
+
+def _speed_spans(
+    rows: Moves, pieces: Sequence[LineOrArc], ends: Floats, pace: SpeedProfile
+) -> tuple[list[tuple[float, float, Speed]], int]:
+    """From where to where, in mm, which speed holds at most; and how many corners there are."""
+    total = float(ends[-1])
+    spans: list[tuple[float, float, Speed]] = []
+    if pace.start is not None:
+        spans.append((0.0, min(pace.start_length, total), pace.start))
+    if pace.end is not None:
+        spans.append((max(total - pace.end_length, 0.0), total, pace.end))
+    corners = 0
+    if (slow := pace.corner) is not None:
+        for low, high in _corner_spans(rows, pieces, ends, pace):
+            corners += 1
+            around = _spans_on_path(low - pace.length, high + pace.length, total, rows)
+            spans += ((first, last, slow) for first, last in around)
+    return spans, corners
+
+
+def _spans_on_path(
+    low: float, high: float, total: float, rows: Moves
+) -> Iterator[tuple[float, float]]:
+    """What of a stretch lies on the way; of a closed contour what reaches over its start too."""
+    yield max(low, 0.0), min(high, total)
+    if _is_closed(rows):
+        if low < 0.0:
+            yield max(total + low, 0.0), total
+        if high > total:
+            yield 0.0, min(high - total, total)
+
+
+def _is_closed(rows: Moves) -> bool:
+    return bool(np.linalg.norm(rows.positions[-1] - rows.start) < CLOSED_DISTANCE)
+
+
+def _corner_spans(
+    rows: Moves, pieces: Sequence[LineOrArc], ends: Floats, pace: SpeedProfile
+) -> Iterator[tuple[float, float]]:
+    """Where corners begin and end; one at the start of a closed contour does at 0."""
+    if not pieces:
+        return
+    angle = math.cos(math.radians(pace.angle)) + 1e-9
+    last = rows.kinds != Kind.VIA
+    first = np.concatenate([[True], last[:-1]])
+    leaving, arriving = rows.leaving[first], rows.arriving[last]
+    for i, turn in enumerate((arriving[:-1] * leaving[1:]).sum(axis=1).tolist(), start=1):
+        if turn <= angle:
+            yield float(ends[i]), float(ends[i])
+    if _is_closed(rows) and float(arriving[-1] @ leaving[0]) <= angle:
+        yield 0.0, 0.0
+    for i, piece in enumerate(pieces):
+        small = isinstance(piece, Arc) and piece.radius <= pace.radius * (1.0 + 1e-9)
+        if small and isinstance(piece, Arc) and piece.sweep >= pace.angle - 1e-6:
+            yield float(ends[i]), float(ends[i + 1])
+
+
+def _slowest_at(spans: Sequence[tuple[float, float, Speed]], place: float) -> Speed | None:
+    there = [speed for low, high, speed in spans if low <= place <= high]
+    return min(there, key=lambda speed: speed.tcp, default=None)
+
+
+def _divided_piece(
+    piece: LineOrArc, low: float, high: float, cuts: Sequence[float], flat: float
+) -> list[LineOrArc]:
+    """The parts of a piece between places that are inside it."""
+    if isinstance(piece, Arc) and piece.radius < SMALLEST_DIVIDED_RADIUS:
+        return [piece]
+    inside = [low]
+    for place in sorted(cuts):
+        if inside[-1] + SHORTEST_SPEED_PART <= place <= high - SHORTEST_SPEED_PART:
+            inside.append(place)
+    if len(inside) == 1:
+        return [piece]
+    parts = [(place - low) / (high - low) for place in (*inside, high)]
+    if isinstance(piece, Line):
+        points = [piece.start, *map(vector, piece.at(parts[1:-1])), piece.end]
+        return [replace(piece, start=a, end=b) for a, b in pairwise(points)]
+    middles = [(a + b) / 2.0 for a, b in pairwise(parts)]
+    points = [piece.start, *map(vector, piece.at(parts[1:-1])), piece.end]
+    vias = [vector(p) for p in piece.at(middles)]
+    arcs = [
+        replace(piece, start=a, via=via, end=b, closed=False)
+        for (a, b), via in zip(pairwise(points), vias, strict=True)
+    ]
+    return [part for arc in arcs for part in possible_moves(arc, flat, 360.0)]

@@ -1,18 +1,19 @@
-"""Contours beside contours: where the centre of a tool runs whose edge follows them.
+"""Contours beside contours: the path of a tool's centre whose edge follows them.
 
-What the tool's centre must not come into is the union of bands, one around each line and arc of
-the contour, as wide as the offset on either side; the library of plane geometry (shapely, which
-is GEOS) unites them, so that islands, necks and collapsing come out as they are. The borders of
-that union are polygons. Each of their sides is then given back to what made it: beside a line it
-is a line, beside an arc an arc about the same centre, around a corner an arc about the corner;
-and these meet where they cross each other, in closed form. So arcs stay arcs, and nothing of the
-polygons is left in the result.
+What the tool's centre must not enter is the union of bands, one around each line and arc of the
+contour, as wide as the offset on either side; shapely (GEOS) unites them, so that islands, necks
+and collapsing come out right. The borders of that union are polygons. Each of their sides is then
+given back to what made it: beside a line it is a line, beside an arc an arc about the same centre,
+around a corner an arc about the corner; and these meet where they cross each other, in closed
+form. So arcs stay arcs, and nothing of the polygons is left in the result.
+
+`ClearRoom` measures how near a tool path comes to the contours that it must not cut into.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 from typing import Any, Final
@@ -21,19 +22,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.geometry import Vector
-from assistant.sources.contours.bands import contour_band
-from assistant.sources.contours.curves import Arc, Line
-from assistant.sources.contours.flat import (
+from assistant.sources.contours.curves import (
     CHORD_TOLERANCE,
+    Arc,
+    Line,
     Piece,
     PlanePoints,
+    Points,
     polyline,
     reversed_pieces,
     signed_area,
     tangent,
 )
-from assistant.sources.contours.origins import SAME_POINT, OffsetCurve, OffsetSource, PlanePoint
-from assistant.sources.contours.thinning import shortest_piece
+from assistant.sources.contours.offset_bands import (
+    SAME_POINT,
+    OffsetCurve,
+    OffsetSource,
+    PlanePoint,
+    contour_band,
+)
+from assistant.sources.contours.path_tolerance import shortest_piece
 
 LEAST_CORNER_TURN: Final = math.radians(15.0)
 """Of a corner."""
@@ -396,3 +404,102 @@ def _midpoint(a: PlanePoint, b: PlanePoint) -> PlanePoint:
 def _wrapped_angle(angle: float) -> float:
     """The same angle between -pi and pi."""
     return (angle + math.pi) % math.tau - math.pi
+
+
+LEAST_DISTANCE_PART: Final = 0.5
+"""Part of an offset that a way has to keep away at least, however large the tolerance is."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClearRoom:
+    """contours: their lines by what they are known by; tree: of the same lines."""
+
+    keys: tuple[tuple[int, int], ...]
+    tree: Any
+    tolerance: float
+
+    @staticmethod
+    def of(
+        contours: Sequence[tuple[tuple[int, int], Sequence[Piece], bool]], tolerance: float
+    ) -> ClearRoom:
+        """Contours by their keys, as (key, pieces, whether closed)."""
+        import shapely
+
+        lines = []
+        for _, pieces, closed in contours:
+            points = polyline(pieces, tolerance * CHORD_TOLERANCE, closed=closed)
+            lines.append(
+                shapely.LineString(np.concatenate([points, points[:1]] if closed else [points]))
+            )
+        return ClearRoom(tuple(key for key, *_ in contours), shapely.STRtree(lines), tolerance)
+
+    def nearest(self, points: Points) -> Iterator[tuple[Points, tuple[int, int], float]]:
+        """For each point (m, 3) the contour that is nearest to it, and the mm between them."""
+        import shapely
+
+        if self.keys and len(points):
+            made = shapely.points(points[:, :2])
+            rows = self.tree.nearest(made)
+            far = shapely.distance(made, self.tree.geometries[rows])
+            for point, row, apart in zip(points, rows.tolist(), far.tolist(), strict=True):
+                yield point, self.keys[row], apart
+
+    def too_near(self, ring: OffsetRing, offset: float) -> float | None:
+        """The mm that a way beside a contour comes near to any; None if that is enough."""
+        line = self._line(ring.pieces)
+        away = self._away(offset)
+        rows = self.tree.query(line, predicate="dwithin", distance=away)
+        apart = [line.distance(self.tree.geometries[row]) for row in rows.tolist()]
+        return min(apart) if apart else None
+
+    def beside(
+        self, key: tuple[int, int], own: OffsetRing, offset: float
+    ) -> Callable[[Sequence[Piece]], bool]:
+        """Whether pieces have room that lead onto a contour or off it. own: as it was drawn."""
+        if offset > 0.0:
+            away = self._away(offset)
+            return lambda pieces: (
+                not len(self.tree.query(self._line(pieces), predicate="dwithin", distance=away))
+            )
+        kept = self._kept(own)
+        number = self.keys.index(key)
+
+        def free(pieces: Sequence[Piece]) -> bool:
+            line = self._line(pieces)
+            rows = self.tree.query(line, predicate="dwithin", distance=self.tolerance)
+            return set(rows.tolist()) <= {number} and kept(line)
+
+        return free
+
+    def away(self, offset: float) -> Callable[[Vector], bool]:
+        """True if a point is clearly farther from all contours than the offset."""
+        import shapely
+
+        far = offset + 2.0 * self.tolerance
+        return lambda point: (
+            not len(self.tree.query(shapely.Point(point[:2]), predicate="dwithin", distance=far))
+        )
+
+    def _kept(self, own: OffsetRing) -> Callable[[Any], bool]:
+        """Whether a line that begins or ends on a contour stays on the side of the tool."""
+        import shapely
+
+        if own.closed:
+            around = contour_polygon(own.pieces, self.tolerance)
+            if own.encloses:
+                inner = around.buffer(-self.tolerance)
+                return lambda line: not line.intersects(inner)
+            outer = around.buffer(self.tolerance)
+            return lambda line: bool(line.within(outer))
+        drawn = self._line(own.pieces)
+        ends = shapely.MultiPoint([own.pieces[0].start[:2], own.pieces[-1].end[:2]])
+        away = drawn.difference(ends.buffer(2.0 * self.tolerance))
+        return lambda line: not line.intersects(away)
+
+    def _away(self, offset: float) -> float:
+        return max(offset - self.tolerance, LEAST_DISTANCE_PART * offset)
+
+    def _line(self, pieces: Sequence[Piece]) -> Any:
+        import shapely
+
+        return shapely.LineString(polyline(pieces, self.tolerance * CHORD_TOLERANCE, closed=False))

@@ -6,8 +6,8 @@ from pathlib import Path as FilePath
 
 from assistant.base.budgets import without_gc
 from assistant.base.diagnostics import Refused, has_errors
-from assistant.sources.drawing.assembly import drawing_program
 from assistant.sources.drawing.contents import Contents, read_contents
+from assistant.sources.drawing.program import drawing_program
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading
 

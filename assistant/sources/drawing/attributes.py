@@ -1,4 +1,4 @@
-"""Attributes of inserts: which tags mean what, and the values behind them.
+"""Attributes of inserts: which tags mean what, and the values of a location.
 
 | meaning      | default tags    | value                                                      |
 |--------------|-----------------|------------------------------------------------------------|
@@ -15,13 +15,13 @@
 | frame        | FRAME WOBJ      | a frame of the process file, or base                        |
 | motion       | MOTION MOVE     | joint or linear                                             |
 
-ZYX is what MELFA's A B C and RAPID's OrientZYX mean. Tags are compared without case; the
-table `tags` of a process file puts one tag of its own in place of the default ones. A value
-that is blank is as good as none. Speeds and blends are in mm whatever the drawing's unit is.
+ZYX is what MELFA's A B C and RAPID's OrientZYX mean. Tags are compared without case; the table
+`tags` of a process file replaces the default tags of a meaning by one. A blank value counts as
+missing. Speeds and blends are in mm whatever the drawing's unit is.
 
-A block is a location if one of its attributes has any of these tags. Only where it has
-nothing but a name, an order or a convention, and other attributes besides (as a title block
-has), it is none, and a finding says so.
+A block is a location if one of its attributes has any of these tags. If it has only a name, an
+order or a convention, and other attributes besides (as a title block has), it is not, and a
+finding says so.
 """
 
 from __future__ import annotations

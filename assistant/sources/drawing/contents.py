@@ -1,11 +1,14 @@
-"""What a drawing holds for a robot: curves and locations in mm, and what is not used."""
+"""Contents of a drawing that a robot can use: curves, locations and numbering texts, in mm.
+
+What is not used is counted and reported. Everything is where the process file places the drawing.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
@@ -15,11 +18,11 @@ from assistant.base.budgets import INSERTING, within
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion
+from assistant.sources.contours.contour_order import LayerText
 from assistant.sources.contours.curves import Curve, vector
-from assistant.sources.contours.numbering import LayerText
 from assistant.sources.drawing.attributes import Tags
-from assistant.sources.drawing.document import library_errors, open_drawing
-from assistant.sources.drawing.entities import ignored_properties, primitives
+from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
+from assistant.sources.drawing.entities import Degenerate, ignored_properties, primitives
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     DEGENERATE,
@@ -30,15 +33,44 @@ from assistant.sources.drawing.findings import (
     shown,
 )
 from assistant.sources.drawing.locations import Location, LocationReader
-from assistant.sources.drawing.primitives import Degenerate
-from assistant.sources.drawing.texts import TEXT_TYPES, is_number_text, layer_text
-from assistant.sources.drawing.transforms import affine, point, scaling
+from assistant.sources.drawing.transforms import affine, ocs_matrix, point, scaling
 from assistant.sources.drawing.traversal import PlacedEntity, Traversal
-from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
+    from ezdxf.entities.dxfgfx import DXFGraphic
+
+
+TEXT_TYPES: Final = frozenset(("TEXT", "MTEXT"))
+
+
+def is_number_text(entity: DXFGraphic) -> bool:
+    """Whether an entity is a text that is a number."""
+    return (
+        entity.dxftype() in TEXT_TYPES
+        and _layer_text_at(entity, (0.0, 0.0, 0.0)).number is not None
+    )
+
+
+def layer_text(entity: DXFGraphic, matrix: Floats, layer: str) -> LayerText:
+    """A text at its insertion point. matrix: (4, 4), to the drawing's world in mm."""
+    text = cast("Any", entity)
+    if entity.dxftype() == "MTEXT":
+        point = text.dxf.insert.xyz
+    else:
+        aligned = text.dxf.get("halign", 0) or text.dxf.get("valign", 0)
+        chosen = text.dxf.align_point if aligned and text.dxf.hasattr("align_point") else None
+        point = (chosen or text.dxf.insert).xyz
+        point = (ocs_matrix(text.dxf.extrusion.xyz) @ (*point, 1.0))[:3]
+    return _layer_text_at(entity, vector((matrix @ (*point, 1.0))[:3]), layer)
+
+
+def _layer_text_at(
+    entity: DXFGraphic, at: tuple[float, float, float], layer: str = ""
+) -> LayerText:
+    text = cast("Any", entity)
+    return LayerText(text.plain_text(), at, layer, entity.dxf.handle or "")
 
 
 @dataclass(frozen=True, slots=True)

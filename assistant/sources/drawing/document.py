@@ -1,4 +1,9 @@
-"""Opening a drawing: text and binary DXF, damaged ones through repair."""
+"""DXF documents: opened as text or binary, checked, repaired if damaged; and their unit.
+
+Group codes say what a value is (DXF reference, "Group code value types"). Libraries cut a number
+off at its first wrong character, so that `50,5` becomes 50; therefore each number of a text DXF is
+checked here. `unit_of` reads $INSUNITS (DXF reference, header section).
+"""
 
 from __future__ import annotations
 
@@ -14,20 +19,101 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import DRAWING, within
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable
+from assistant.base.length_units import UNITS
 from assistant.base.source_text import read_bytes
 from assistant.sources.drawing.findings import (
     BROKEN,
     LOST,
+    MALFORMED,
     NO_DXF,
+    NO_UNITS,
     NOTED,
+    OTHER_UNIT,
     REPAIRED,
     TRUNCATED,
+    UNKNOWN_UNITS,
     shown,
 )
-from assistant.sources.drawing.group_codes import ESCAPE_MARK, malformed_numbers, unescaped
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
+
+
+NUMBER_CODES: Final = (
+    *((10, 59), (60, 79), (90, 99), (110, 149), (160, 179), (210, 239), (270, 289)),
+    *((290, 299), (370, 389), (400, 409), (420, 429), (440, 469), (1010, 1071)),
+)
+"""First and last code of those that are numbers."""
+PLAIN_NUMBER: Final = re.compile(
+    rb"[ \t]*[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?i:nan|inf|infinity))[ \t\x00\x1a]*"
+)
+"""A number as the reference has it; that one is not finite is found where it is used."""
+MOST_MALFORMED: Final = 10
+"""Malformed numbers that have a finding each."""
+
+ESCAPED_CHARACTERS: Final = re.compile(r"(?:\\U\+[0-9A-Fa-f]{4})+")
+ESCAPE_MARK: Final = b"\\U+"
+"""Prefix of a character that the code page of a file does not have."""
+
+
+def malformed_numbers(data: bytes, path: str) -> list[Diagnostic]:
+    """Return findings for values that are no numbers but have to be, the first ones of them.
+
+    It ends where lines are no longer codes and values in turn: that is damage of another kind.
+    """
+    known: dict[bytes, int | None] = {}
+    wrong: list[tuple[int, int, bytes]] = []
+    lines = data.splitlines()
+    for row, (code, value) in enumerate(zip(lines[::2], lines[1::2], strict=False)):
+        if code not in known:
+            number = _group_code(code)
+            if number is None:
+                break
+            known[code] = number if any(a <= number <= b for a, b in NUMBER_CODES) else None
+        kind = known[code]
+        if kind is not None and PLAIN_NUMBER.fullmatch(value) is None:
+            wrong.append((2 * row + 2, kind, value))
+    return [*_malformed_findings(wrong, path)]
+
+
+def _group_code(text: bytes) -> int | None:
+    try:
+        return int(text)
+    except ValueError:
+        return None
+
+
+def _malformed_findings(wrong: list[tuple[int, int, bytes]], path: str) -> Iterator[Diagnostic]:
+    for place, (line, code, value) in enumerate(wrong[:MOST_MALFORMED]):
+        given = value.decode("latin-1").strip()
+        rest = len(wrong) - MOST_MALFORMED
+        more = f" ({rest} more such values)" if rest > 0 and place == MOST_MALFORMED - 1 else ""
+        yield MALFORMED(
+            path=path, line=line, given=shown(given), code=code, more=more, cure=_number_cure(given)
+        )
+
+
+def _number_cure(given: str) -> str:
+    """What to write instead, where that is plain."""
+    if re.fullmatch(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?", given):
+        return f"write a decimal point, {given.replace(',', '.')}"
+    meant = given.replace(",", "") if "." in given else given
+    meant = re.sub(r"[dD](?=[+-]?\d+$)", "E", meant)
+    if meant != given and PLAIN_NUMBER.fullmatch(meant.encode("latin-1")):
+        return f"write {meant}"
+    return "write a number such as 12.5, or export the drawing anew"
+
+
+def unescaped(text: str) -> str:
+    r"""A text with the characters that `\U+XXXX` stand for, as far as they can be printed."""
+    return ESCAPED_CHARACTERS.sub(_unescaped_characters, text)
+
+
+def _unescaped_characters(found: re.Match[str]) -> str:
+    units = bytes.fromhex("".join(found[0].split("\\U+")))
+    made = units.decode("utf-16-be", errors="replace")
+    return made if made.isprintable() and "�" not in made else found[0]
+
 
 BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
 DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
@@ -237,3 +323,63 @@ class _LogCollector(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         self.notes.append(record.getMessage())
+
+
+SURVEY_FOOT: Final = 1_200_000.0 / 3937.0
+"""mm; 1200/3937 m by its definition of 1893."""
+INCH: Final = UNITS["in"][1]
+FOOT: Final = UNITS["ft"][1]
+METRE: Final = UNITS["m"][1]
+ASTRONOMICAL_UNIT: Final = 149_597_870_700.0 * METRE
+
+MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
+    1: UNITS["in"],
+    2: UNITS["ft"],
+    3: ("miles", FOOT * 5280),
+    4: UNITS["mm"],
+    5: UNITS["cm"],
+    6: UNITS["m"],
+    7: ("kilometres", METRE * 1e3),
+    8: ("microinches", INCH * 1e-6),
+    9: UNITS["mil"],
+    10: UNITS["yd"],
+    11: ("ångströms", 1e-7),
+    12: ("nanometres", 1e-6),
+    13: UNITS["um"],
+    14: UNITS["dm"],
+    15: ("decametres", METRE * 10),
+    16: ("hectometres", METRE * 100),
+    17: ("gigametres", METRE * 1e9),
+    18: ("astronomical units", ASTRONOMICAL_UNIT),
+    19: ("light years", 9_460_730_472_580_800.0 * METRE),
+    20: ("parsecs", ASTRONOMICAL_UNIT * 648_000 / 3.141592653589793),
+    21: ("US survey feet", SURVEY_FOOT),
+    22: ("US survey inches", SURVEY_FOOT / 12),
+    23: ("US survey yards", SURVEY_FOOT * 3),
+    24: ("US survey miles", SURVEY_FOOT * 5280),
+}
+"""Code of $INSUNITS (DXF reference, header section) → name, millimetres."""
+
+
+def unit_of(
+    document: Drawing, path: str, given: str | None = None
+) -> tuple[str, float, tuple[Diagnostic, ...]]:
+    """Name of the drawing's unit, mm a unit, findings; raises Refused for unknown codes.
+
+    given: short name of the unit that holds whatever the drawing says. The units of blocks do
+    not matter: a CAD system puts them into the scale of the insert when it is made.
+    """
+    code = document.header.get("$INSUNITS", None)
+    if given is not None:
+        name, factor = UNITS[given]
+        said, _ = MILLIMETRES.get(code or 0, (name, factor))
+        told = (OTHER_UNIT(path=path, place="header", said=said, given=name),)
+        return name, factor, told if said != name else ()
+    if code is None or code == 0:
+        state = "missing" if code is None else "0"
+        english = document.header.get("$MEASUREMENT", 1) == 0
+        hint = ", although its measurement is English" if english else ""
+        return "millimetres", 1.0, (NO_UNITS(path=path, place="header", state=state, hint=hint),)
+    if code not in MILLIMETRES:
+        raise Refused(UNKNOWN_UNITS(path=path, place="header", code=code))
+    return (*MILLIMETRES[code], ())

@@ -1,15 +1,15 @@
-"""Locations: points and inserts with attributes, as poses in the drawing's world with motion.
+"""Locations of a drawing: points and inserts with attributes, as poses with motion.
 
-A location's axes are those of its insert, or of the extrusion of its point. Angles and
-quaternions turn the tool in these axes; without any, the tool's z points against theirs
-(a drawing seen from above gives a tool that points down), or as the process of the layer
-says. Where blocks around it are mirrored or unevenly scaled, the tool's z and x are taken as
-the drawing shows them, and y completes a right-handed frame. The scale of a location's own
-insert is that of its symbol: only its sign, a mirroring, counts.
+A location's axes are those of its insert, or of the extrusion of its point. Angles and quaternions
+turn the tool in these axes; without any, the tool's z points against theirs (a drawing seen from
+above gives a tool that points down), or as the process of the layer states. Where blocks around it
+are mirrored or unevenly scaled, the tool's z and x are taken as the drawing shows them, and y
+completes a right-handed frame. The scale of a location's own insert is that of its symbol: only
+its sign, a mirroring, counts.
 
-Where nothing is stated, motion is that of the layer's process, else the default one. The
-drawing's world is the default frame of the process file, or stands in it as the file places it; a
-location that names another frame is put into that one, and stays where it was drawn.
+Motion that is not stated is that of the layer's process, else the default one. The drawing's world
+is the default frame of the process file, or is placed in it; a location that names another frame
+is expressed in that one, and stays where it was drawn.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from assistant.program.motion import Speed
 from assistant.program.statements import Motion
 from assistant.sources.drawing.attributes import ANGLES, QUATERNION, LocationValues, Tags, texts_of
 from assistant.sources.drawing.document import library_errors
-from assistant.sources.drawing.entities import check_stated
+from assistant.sources.drawing.entities import check_coordinates, check_stated
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     FACING,
@@ -45,7 +45,6 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.primitives import check_coordinates
 from assistant.sources.drawing.transforms import (
     direction,
     insert_axes,
@@ -63,6 +62,7 @@ if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert
 
     from assistant.sources.drawing.traversal import PlacedEntity
+
 
 NOTED_LENGTH: Final = 1e-6
 """A quaternion this near to unit length has only been rounded, and is not worth a warning."""

@@ -14,15 +14,14 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, INSERTING, within
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Vector
-from assistant.sources.contours.chaining import chain_curves
+from assistant.sources.contours.chains import chain_curves
 from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
-from assistant.sources.drawing.document import library_errors, open_drawing
+from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
 from assistant.sources.drawing.findings import NO_UNITS, Tally, shown
 from assistant.sources.drawing.locations import Location, LocationReader
 from assistant.sources.drawing.traversal import Traversal
-from assistant.sources.drawing.units import unit_of
 from assistant.sources.process import Process
 
 if TYPE_CHECKING:

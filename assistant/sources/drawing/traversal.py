@@ -1,11 +1,13 @@
-"""Through a drawing: every entity once for each place where inserts put it.
+"""Traversal of a drawing: every entity once for each place where inserts put it.
 
-A block on a frozen layer is not seen at all; on a layer that is off, only what is on layer 0
-of the block goes with it. In a block, layer 0 stands for the layer of the insert. What is on
-a frozen or switched-off layer, invisible, or in paper space is left out and counted.
+A block on a frozen layer is not seen at all; on a layer that is off, only what is on layer 0 of
+the block goes with it. In a block, layer 0 stands for the layer of the insert. What is on a frozen
+or switched-off layer, invisible, or in paper space is left out and counted. The geometry of a
+location block is its symbol, for people: it is counted, not read. Locations inside it are read.
 
-The geometry of a location block is its symbol, for people: it is counted, not read. Locations
-inside it are read.
+`EntityCount` counts what a drawing has with all its inserts without inserting a block: each block
+counts once for each layer that layer 0 stands for in it and each depth where it occurs. Forty
+blocks in each other stand for 2⁴⁰ entities, which is known after looking at forty blocks.
 """
 
 from __future__ import annotations
@@ -20,7 +22,6 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import budget_factor
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
-from assistant.sources.drawing.counting import EntityCount
 from assistant.sources.drawing.document import library_errors
 from assistant.sources.drawing.entities import check_stated, is_followed
 from assistant.sources.drawing.findings import (
@@ -37,13 +38,49 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.transforms import cells, check_insert, insert_matrix
+from assistant.sources.drawing.transforms import cells, check_insert, copies, insert_matrix
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.dxfgfx import DXFGraphic
     from ezdxf.entities.insert import Insert
     from ezdxf.layouts.blocklayout import BlockLayout
+
+
+LayerInBlock = Callable[["DXFGraphic", str], tuple[str, bool]]
+"""The layer of an entity in a block, by that of the block's insert, and whether it is followed."""
+
+
+class EntityCount:
+    """Of a document. most_nested: blocks in each other that are followed."""
+
+    def __init__(self, document: Drawing, layered: LayerInBlock, most_nested: int) -> None:
+        self._blocks, self._layered, self._most = document.blocks, layered, most_nested
+        self._known: dict[tuple[str, str, int], int] = {}
+
+    def of(self, entities: Iterable[DXFGraphic], layer: str = "", depth: int = 0) -> int:
+        """Entities and what their inserts stand for. layer: in effect around them."""
+        return sum(self._one(entity, layer, depth) for entity in entities)
+
+    def _one(self, entity: DXFGraphic, around: str, depth: int) -> int:
+        if entity.dxftype() != "INSERT":
+            return 1
+        layer, followed = self._layered(entity, around)
+        if not followed:
+            return 1
+        try:
+            times = copies(cast("Insert", entity))
+            count = times[0] * times[1]
+        except library_errors():
+            return 1  # it is left out, with a finding
+        block = self._blocks.get(entity.dxf.get("name", ""))
+        if block is None or depth >= self._most:
+            return 1 + count
+        key = (block.name.lower(), layer, depth)
+        if key not in self._known:
+            self._known[key] = self.of(block, layer, depth + 1)
+        return 1 + count * self._known[key]
+
 
 MOST_ENTITIES: Final = 1_000_000
 """Nested blocks double with each level: a small file can stand for more than a memory holds."""

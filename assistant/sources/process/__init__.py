@@ -1,34 +1,400 @@
-"""What a drawing or table leaves open: defaults of motion, tools, frames, signals, layers."""
+"""Contents of a process file: what a drawing or table leaves open.
+
+`Process` holds the defaults of motion, tools, frames, signals, lines and a `Layer` for each layer
+whose contours are followed. The records of a layer: `Shaping` (side, starts, leads, passes),
+`SpeedProfile`, `OutputSwitching` and `ContourTravel`. `Surroundings` is what a source asks of the
+cell: how long travel takes, and from where the tool can reach a place; `cell.ways_in` implements
+it. Lengths are mm, speeds mm/s, times seconds, angles degrees.
+
+`SeenSettings` is the table of frames that cameras locate; each key may be left out:
+
+    [seen]
+    ask = "192.168.0.5:10010"     # the program asks there while it runs; or listen:ADDRESS:PORT
+    found = "found.toml"          # beside this file: objects found before the program is written
+    oldest = 600                  # seconds for which a sight is valid
+    sigma_mm = 1.0                # largest uncertainty of a position, one standard deviation
+    sigma_deg = 1.0
+    confidence = 0.8              # 0 to 1, least confidence that it is the object
+    within = 300                  # mm that an answer may be off the usual position
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from itertools import pairwise
+from pathlib import Path as FilePath
+from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.diagnostics import Diagnostic
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, error
+from assistant.program import settings_tables
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Interface, Signal
+from assistant.program.settings_tables import Read, Table, Wrong, kind_of, shown
 from assistant.program.statements import Motion
 from assistant.program.undeclared_names import ChannelLine
-from assistant.sources.process.seen import NO_SEEN_SETTINGS, SeenSettings
-from assistant.sources.process.shaping import AS_DRAWN, Shaping
-from assistant.sources.process.ways import (
-    EVEN_SPEED,
-    SWITCHED_AT_ENDS,
-    TRAVEL_BY_APPROACH,
-    ContourTravel,
-    OrderKind,
-    OutputSwitching,
-    SpeedProfile,
+
+NO_DEPTH = error("CT330", "`passes` needs a depth that they share", "give `depth` in mm as well")
+DEPTH_WITHOUT_RETRACT = error(
+    "CT331",
+    "with `depth` the tool is in the work: it needs ways in and out of it",
+    "give `approach` and `retract` of more than 0 mm",
 )
-from assistant.sources.surroundings import Surroundings
+NO_SIDE = error(
+    "CT332", "`side` says where the tool is, but nothing on this layer asks for it", "{cure}"
+)
+
+MOST_PASSES: Final = 1000
+QUARTER_TURN: Final = 90.0
+LEAD_FORMS: Final = "write {arc = 5, angle = 90}, {line = 5, angle = 60} or {tangent = 5}"
+
+
+@dataclass(frozen=True, slots=True)
+class Lead:
+    """A way onto or off a contour, on the side where the tool is.
+
+    line: mm in a line that meets the contour at an angle in degrees, 0 along it. arc: mm of the
+    radius of an arc that touches the contour, over an angle in degrees.
+    """
+
+    kind: Literal["line", "arc"]
+    size: float
+    angle: float = QUARTER_TURN
+
+
+@dataclass(frozen=True, slots=True)
+class Shaping:
+    """offset: mm from the contour to the centre of the tool, 0 for the contour itself.
+
+    side: where the tool is: `nesting` is outside of outlines and inside of holes; left and right
+    are as an open contour is drawn. way_round: None for as drawn where it is closed, and as
+    travel is shortest where it is open. start: of closed contours. overlap: mm that a closed
+    contour goes on over its own start. depth: mm below the drawing, along the tool, reached in
+    equal `passes`. allowances: mm more than the offset, once around for each.
+    """
+
+    offset: float = 0.0
+    side: Literal["nesting", "inside", "outside", "left", "right"] = "nesting"
+    way_round: Literal["climb", "conventional", "clockwise", "anticlockwise", "drawn"] | None = None
+    start: Literal["nearest", "corner", "longest", "point"] = "nearest"
+    lead_in: Lead | None = None
+    lead_out: Lead | None = None
+    overlap: float = 0.0
+    depth: float = 0.0
+    passes: int = 1
+    allowances: tuple[float, ...] = (0.0,)
+
+    @property
+    def leads(self) -> tuple[Lead, ...]:
+        return tuple(lead for lead in (self.lead_in, self.lead_out) if lead)
+
+    @property
+    def sided(self) -> bool:
+        """Whether it matters on which side of a closed contour the tool is."""
+        return self.sided_open or bool(self.leads)
+
+    @property
+    def sided_open(self) -> bool:
+        """The same of an open one, which runs on along its tangents without cutting into itself."""
+        moved = self.offset > 0.0 or any(self.allowances)
+        turned = self.way_round in ("climb", "conventional")
+        return moved or turned or any(lead.angle > 0.0 for lead in self.leads)
+
+    @property
+    def depths(self) -> tuple[float, ...]:
+        """Mm below the drawing of each pass."""
+        return tuple(self.depth * (i + 1) / self.passes for i in range(self.passes))
+
+
+AS_DRAWN: Final = Shaping()
+
+
+def read_lead(value: Any) -> Lead:
+    if not isinstance(value, dict):
+        raise Wrong(f"is {kind_of(value)}", LEAD_FORMS)
+    kinds = [kind for kind in ("arc", "line", "tangent") if kind in value]
+    other = next((key for key in value if key not in ("arc", "line", "tangent", "angle")), None)
+    if other is not None:
+        raise Wrong(f"has no key {shown(other)}", LEAD_FORMS)
+    if len(kinds) != 1:
+        raise Wrong("is not one of arc, line and tangent", LEAD_FORMS)
+    (kind,) = kinds
+    if kind == "tangent" and "angle" in value:
+        raise Wrong("runs along the tangent and has no angle", "leave out the angle, or write line")
+    try:
+        size: float = settings_tables.number("mm", above=0.0)(value[kind])
+        angle: float = QUARTER_TURN
+        if "angle" in value:
+            most = 180.0 if kind == "arc" else 150.0
+            angle = settings_tables.number("degrees", above=0.0, most=most)(value["angle"])
+    except Wrong as wrong:
+        raise Wrong(f"has a number that {wrong.what}", wrong.cure) from None
+    if kind == "tangent":
+        return Lead("line", size, 0.0)
+    return Lead("arc" if kind == "arc" else "line", size, angle)
+
+
+def read_allowances(value: Any) -> tuple[float, ...]:
+    cure = "write mm in brackets, falling to what the last one leaves: [0.5, 0]"
+    if not isinstance(value, list) or not value:
+        raise Wrong(f"is {kind_of(value)}" if value != [] else "is empty", cure)
+    read = settings_tables.number("mm", least=0.0)
+    found = tuple(read(entry) for entry in value)
+    if any(later >= earlier for earlier, later in pairwise(found)):
+        raise Wrong("does not fall", cure)
+    return found
+
+
+SHAPING_KEYS: Final[Mapping[str, Read]] = {
+    "offset": settings_tables.number("mm", above=0.0),
+    "side": settings_tables.choice("nesting", "inside", "outside", "left", "right"),
+    "way_round": settings_tables.choice(
+        "climb", "conventional", "clockwise", "anticlockwise", "drawn"
+    ),
+    "start": settings_tables.choice("nearest", "corner", "longest", "point"),
+    "lead_in": read_lead,
+    "lead_out": read_lead,
+    "overlap": settings_tables.number("mm", least=0.0),
+    "depth": settings_tables.number("mm", least=0.0),
+    "passes": settings_tables.whole(1, MOST_PASSES),
+    "allowances": read_allowances,
+}
+
+
+def shaping_of(table: Table, found: dict[str, Any]) -> Shaping:
+    """From the values of a layer's table, which it takes out of them."""
+    stated = "side" in found
+    shaping = Shaping(**{key: found.pop(key) for key in SHAPING_KEYS if key in found})
+    if "passes" in table.content and not shaping.depth:
+        table.say(NO_DEPTH, "passes")
+    if shaping.depth and not all(found.get(key, 1.0) > 0.0 for key in ("approach", "retract")):
+        table.say(DEPTH_WITHOUT_RETRACT, "depth")
+    if stated and not shaping.sided:
+        cure = "give `offset`, a lead, or `way_round`; or delete `side`"
+        table.say(NO_SIDE, "side", cure=cure)
+    return shaping
+
+
+OrderKind = Literal["travel", "drawing", "text"]
+"""Of contours: as travel is shortest, as they were drawn, by the numbers written beside them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedProfile:
+    """Speeds along a contour where they are not the layer's; None for that one.
+
+    corner: where it turns by `angle` degrees or more, and on arcs of up to `radius` mm that do,
+    from `length` mm before to `length` mm behind. start, end: over the first and the last mm.
+    """
+
+    corner: Speed | None = None
+    angle: float = 30.0
+    radius: float = 0.0
+    length: float = 5.0
+    start: Speed | None = None
+    start_length: float = 5.0
+    end: Speed | None = None
+    end_length: float = 5.0
+
+    @property
+    def even(self) -> bool:
+        """Whether the whole contour has one speed."""
+        return self.corner is None and self.start is None and self.end is None
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchPoint:
+    """A place on the way and a time, mm and seconds before or behind the start or the end."""
+
+    mm: float = 0.0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class OutputSwitching:
+    """When outputs are set, None for at the start and the end themselves, where the tool stops."""
+
+    on_before: SwitchPoint | None = None
+    on_after: SwitchPoint | None = None
+    off_before: SwitchPoint | None = None
+    off_after: SwitchPoint | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ContourTravel:
+    """Travel between contours.
+
+    height: mm above the highest point of the layer, None for the approach and retract of each
+    contour. blend: of the places above the work. kind: None for lines, and joint moves where a
+    tool that follows the contours would wind up.
+    """
+
+    height: float | None = None
+    blend: Blend = FINE
+    kind: Literal["joint", "linear"] | None = None
+
+
+EVEN_SPEED: Final = SpeedProfile()
+SWITCHED_AT_ENDS: Final = OutputSwitching()
+TRAVEL_BY_APPROACH: Final = ContourTravel()
+
+
+NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
+ADDRESS_FORMS: Final = (
+    "write HOST:PORT of the computer that answers, listen:ADDRESS:PORT for a controller that "
+    "waits for it, or line:NUMBER for a communication line of the controller"
+)
+_ADDRESS: Final = re.compile(
+    r"line:(?P<line>[1-8])|(?P<listen>listen:)?(?P<host>[A-Za-z0-9_.\-]+):(?P<port>[0-9]{1,5})"
+)
+MOST_PORT: Final = 65535
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """How far sights are trusted.
+
+    oldest: seconds that one counts for. sigma_mm, sigma_deg: that it may be unsure by, one standard
+    deviation. confidence: 0 to 1, that it must at least have. within: mm from its usual place that
+    an answer may lie which a program gets as it runs: farther away nothing was looked at.
+    """
+
+    oldest: float = 600.0
+    sigma_mm: float = 1.0
+    sigma_deg: float = 1.0
+    confidence: float = 0.8
+    within: float = 300.0
+
+
+DEFAULT_TRUST: Final = Trust()
+
+
+@dataclass(frozen=True, slots=True)
+class PoseServer:
+    """Whom a program asks as it runs.
+
+    kind: `client` connects to another computer, `server` waits for it at its own address, `line` is
+    a communication line of the controller, whatever it is. number: of the port, or of the line.
+    """
+
+    kind: Literal["client", "server", "line"]
+    address: str
+    number: int
+
+    @property
+    def spoken(self) -> str:
+        """In a sentence: whom a program asks."""
+        if self.kind == "line":
+            return f"over line {self.number}"
+        who = "whoever connects to" if self.kind == "server" else "at"
+        return f"{who} {self.address}:{self.number}"
+
+    @staticmethod
+    def parse(text: str) -> PoseServer:
+        """From `HOST:PORT`, `listen:ADDRESS:PORT` or `line:NUMBER`; raises Wrong."""
+        match = _ADDRESS.fullmatch(text.strip())
+        if (
+            match is None
+            or match["host"] == "line"
+            or int(match["port"] or 1) not in range(1, MOST_PORT + 1)
+        ):
+            raise Wrong(f'is "{shown(text)}", which {NOT_AN_ADDRESS}', ADDRESS_FORMS)
+        if match["line"]:
+            return PoseServer("line", "", int(match["line"]))
+        kind: Literal["client", "server"] = "server" if match["listen"] else "client"
+        return PoseServer(kind, match["host"], int(match["port"]))
+
+
+@dataclass(frozen=True, slots=True)
+class SeenSettings:
+    """What a process file says under [seen].
+
+    found: path of a file of what was found, empty for none.
+    """
+
+    ask: PoseServer | None = None
+    trust: Trust = field(default=DEFAULT_TRUST)
+    found: str = ""
+
+
+NO_SEEN_SETTINGS: Final = SeenSettings()
+
+
+def _read_address(value: Any) -> PoseServer:
+    return PoseServer.parse(settings_tables.text(value))
+
+
+def _read_file_beside(value: Any) -> str:
+    """The name of a file, in the same folder."""
+    given = settings_tables.text(value)
+    if re.search(r"[/\\:\x00-\x1f]", given) or given in (".", ".."):
+        raise Wrong(f'is "{shown(given)}"', "write the name of a file beside this one, no folder")
+    return given
+
+
+SEEN_KEYS: Final[Mapping[str, Read]] = {
+    "ask": _read_address,
+    "found": _read_file_beside,
+    "oldest": settings_tables.number("seconds", above=0.0),
+    "sigma_mm": settings_tables.number("mm", above=0.0),
+    "sigma_deg": settings_tables.number("degrees", above=0.0),
+    "confidence": settings_tables.number("", least=0.0, most=1.0),
+    "within": settings_tables.number("mm", above=0.0),
+}
+
+
+def seen_of(said: Mapping[str, Any], path: str | None) -> SeenSettings:
+    """From the values of KEYS that are there. path: of the file that says them."""
+    trust = {key: value for key, value in said.items() if key not in ("ask", "found")}
+    found = str(FilePath(path or "").parent / said["found"]) if "found" in said else ""
+    return SeenSettings(said.get("ask"), Trust(**trust), found)
+
+
+ALONG_TOOL: Vector = (0.0, 0.0, -1.0)
+"""Back from a place along the tool, in the tool's own axes."""
+
+
+def travel_seconds(one: tuple[float, ...], other: tuple[float, ...]) -> float:
+    """Of a joint move between two of `Surroundings.places`: the axes move together."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class WayIn:
+    """direction: of unit length, in the tool's axes, from the place to where the tool comes from
+    or goes to. findings: what is said of it.
+    """
+
+    direction: Vector = ALONG_TOOL
+    findings: tuple[Diagnostic, ...] = ()
+
+
+class Surroundings(Protocol):
+    """Poses are those of the tip in the base of the robot, tools the tip in the flange."""
+
+    def places(self, positions: Floats, quaternions: Floats, tool: Pose) -> Floats | None:
+        """Tips (n, 3), (n, 4) → (n, k), of which two are as many seconds apart as a joint move
+        between them takes at full speed: the largest of their differences. None if one of them is
+        out of reach.
+        """
+
+    def way_in(self, pose: Pose, tool: Pose, distance: float, place: str) -> WayIn:
+        """From where the tool can come to a pose in a line of `distance` mm, touching nothing.
+
+        place: the pose, for findings.
+        """
+
+
+SurroundingsByRobot = Callable[[str | None], Surroundings | None]
+"""The surroundings by the robot that a source names, if it names one."""
+
 
 DEFAULT_SPEED: Final = Speed(100.0)
 

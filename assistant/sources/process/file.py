@@ -44,7 +44,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     seen = "bracket"              # it is where this object is seen; position: where that usually is
     on_controller = false         # and number, as for tools
 
-    [seen]                        # of such frames: how far sights are trusted, see seen.py
+    [seen]                        # of such frames: see `process.SeenSettings`
     ask = "192.168.0.5:10010"     # whom the program asks as it runs
 
     [signals.glue]
@@ -116,7 +116,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -124,24 +124,368 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_text import parse_toml
+from assistant.program import settings_tables
 from assistant.program import settings_tables as values
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
-from assistant.program.program import Signal
-from assistant.program.settings_tables import REPAIRED, Page, Read, Table, shown
+from assistant.program.motion import Speed
+from assistant.program.program import Interface, Signal
+from assistant.program.settings_tables import (
+    REPAIRED,
+    Page,
+    Read,
+    Table,
+    Wrong,
+    listed,
+    nearest,
+    shown,
+)
+from assistant.program.statements import Motion
 from assistant.program.undeclared_names import ChannelLine
-from assistant.sources.process import Defaults, Process
-from assistant.sources.process.known import MOTION_KEYS, DefinedNames
-from assistant.sources.process.layers import layer_of
-from assistant.sources.process.names import ON_CONTROLLER_KEYS, interface_of
-from assistant.sources.process.placing import (
+from assistant.sources.process import SEEN_KEYS as KEYS_OF_SEEN
+from assistant.sources.process import (
+    SHAPING_KEYS,
+    ContourTravel,
+    Defaults,
+    Layer,
+    OutputSwitching,
+    Process,
+    SpeedProfile,
+    SwitchPoint,
+    seen_of,
+    shaping_of,
+)
+from assistant.sources.process.placement import (
     MOST_MISFIT,
     ONE_PLACEMENT,
     PLACEMENT_KEYS,
     placement_by_marks,
     placement_fault,
 )
-from assistant.sources.process.seen import SEEN_KEYS as KEYS_OF_SEEN
-from assistant.sources.process.seen import seen_of
+
+EXCLUSIVE_KEY = error(
+    "CT340", "`{key}` and `{other}` cannot both be", "leave one of them out: {why}"
+)
+NEEDS_OTHER_KEY = error(
+    "CT341", "`{key}` says nothing without `{other}`", "add `{other}`, or delete it"
+)
+SWITCHED_TOO_EARLY = error(
+    "CT342",
+    "`{key}` is {wanted:g} mm of the way{how}, of which `{of}` leaves {length:g} mm",
+    "give less, or a larger `{of}`",
+)
+JOINT_TRAVEL_AT_WORK = error(
+    "CT343",
+    'travel_kind = "joint" would lead from the work and to it by joint moves',
+    "give `approach` and `retract` over 0, or a `travel_height`",
+)
+TRAVEL_BLEND_TOO_WIDE = error(
+    "CT344",
+    "`travel_blend` of {blend:g} mm cuts corners that are {length:g} mm above the work",
+    "give less, or a larger `travel_height`, or `approach` and `retract` without one",
+)
+PLANNED_CONTOUR_TRAVEL = error(
+    "CT345",
+    'with kind = "travel" under [motion] the ways between contours are planned through the cell',
+    "leave out `travel_kind`, or `kind` under [motion]",
+)
+
+SPEED_KEYS: Final[Mapping[str, tuple[str, Read]]] = {
+    "corner_speed": ("corner", settings_tables.speed),
+    "corner_angle": ("angle", settings_tables.number("degrees", above=0.0, most=180.0)),
+    "corner_radius": ("radius", settings_tables.number("mm", least=0.0)),
+    "corner_length": ("length", settings_tables.number("mm", least=0.0)),
+    "start_speed": ("start", settings_tables.speed),
+    "start_length": ("start_length", settings_tables.number("mm", above=0.0)),
+    "end_speed": ("end", settings_tables.speed),
+    "end_length": ("end_length", settings_tables.number("mm", above=0.0)),
+}
+"""Keys of the process file, each with the field of `Pace` and its reading."""
+
+TRAVEL_KEYS: Final[Mapping[str, tuple[str, Read]]] = {
+    "travel_height": ("height", settings_tables.number("mm", above=0.0)),
+    "travel_blend": ("blend", settings_tables.blend),
+    "travel_kind": ("kind", settings_tables.choice("joint", "linear")),
+}
+
+REQUIRED_KEYS: Final[Mapping[str, str]] = {
+    "corner_angle": "corner_speed",
+    "corner_radius": "corner_speed",
+    "corner_length": "corner_speed",
+    "start_length": "start_speed",
+    "end_length": "end_speed",
+    "on_before": "on",
+    "on_after": "on",
+    "off_before": "off",
+    "off_after": "off",
+}
+"""Keys that mean nothing without another one."""
+
+EXCLUSIVE_KEYS: Final = (
+    ("on_before", "on_after", "outputs are set once"),
+    ("off_before", "off_after", "outputs are set once"),
+    ("on_after", "delay", "the arm cannot wait at the start for what is set behind it"),
+    ("retract", "travel_height", "the tool leaves the work up to that height"),
+)
+
+
+def switch_point_reader(*units: str) -> Read:
+    """A table of one or both units, `mm` and `seconds`, none below 0 and one over it."""
+    wanted = " or ".join(f"{{{unit} = {n}}}" for unit, n in zip(units, ("5", "0.03"), strict=False))
+
+    def read(value: Any) -> SwitchPoint:
+        if not isinstance(value, dict):
+            raise Wrong(f"is {settings_tables.kind_of(value)}", f"write {wanted}")
+        for unit, given in value.items():
+            if unit not in units:
+                raise Wrong(f"has `{settings_tables.shown(unit)}`", f"write {wanted}")
+            try:
+                settings_tables.number(unit, least=0.0)(given)
+            except Wrong as wrong:
+                raise Wrong(f"has `{unit}`, which {wrong.what}", wrong.cure) from None
+        if not any(value.values()):
+            raise Wrong("says no place", f"write {wanted}")
+        return SwitchPoint(**{unit: float(given) for unit, given in value.items()})
+
+    return read
+
+
+SWITCHING_KEYS: Final[Mapping[str, Read]] = {
+    "on_before": switch_point_reader("mm", "seconds"),
+    "on_after": switch_point_reader("mm"),
+    "off_before": switch_point_reader("mm", "seconds"),
+    "off_after": switch_point_reader("mm", "seconds"),
+}
+
+CONTOUR_MOTION_KEYS: Final[Mapping[str, Read]] = {
+    "order": settings_tables.choice("travel", "drawing", "text"),
+    **{key: read for key, (_, read) in SPEED_KEYS.items()},
+    **{key: read for key, (_, read) in TRAVEL_KEYS.items()},
+    **SWITCHING_KEYS,
+}
+
+
+def contour_motion_of(table: Table, found: dict[str, Any]) -> dict[str, Any]:
+    """`pace`, `above` and `switching` of a layer from its keys, which are taken out of `found`."""
+    for key, other in REQUIRED_KEYS.items():
+        if key in found and other not in table.content:
+            table.say(NEEDS_OTHER_KEY, key, key=key, other=other)
+    for key, other, why in EXCLUSIVE_KEYS:
+        if key in found and other in found:
+            table.say(EXCLUSIVE_KEY, key, key=key, other=other, why=why)
+    if found.get("off_after", SwitchPoint()).mm and found["off_after"].seconds:
+        table.say(EXCLUSIVE_KEY, "off_after", key="mm", other="seconds", why="one says where it is")
+    pace = {field: found.pop(key) for key, (field, _) in SPEED_KEYS.items() if key in found}
+    above = {field: found.pop(key) for key, (field, _) in TRAVEL_KEYS.items() if key in found}
+    switching = {key: found.pop(key) for key in SWITCHING_KEYS if key in found}
+    made = {
+        "pace": SpeedProfile(**pace),
+        "above": ContourTravel(**above),
+        "switching": OutputSwitching(**switching),
+    }
+    return {key: value for key, value in made.items() if value != type(value)()}
+
+
+def check_contour_motion(table: Table, layer: Layer, *, planned: bool) -> None:
+    """What does not fit the ways to the contours and from them.
+
+    planned: whether travel is, through the cell.
+    """
+    above, switching, speed = layer.above, layer.switching, layer.motion.speed
+    approach, retract, travel = layer.approach, layer.retract, layer.travel.tcp
+    if above.kind is not None and planned:
+        table.say(PLANNED_CONTOUR_TRAVEL, "travel_kind")
+    if above.kind == "joint" and above.height is None and not (approach > 0.0 and retract > 0.0):
+        table.say(JOINT_TRAVEL_AT_WORK, "travel_kind")
+    blend = above.blend.radius or 0.0
+    lowest = min(approach, retract) if above.height is None else above.height
+    if above.height is not None:
+        approach, retract = min(approach, above.height), above.height
+    if blend > lowest:
+        table.say(TRAVEL_BLEND_TOO_WIDE, "travel_blend", blend=blend, length=lowest)
+    slow = min(speed.tcp, travel) if isinstance(speed, Speed) else travel
+    if (before := switching.on_before) is not None:
+        wanted, how = before.mm + before.seconds * slow, f" at {slow:g} mm/s"
+        if wanted > max(approach - blend, 0.0):
+            said = {"how": how if before.seconds else "", "of": "approach"}
+            left = max(approach - blend, 0.0)
+            table.say(
+                SWITCHED_TOO_EARLY, "on_before", key="on_before", wanted=wanted, length=left, **said
+            )
+    left = max(retract - blend, 0.0)
+    if (after := switching.off_after) is not None and after.mm > left:
+        said = {"how": "", "of": "retract" if above.height is None else "travel_height"}
+        table.say(
+            SWITCHED_TOO_EARLY, "off_after", key="off_after", wanted=after.mm, length=left, **said
+        )
+
+
+NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
+NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
+NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
+
+MOTION_KEYS: Final[Mapping[str, Read]] = {
+    "speed": settings_tables.speed,
+    "blend": settings_tables.blend,
+    "tool": settings_tables.name,
+    "frame": settings_tables.name,
+}
+
+
+class DefinedNames:
+    """The tools, frames and signals of the file, to find those that others name."""
+
+    def __init__(
+        self,
+        tools: Mapping[str, Tool],
+        frames: Iterable[str],
+        signals: Mapping[str, Signal],
+    ) -> None:
+        self._tools = tools
+        self._known = {"tool": [*tools, FLANGE], "frame": [*frames, BASE]}
+        self._signals = signals
+
+    def motion(self, table: Table, keys: Mapping[str, Read]) -> dict[str, Any]:
+        """The table's values, tools and frames under the names they were defined by."""
+        found = table.read(keys)
+        for kind, known in self._known.items():
+            if kind in found:
+                name = self._find(table, kind, kind, found[kind], known)
+                if name is None:
+                    del found[kind]
+                else:
+                    found[kind] = name
+        return found
+
+    def turns_freely(self, tool: str) -> bool:
+        return tool in self._tools and self._tools[tool].free_turn
+
+    def switched(self, table: Table, wanted: Mapping[str, float]) -> Iterable[tuple[str, float]]:
+        for given, value in wanted.items():
+            name = self._find(table, given, "signal", given, list(self._signals))
+            if name is None:
+                continue
+            signal = self._signals[name]
+            if signal.direction == "input":
+                table.say(NOT_AN_OUTPUT, given, name=name)
+            most = 2**signal.bits - 1
+            if signal.kind != "analog" and not (value == int(value) and 0 <= value <= most):
+                said = f"{value:g}"
+                table.say(
+                    NOT_ITS_VALUE,
+                    given,
+                    kind=signal.kind,
+                    name=name,
+                    value=said,
+                    wanted=f"a whole number, 0 to {most}",
+                )
+            yield name, value
+
+    @staticmethod
+    def _find(table: Table, key: str, kind: str, given: str, known: list[str]) -> str | None:
+        for name in known:
+            if name.casefold() == given.casefold():
+                return name
+        near, shown_name = nearest(given, known), shown(given)
+        cure = (
+            f"write {near}"
+            if near
+            else f"define [{kind}s.{shown_name}]; there are: {listed(known)}"
+        )
+        table.say(NOT_DEFINED, key, kind=kind, name=shown_name, cure=cure)
+        return None
+
+
+TANGENTIAL_FREE_TURN = error(
+    "CT322",
+    "the x axis of `{name}` cannot follow the contour: its turn is free",
+    "leave out `tangential`, or `free_turn` of the tool",
+)
+
+LAYER_KEYS: Final[Mapping[str, Read]] = {
+    "process": settings_tables.text,
+    **MOTION_KEYS,
+    "on": settings_tables.switches,
+    "off": settings_tables.switches,
+    "delay": settings_tables.number("seconds", least=0.0),
+    "approach": settings_tables.number("mm", least=0.0),
+    "retract": settings_tables.number("mm", least=0.0),
+    "travel": settings_tables.speed,
+    "direction": settings_tables.direction,
+    "tangential": settings_tables.truth,
+    "inside_first": settings_tables.truth,
+    **SHAPING_KEYS,
+    **CONTOUR_MOTION_KEYS,
+}
+
+
+def layer_of(name: str, table: Table, defaults: Defaults, names: DefinedNames) -> Layer:
+    found = names.motion(table, LAYER_KEYS)
+    parts = {key: found.pop(key) for key in MOTION_KEYS if key in found}
+    usual = {key: getattr(defaults.motion, key) for key in MOTION_KEYS}
+    switched: dict[str, Any] = {
+        key: tuple(names.switched(table.table(key), found.pop(key)))
+        for key in ("on", "off")
+        if key in found
+    }
+    tool = parts.get("tool", defaults.tool)
+    if found.get("tangential", False) and names.turns_freely(tool):
+        table.say(TANGENTIAL_FREE_TURN, "tangential", name=tool)
+    shaping = shaping_of(table, found)
+    process = found.pop("process", shown(name))
+    rounded = defaults.blend is None and "blend" not in parts
+    ways = contour_motion_of(table, found)
+    motion = Motion(**(usual | parts))
+    layer = Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **ways, **found)
+    check_contour_motion(table, layer, planned=defaults.travels)
+    return layer
+
+
+NUMBER_WITHOUT_CONTROLLER = error(
+    "CO328",
+    "`{name}` has a number, but is written with the program",
+    "write `on_controller = true` too, or leave out `number`",
+)
+MOST_TOOL_NUMBER: Final = 16
+"""Highest number of a tool on controllers that count them (parameters MEXTL1 to MEXTL16)."""
+
+PROGRAM_KEYS: Final[Mapping[str, Read]] = {
+    "as": settings_tables.name,
+    "main": settings_tables.truth,
+    "prefix": settings_tables.name,
+    "local": settings_tables.truth,
+}
+ON_CONTROLLER_KEYS: Final[Mapping[str, Read]] = {
+    "on_controller": settings_tables.truth,
+    "number": settings_tables.whole(1, MOST_TOOL_NUMBER),
+}
+"""Keys of a tool or a frame."""
+
+
+def interface_of(top: Table) -> Interface | None:
+    """What [program] says, with the tools and frames that the controller has; None for nothing."""
+    found = top.table("program").read(PROGRAM_KEYS)
+    there: dict[str, int | None] = {}
+    for kind in ("tools", "frames"):
+        given = top.content.get(kind)
+        for name, said in given.items() if isinstance(given, dict) else ():
+            if not isinstance(said, dict):
+                continue
+            if said.get("on_controller") is True:
+                there[name.lower()] = said.get("number")
+            elif "number" in said:
+                top.page.say(
+                    NUMBER_WITHOUT_CONTROLLER, (*top.path, kind, name, "number"), name=name
+                )
+    if not found and not there:
+        return None
+    return Interface(
+        found.get("as", ""),
+        found.get("main", True),
+        found.get("prefix", ""),
+        found.get("local", False),
+        there,
+    )
+
 
 NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
 TWO_ORIENTATIONS = error(

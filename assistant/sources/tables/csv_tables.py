@@ -30,16 +30,14 @@ from assistant.program.statements import (
     Statement,
     Wait,
 )
-from assistant.sources.contours.thinning import shortest_piece
+from assistant.sources.contours.path_tolerance import shortest_piece
 from assistant.sources.process import Process
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
-from assistant.sources.tables.actions import output_signal
-from assistant.sources.tables.cells import Cells
-from assistant.sources.tables.columns import ColumnTable, table_of
-from assistant.sources.tables.delimited import read_cells
+from assistant.sources.tables.columns import ColumnTable, output_signal, table_of
+from assistant.sources.tables.delimited_text import Cells, read_cells
 from assistant.sources.tables.headers import columns_of, shown
-from assistant.sources.tables.poses import metres_finding
+from assistant.sources.tables.rows import metres_finding
 
 ERROR: Final = Severity.ERROR
 MIXED = error(

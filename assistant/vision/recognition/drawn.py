@@ -17,11 +17,11 @@ from assistant.program.geometry import Pose
 from assistant.program.motion import Kind
 from assistant.program.program import TakenNames, identifier
 from assistant.program.settings_tables import listed, shown
-from assistant.sources.contours.chaining import Contour, chain_curves
-from assistant.sources.contours.flat import polyline
+from assistant.sources.contours.chains import Contour, chain_curves
+from assistant.sources.contours.curves import polyline
 from assistant.sources.contours.moves import as_pieces, contour_moves
 from assistant.sources.drawing import Contents, read_contents
-from assistant.sources.drawing.assembly import name_locations
+from assistant.sources.drawing.program import name_locations
 from assistant.sources.process import NO_PROCESS
 from assistant.vision.recognition.objects import KnownObject, Line, Outline, Place
 from assistant.vision.recognition.photo import signed_area

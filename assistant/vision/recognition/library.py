@@ -37,7 +37,7 @@ from assistant.program.geometry import Pose
 from assistant.program.program import IDENTIFIER
 from assistant.program.settings_tables import Read, Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.sources.tables.arrays import read_npz
+from assistant.sources.tables.npy_files import read_npz
 from assistant.vision.recognition.objects import (
     APPROACH,
     DOWN,

@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 from assistant.base.source_text import SourceText
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.loading import load_text, with_process
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import Translation, translate
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.loader import load_text, with_process
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation, translate
 
 HERE = Path(__file__).parent
 TEXTS = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.motion import Proving
-from assistant.compiler.running import programs
-from assistant.compiler.tasks import load_task, tasks_of
-from assistant.compiler.translating import Translation, translate
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.program_files import load_task, tasks_of
+from assistant.compiler.simulated_run import programs
+from assistant.compiler.translation import Translation, translate
 from assistant.virtual.events import Switched
 from assistant.virtual.program_run import Settings, prepared
 

@@ -21,14 +21,15 @@ import typer
 from assistant.base.diagnostics import Rule
 from assistant.cell import body_tables as of_cells
 from assistant.cli.app import app
-from assistant.compiler import script_file
+from assistant.compiler import simulated_run
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.cyclic.setpoint_source import Settings
 from assistant.program.pseudo.words import FIRST_WORDS
 from assistant.project.schema import schema
-from assistant.sources import cell as of_data
+from assistant.sources import cell_values as of_data
+from assistant.sources import process
+from assistant.sources.process import file, placement
 from assistant.sources.process import file as of_processes
-from assistant.sources.process import layers, names, placing, seen
 from assistant.sources.tables import headers, taught
 
 ROOT: Final = Path(__file__).parents[3]
@@ -187,10 +188,10 @@ def keys() -> frozenset[str]:
         *(
             of_processes.DEFAULT_MOTION_KEYS,
             of_processes.SIGNAL_KEYS,
-            layers.LAYER_KEYS,
-            placing.PLACEMENT_KEYS,
-            names.PROGRAM_KEYS,
-            seen.SEEN_KEYS,
+            file.LAYER_KEYS,
+            placement.PLACEMENT_KEYS,
+            file.PROGRAM_KEYS,
+            process.SEEN_KEYS,
         ),
         *(
             of_cells.PLACE_KEYS,
@@ -206,7 +207,7 @@ def keys() -> frozenset[str]:
             of_data.RECORD_KEYS,
             of_data.ARM_KEYS,
         ),
-        *(script_file.CHANGE_KEYS, script_file.ANSWER_KEYS, taught.TARGET_KEYS, headers.KNOWN),
+        *(simulated_run.CHANGE_KEYS, simulated_run.ANSWER_KEYS, taught.TARGET_KEYS, headers.KNOWN),
         ROBOTS,
         WAYPOINTS,
     )
@@ -221,7 +222,7 @@ def tables() -> frozenset[str]:
         of_processes.PLACEMENT_TABLE,
         *of_data.TABLE_OF_KIND.values(),
         *schema()["properties"],
-        *script_file.SCRIPT_KEYS,
+        *simulated_run.SCRIPT_KEYS,
     }
     return frozenset({*said, "targets", "world", "robots", "bodies"})
 

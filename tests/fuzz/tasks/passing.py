@@ -9,10 +9,10 @@ from pathlib import Path
 
 from assistant.base.diagnostics import Severity
 from assistant.compiler import Translation, translate
-from assistant.compiler.filling import with_neutral_cell
-from assistant.compiler.loading import Loaded
-from assistant.compiler.motion import Proving
-from assistant.compiler.tasks import load_task, tasks_of
+from assistant.compiler.cell_defaults import with_neutral_cell
+from assistant.compiler.loader import Loaded
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.program_files import load_task, tasks_of
 from tests.fuzz.target import promise
 from tests.fuzz.tasks.drawing import Drawn, drawn
 

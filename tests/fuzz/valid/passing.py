@@ -13,8 +13,8 @@ from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.base.source_text import SourceText
 from assistant.compiler import Compiled, compile, translate
-from assistant.compiler.checking import check_text
-from assistant.compiler.loading import parse_pseudo
+from assistant.compiler.checker import check_text
+from assistant.compiler.loader import parse_pseudo
 from assistant.languages import Language
 from assistant.program.program import Program
 from tests.fuzz.programs import NAME, laid_out, placed, said

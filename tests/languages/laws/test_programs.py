@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import compile, languages
 from assistant.base.diagnostics import Refused, Span
-from assistant.compiler.proof import prove_read_back
+from assistant.compiler.read_back_proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare

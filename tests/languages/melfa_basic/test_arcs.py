@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.compiler.translating import translate
+from assistant.compiler.translation import translate
 from assistant.languages.melfa_basic.lift import paths
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -11,7 +11,7 @@ import assistant
 from assistant import languages
 from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.languages.melfa_basic.convert.conversion import Converted, convert
 from assistant.languages.melfa_basic.tree import syntax as s
 

@@ -8,7 +8,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import Translation, translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 from assistant.virtual import melfa, rapid
 from assistant.virtual.events import Moved
 from assistant.virtual.proving.comparison import difference

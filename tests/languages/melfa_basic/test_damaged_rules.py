@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.base.source_text import SourceText
-from assistant.compiler.checking import check_text
+from assistant.compiler.checker import check_text
 
 ROWS: dict[str, tuple[int, str, list[str]]] = {
     "a jump elsewhere": (5, "X=1+\nGoTo *LOP", ["MB002 1", "MB101 2"]),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.formatting import format_text
+from assistant.compiler.formatter import format_text
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.pseudo import parse as parse_pseudo

@@ -7,7 +7,7 @@ import pytest
 from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 
 PLACES = """P1=(+310,+0,+400,+180,+0,+180)(7,0)
 P2=(+330,+0,+420,+180,+0,+180)(7,0)

@@ -7,7 +7,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.program import statements as p
 
 from .lifting import lifted

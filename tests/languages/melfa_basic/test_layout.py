@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from assistant import languages
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import SourceText
-from assistant.compiler.formatting import format_text
+from assistant.compiler.formatter import format_text
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows

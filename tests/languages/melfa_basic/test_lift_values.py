@@ -11,7 +11,7 @@ import pytest
 from assistant import languages
 from assistant.base import rotations
 from assistant.base.source_text import SourceText
-from assistant.compiler.proof import prove_read_back
+from assistant.compiler.read_back_proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Tool

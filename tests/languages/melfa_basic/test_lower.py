@@ -8,8 +8,8 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Severity
-from assistant.compiler.joint_speeds import with_joint_speed
-from assistant.compiler.proof import prove_read_back
+from assistant.compiler.read_back_proof import prove_read_back
+from assistant.compiler.retarget import with_joint_speed
 from assistant.languages.language_types import Frames
 from assistant.program.program import Program, Signal
 

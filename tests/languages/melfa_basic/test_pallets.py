@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from assistant import languages
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import translate
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program

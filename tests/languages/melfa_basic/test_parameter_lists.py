@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import Translation, translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 COMMON = (
     'COMMON.PRMNARC parameter system V1.0;\r\nMECHA1=Ms,"RV-4FRL-D";\r\n{more}NETIP=Us,"10.0.0.2";'

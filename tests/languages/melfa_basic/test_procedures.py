@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import Severity
-from assistant.compiler.proof import prove_read_back
+from assistant.compiler.read_back_proof import prove_read_back
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Parameter, Procedure, Program, Signal, ValueType, Variable

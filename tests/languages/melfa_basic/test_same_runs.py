@@ -10,7 +10,7 @@ import assistant
 from assistant import languages
 from assistant.base.source_text import SourceText
 from assistant.compiler import Translation
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.program.passes.variables import repeats_cycle
 from assistant.virtual import melfa, rapid
 from assistant.virtual.events import Moved

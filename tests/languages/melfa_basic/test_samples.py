@@ -9,7 +9,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.base.diagnostics import Severity
-from assistant.compiler.loading import load
+from assistant.compiler.loader import load
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 

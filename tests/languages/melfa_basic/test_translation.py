@@ -14,7 +14,7 @@ from assistant import languages
 from assistant.base import rotations
 from assistant.base.diagnostics import Severity
 from assistant.compiler import load, translate
-from assistant.compiler.filling import with_neutral_cell
+from assistant.compiler.cell_defaults import with_neutral_cell
 from assistant.languages.language_types import Frames
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, Pose, Tool

@@ -8,13 +8,13 @@ import pytest
 
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.filling import cell_text, neutral_cell
-from assistant.compiler.loading import load
-from assistant.compiler.motion import Proving
-from assistant.compiler.translating import translate
+from assistant.compiler.cell_defaults import cell_text, neutral_cell
+from assistant.compiler.loader import load
+from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import translate
 from assistant.program.geometry import Frame, Pose, Target
 from assistant.program.undeclared_names import Wanted
-from assistant.sources.cell import read_cell
+from assistant.sources.cell_values import read_cell
 
 FIVE = languages.get("melfa-basic-5")
 PLACES = "P1=(400,0,400,180,0,180)(7,0)\n"

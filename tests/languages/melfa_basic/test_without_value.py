@@ -6,7 +6,7 @@ import pytest
 
 import assistant
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 
 TARGETS = "P1=(+354.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import Translation, translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 HEAD = """MODULE Cell
   CONST robtarget p10:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];

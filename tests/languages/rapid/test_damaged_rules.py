@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.base.source_text import SourceText
-from assistant.compiler.checking import check_text
+from assistant.compiler.checker import check_text
 
 ROWS: dict[str, tuple[str, list[str]]] = {
     "a call elsewhere": ("VAR num x;\nx := 1 +;\nWaitTime 0;\nGripp;", ["RA103 4", "RA401 6"]),

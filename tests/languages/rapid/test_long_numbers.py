@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.compiler import translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 
 PROGRAM = r"""MODULE m
 ALIAS dnum big;

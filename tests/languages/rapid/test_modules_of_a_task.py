@@ -9,7 +9,7 @@ import pytest
 
 import assistant
 from assistant.compiler import load, translate
-from assistant.compiler.motion import Proving
+from assistant.compiler.motion_proof import Proving
 from assistant.languages.rapid.text import header
 
 PLACE = "P1=(+400.00,{y:+.2f},+300.00,+180.00,+0.00,+180.00)(7,0)\n"

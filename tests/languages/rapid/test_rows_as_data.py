@@ -6,8 +6,8 @@ import pytest
 
 import assistant
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
-from assistant.compiler.motion import Proving
+from assistant.compiler.loader import load_text
+from assistant.compiler.motion_proof import Proving
 
 COUNT = 40
 

@@ -6,7 +6,7 @@ import pytest
 
 from assistant.base.source_text import SourceText
 from assistant.compiler import Translation, translate
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 
 READ = r"""t:="";
 SocketReceive s\Str:=c\ReadNoOfBytes:=1\Time:=WAIT_MAX;

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import Translation, translate
-from assistant.compiler.tasks import load_task, tasks_of
+from assistant.compiler.program_files import load_task, tasks_of
 
 EIO = """EIO:CFG_1.0:6:1::
 #

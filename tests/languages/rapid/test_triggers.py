@@ -11,7 +11,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.base.source_text import SourceText
-from assistant.compiler.loading import load_text
+from assistant.compiler.loader import load_text
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Severity
-from assistant.sources.contours.chaining import chain_curves
+from assistant.sources.contours.chains import chain_curves
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, vector
 from tests.examples import drawn
 

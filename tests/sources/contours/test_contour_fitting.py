@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assistant.sources.contours.biarcs import fit_curve
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.fitting import fit_curve
 from tests.examples import drawn
 
 

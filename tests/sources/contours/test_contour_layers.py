@@ -24,7 +24,7 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.layers import contour_program as layer_program
+from assistant.sources.contours.layer_program import contour_program as layer_program
 from assistant.sources.process import Defaults, Layer, Process
 from tests.examples import drawn
 from tests.sources.contours.whole import pose, whole_paths

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.motion import Kind
-from assistant.sources.contours.chaining import Contour, chain_curves
+from assistant.sources.contours.chains import Contour, chain_curves
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.moves import contour_moves
 from tests.examples import drawn

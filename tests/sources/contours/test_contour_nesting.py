@@ -10,10 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import sources
-from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.chains import Contour
+from assistant.sources.contours.contour_order import holders, order_contours, travel_length
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.nesting import holders
-from assistant.sources.contours.ordering import order_contours, travel_length
 from tests.examples import drawn
 from tests.sources.contours.whole import whole_paths
 

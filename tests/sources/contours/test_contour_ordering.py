@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.sources.contours.chaining import Contour
-from assistant.sources.contours.curves import Arc, Line, vector
-from assistant.sources.contours.ordering import (
+from assistant.sources.contours.chains import Contour
+from assistant.sources.contours.contour_order import (
     TravelMeasure,
     order_contours,
     order_points,
     travel_length,
 )
+from assistant.sources.contours.curves import Arc, Line, vector
 from tests.examples import drawn
 
 

@@ -13,7 +13,7 @@ from assistant.program.expressions import Apply
 from assistant.program.motion import Kind
 from assistant.program.statements import Move
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
-from assistant.sources.contours.layers import contour_program
+from assistant.sources.contours.layer_program import contour_program
 from assistant.sources.process.file import parse_process
 from tests.sources.contours.whole import whole_paths
 

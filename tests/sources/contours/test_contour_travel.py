@@ -8,9 +8,9 @@ import assistant
 from assistant import sources
 from assistant.program.geometry import Pose
 from assistant.program.statements import Move
-from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.chains import Contour
+from assistant.sources.contours.contour_statements import PlacedLayer, highest_point
 from assistant.sources.contours.curves import Arc, FreeCurve
-from assistant.sources.contours.following import PlacedLayer, highest_point
 
 PROCESS = """
 [motion]

@@ -16,12 +16,20 @@ from assistant.program.geometry import Frame, Load, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
-from assistant.sources.process import NO_PROCESS, Defaults, Layer
+from assistant.sources.process import (
+    NO_PROCESS,
+    ContourTravel,
+    Defaults,
+    Layer,
+    Lead,
+    OutputSwitching,
+    Shaping,
+    SpeedProfile,
+    SwitchPoint,
+)
 from assistant.sources.process import file as process_file
-from assistant.sources.process import layers as process_layers
+from assistant.sources.process import file as process_layers
 from assistant.sources.process.file import parse_process, read_process
-from assistant.sources.process.shaping import Lead, Shaping
-from assistant.sources.process.ways import ContourTravel, OutputSwitching, SpeedProfile, SwitchPoint
 from tests.examples import drawn
 
 

@@ -19,10 +19,9 @@ from assistant.base.source_text import SourceText
 from assistant.program.geometry import Frame, Pose
 from assistant.program.statements import Follow
 from assistant.sources.drawing import read
-from assistant.sources.placements import placement_of_options
 from assistant.sources.process import NO_PROCESS, Defaults
 from assistant.sources.process.file import parse_process
-from assistant.sources.process.placing import placement_by_marks
+from assistant.sources.process.placement import placement_by_marks, placement_of_options
 from tests.examples import drawn
 
 MARKS = [[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [40.0, 100.0, 0.0]]

@@ -18,8 +18,7 @@ from assistant.program.motion import FINE, Blend
 from assistant.program.pseudo import print_program
 from assistant.program.statements import Motion
 from assistant.sources.drawing import read
-from assistant.sources.process import DEFAULT_SPEED, Defaults, Layer, Process
-from assistant.sources.surroundings import ALONG_TOOL, WayIn
+from assistant.sources.process import ALONG_TOOL, DEFAULT_SPEED, Defaults, Layer, Process, WayIn
 
 Save = Callable[..., Path]
 

@@ -9,9 +9,9 @@ import assistant
 from assistant import sources
 from assistant.program.motion import FINE, Blend, Kind
 from assistant.program.statements import Follow, Move
-from assistant.sources import waypoints
+from assistant.sources.contours.path_tolerance import ROUNDING_RADII, rounding_radii
 from assistant.sources.process import Defaults, Process
-from assistant.sources.rounding import ROUNDING_RADII, rounding_radii
+from assistant.sources.tables import waypoints
 from tests.examples import drawn
 
 TURN = (1.0, 0.0, 0.0, 0.0)

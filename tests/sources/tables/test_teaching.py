@@ -9,7 +9,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
-from assistant.sources.tables.teaching import (
+from assistant.sources.tables.taught import (
     TaughtTarget,
     is_otherwise_equal,
     new_file_text,

@@ -22,8 +22,8 @@ from assistant.program.geometry import Pose, Target, Tool
 from assistant.program.motion import Blend, Kind, Path, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Follow, Move
-from assistant.sources import waypoints
 from assistant.sources.process import NO_PROCESS, Defaults, Process
+from assistant.sources.tables import waypoints
 from tests.examples import drawn
 
 RNG = np.random.default_rng(3)

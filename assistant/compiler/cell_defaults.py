@@ -1,0 +1,397 @@
+"""Declarations for what a program uses and does not declare: from a cell file, or stand-ins.
+
+Each missing name becomes a declaration in a file of its own, beside those that were read: with the
+cell file's value, or with a stand-in. So everything that reads the program, the motion proof
+included, finds it where the program itself would have it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant import languages
+from assistant.base.diagnostics import Refused, error, has_errors, warning
+from assistant.base.source_text import SourceText
+from assistant.compiler.cell_equipment import (
+    STATED_TEXT_NAME,
+    check_signals,
+    with_cell_equipment,
+    with_lines,
+    with_signals,
+)
+from assistant.compiler.loader import Loaded, language_of
+from assistant.compiler.retarget import has_joint_angles
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.motion import ComputedSpeed, Speed
+from assistant.program.program import Program, Signal
+from assistant.program.rewriting import records
+from assistant.program.statement_index import records_in_procedures
+from assistant.program.undeclared_names import (
+    JOINT_SPEED,
+    LINE_NAME,
+    NEUTRAL_LINE,
+    ROUTINES,
+    SAME_ARM,
+    SLOW_SPEED,
+    TAUGHT_ON,
+    SuppliedValue,
+    Wanted,
+    neutral_value,
+)
+from assistant.sources.cell_values import (
+    NO_CELL,
+    TABLE_OF_KIND,
+    Cell,
+    data_text,
+    parse_cell,
+    read_cell,
+    wanted_in_words,
+    with_entries,
+)
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+
+
+UNFILLED: Final = warning(
+    "CO071",
+    "the cell file does not say what {what} is: something that only stands for it is written",
+    "write its value in the cell file, then translate again",
+)
+NO_FILE_OF: Final = error(
+    "CO072",
+    "`{name}` stands for itself in the cell file, and the file `{file}` cannot be used: {reason}",
+    'name a file beside the cell file, or write "stop" or "empty"',
+)
+OTHER_TYPE: Final = error(
+    "CO073",
+    "what the cell file says of `{name}` is no value of the type {type}",
+    "write {wanted}, or another `type`",
+)
+UNPROVEN: Final = warning(
+    "CO074",
+    "what lacks values of its cell is not proven by motion",
+    "write them in the cell file, then prove it",
+)
+GROUP_BITS: Final = {"input": 15, "output": 16}
+"""Of a group of signals whose width nobody states; an input of 16 may be read as negative."""
+GROUP_WIDTHS: Final = (8, 16, 32)
+"""Of groups that controllers read at once: the rest of one stays free."""
+FIRST_ANALOG: Final = 6000
+"""Number of the first analog signal: the first register that CR controllers have for such."""
+
+
+def with_values_of_file(
+    loaded: Loaded,
+    path: str | FilePath,
+    *,
+    taught: bool = False,
+    to: Language[Any] | None = None,
+) -> Loaded:
+    """A program in the cell of a cell file, which need not be there yet.
+
+    taught: the arm that its joint angles were taught on is known. to: the language that it is
+    translated to, None for any. Raises Unreadable or Refused for a file that cannot be used.
+    """
+    return with_cell_values(loaded, read_cell(path), FilePath(path), taught=taught, to=to)
+
+
+def with_cell_values(
+    loaded: Loaded,
+    cell: Cell,
+    path: FilePath,
+    *,
+    taught: bool = False,
+    to: Language[Any] | None = None,
+) -> Loaded:
+    """The same for a cell that was read. What it does not say is in `wanting` of the answer."""
+    origin = loaded.program.origin
+    if origin is None:
+        return loaded
+    language = language_of(origin.language)
+    wanted = language.wanted(origin.trees)
+    files = _routine_files(language, cell, wanted, path)
+    trees = [*origin.trees, *files]
+    if files:
+        wanted = language.wanted(trees)
+    declared = [one for one in wanted if one.kind != "signal"]
+    program = loaded.program
+    values = [_value_of(one, cell) for one in declared]
+    pairs = zip(declared, values, strict=True)
+    given = [(_with_extents(_with_stated_type(one, cell), value), value) for one, value in pairs]
+    if given:
+        trees = language.with_supplied(trees, given, STATED_TEXT_NAME)
+    if files or given:
+        anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
+        program = _with_stated_tables(anew, program, origin.lifted)
+    check_signals(program, cell.process, str(path))
+    program = _with_input_signals(program, wanted)
+    told = _lowered_for_export(program, language)
+    program = replace(program, signals=told.signals | program.signals)
+    program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
+    missing = [
+        one for one in declared if cell.value(one) is None and neutral_value(one) is not None
+    ]
+    program, unnumbered = _with_signal_numbers(program, wanted)
+    arm = Wanted(TAUGHT_ON, "arm")
+    joints = (
+        not taught
+        and program.robot is None
+        and (has_joint_angles(program) or has_joint_angles(told))
+    )
+    stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
+    joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
+    if to is None or to.family != language.family:
+        open_ends = _lines_opened(told)  # without those whose other end the program states itself
+        numbers = [number for number in _lines_opened(program) if number in open_ends]
+        missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
+        program = with_lines(program, dict.fromkeys(numbers, NEUTRAL_LINE))
+        if joint_speed is None and not taught and _has_percent_joints(told):
+            missing.append(Wanted(JOINT_SPEED, "speed"))
+            joint_speed = SLOW_SPEED.tcp
+    return replace(
+        loaded,
+        program=program,
+        findings=(*loaded.findings, *findings),
+        joint_speed=joint_speed,
+        joint_percent=cell.process.joint_percent or loaded.joint_percent,
+        wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
+        arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
+    )
+
+
+def _joint_speed(cell: Cell) -> float | None:
+    value = cell.value(Wanted(JOINT_SPEED, "speed"))
+    return value.tcp if isinstance(value, Speed) else None
+
+
+def _lines_opened(program: Program) -> list[int]:
+    """The communication lines that the program opens by their numbers alone."""
+    return sorted({
+        int(number)
+        for one in records_in_procedures(program, p.Attach)
+        for number in (e.plain_number(part) for part in one.place[:1])
+        if one.kind == "line" and number is not None
+    })  # fmt: skip
+
+
+def _has_percent_joints(program: Program) -> bool:
+    """True if a percentage, and nothing else, slows joint moves down."""
+    slowed = any(
+        one.percent != e.Number(100) for one in records_in_procedures(program, p.SetOverride)
+    )
+    for one in records(program):
+        if isinstance(one, ComputedSpeed) and one.joint is not None:
+            return True
+        if isinstance(one, Speed) and one.joint is not None and math.isinf(one.tcp):
+            if slowed or one.joint < 100.0:
+                return True
+    return False
+
+
+_STATED_TABLES: Final = ("frames", "tools", "speeds", "blends", "signals")
+"""What a process file may have said of a program."""
+
+
+def _with_stated_tables(program: Program, before: Program, lifted: Program) -> Program:
+    """A program that was read once more, with what files had stated of it before.
+
+    Those are a process file, and files of its controller, which name its entry and what is called.
+    """
+    changed: dict[str, Any] = {}
+    if before.entry != lifted.entry:
+        changed["entry"] = before.entry
+    if before.origin is not None and program.origin is not None:
+        changed["origin"] = replace(program.origin, called=before.origin.called)
+    for table in _STATED_TABLES:
+        was, now = getattr(lifted, table), getattr(before, table)
+        anew = {name: one for name, one in now.items() if was.get(name) != one}
+        changed[table] = {**getattr(program, table), **anew}
+    return replace(program, **changed)
+
+
+def _lowered_for_export(program: Program, language: Language[Any]) -> Program:
+    """The program as a language of another family is told it, which may ask for more signals."""
+    others = map(language_of, languages.names())
+    other = next(one for one in others if one.family != language.family)
+    return language.exported(program, other, None).program
+
+
+def neutral_cell(loaded: Loaded) -> str:
+    """A cell file for a program, with the values that say least: the flange, the base, 100 mm/s.
+
+    Signals are numbered from 1. Routines that were not read are stops. Joint angles are those of
+    the arm that runs the program, whichever it was written for.
+    """
+    loaded = replace(loaded, arm=None)
+    wanting = with_cell_values(loaded, NO_CELL, FilePath("cell.toml")).wanting
+    origin = loaded.program.origin
+    percents = origin is not None and language_of(origin.language).joint_percent
+    head = f"joint_speed = {SLOW_SPEED.tcp:g}\n" if percents else ""
+    return with_entries(head, [(one, neutral_value(one)) for one in wanting])
+
+
+def with_neutral_cell(loaded: Loaded) -> Loaded:
+    """A program in a cell that says the least of everything, see `neutral_cell`; nothing lacks."""
+    cell = parse_cell(SourceText(neutral_cell(loaded), STATED_TEXT_NAME))
+    return with_cell_values(loaded, cell, FilePath("cell.toml"))
+
+
+def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
+    """The text of a cell file with a place for each value that it has no entry for."""
+    new: dict[tuple[str, str], Wanted] = {}
+    for one in wanting:
+        entry = TABLE_OF_KIND[one.kind], one.name.lower()
+        if entry not in cell.known:
+            new.setdefault(entry, one)
+    return (
+        with_entries(cell.text, [(_without_number(one), None) for one in new.values()])
+        if new
+        else cell.text
+    )
+
+
+def marked_as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
+    """A program that lacks values, with a head that says so, and a stop before anything else.
+
+    An output or a frame that only stands for another one is none to begin to move with.
+    """
+    if not wanting:
+        return program
+    names = (f"to be filled in: {wanted_in_words(one)}" for one in wanting)
+    head = ("DRAFT: not for production. The cell file does not say these values:", *names)
+    procedures = tuple(
+        replace(one, body=(p.Stop(), *one.body)) if one.name == program.entry else one
+        for one in program.procedures
+    )
+    return replace(program, comments=(*program.comments, *head), procedures=procedures)
+
+
+def _without_number(one: Wanted) -> Wanted:
+    if one.signal is None:
+        return one
+    return replace(one, signal=replace(one.signal, number=None))
+
+
+def _with_stated_type(one: Wanted, cell: Cell) -> Wanted:
+    """With the type that the cell file states for data."""
+    return (
+        replace(one, type=cell.types.get(one.name.lower(), one.type)) if one.kind == "data" else one
+    )
+
+
+def _value_of(one: Wanted, cell: Cell) -> SuppliedValue | None:
+    value, least = cell.value(one), neutral_value(one)
+    if value is None:
+        return least
+    if (
+        one.kind == "data"
+        and _with_stated_type(one, cell).type == one.type
+        and not _is_like(value, least)
+    ):
+        shown = data_text(one.nothing)
+        at = f"data.{one.name}"
+        raise Refused(
+            OTHER_TYPE(name=one.name, type=one.type, wanted=f"one like {shown}", place=at)
+        )
+    return value
+
+
+def _with_extents(one: Wanted, value: SuppliedValue | None) -> Wanted:
+    """An array with the extents that its value has."""
+    extents: list[int] = []
+    inner: Any = value
+    for _ in one.size:
+        if not isinstance(inner, tuple) or not inner:
+            return one
+        extents.append(len(inner))
+        inner = inner[0]
+    return replace(one, size=tuple(extents))
+
+
+def _is_like(value: Any, other: Any) -> bool:
+    """Whether two values of data have the same form; of an array with any number of elements."""
+    if isinstance(value, tuple) and isinstance(other, tuple):
+        alike = len({type(part) for part in other}) == 1 and len(other) > 0
+        if len(value) != len(other) and not alike:
+            return False
+        return all(_is_like(a, b) for a, b in zip(value, other, strict=False))
+    kinds = (bool, str, tuple, float | int)
+    kind = next(k for k in kinds if isinstance(other, k)) if other is not None else object
+    return isinstance(value, kind) and (kind is not kinds[-1] or not isinstance(value, bool))
+
+
+def _routine_files(
+    language: Language[Any], cell: Cell, wanted: Sequence[Wanted], path: FilePath
+) -> list[Any]:
+    """The trees of files that the cell file names for routines that were not read."""
+    names: dict[str, str] = {}
+    for one in wanted:
+        value = cell.value(one) if one.kind == "routine" else None
+        if isinstance(value, str) and value not in ROUTINES:
+            names.setdefault(value, one.name)
+    found = []
+    for name, routine in names.items():
+        try:
+            tree = language.parse(language.read(path.parent / name))
+        except Refused as refused:
+            reason = refused.findings[0].message
+            raise Refused(
+                NO_FILE_OF(name=routine, file=name, reason=reason, path=str(path))
+            ) from None
+        if has_errors(tree.findings):
+            raise Refused(*tree.findings)
+        found.append(tree)
+    return found
+
+
+def _with_input_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
+    """With the signals that expressions read and nothing sets."""
+    known = {name.lower() for name in program.signals}
+    found = {
+        one.name: one.signal
+        for one in wanted
+        if one.signal is not None and one.name.lower() not in known
+    }
+    return replace(program, signals={**program.signals, **found}) if found else program
+
+
+def _with_signal_numbers(
+    program: Program, wanted: Sequence[Wanted]
+) -> tuple[Program, list[Wanted]]:
+    """With numbers for signals that have none, from 1 on, and those signals."""
+    uses = {one.name.lower(): one for one in wanted if one.kind == "signal"}
+    signals = dict(program.signals)
+    taken: dict[tuple[str, bool], set[int]] = {}
+    for signal in signals.values():
+        if signal.number is not None:
+            _numbers_taken(taken, signal).update(range(signal.number, signal.number + signal.bits))
+    missing: list[Wanted] = []
+    order = sorted(signals.items(), key=lambda pair: pair[1].kind == "group")
+    for name, signal in order:
+        if signal.number is not None:
+            continue
+        bits = (
+            GROUP_BITS[signal.direction]
+            if signal.kind == "group" and signal.bits == 1
+            else signal.bits
+        )
+        room = _numbers_taken(taken, signal)
+        first = FIRST_ANALOG if signal.kind == "analog" else 1
+        wide = next(width for width in (1, *GROUP_WIDTHS) if width >= bits)
+        number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + wide)))
+        room.update(range(number, number + wide))
+        signals[name] = Signal(signal.kind, signal.direction, number, bits)
+        known = uses.get(name.lower(), Wanted(name, "signal"))
+        missing.append(replace(known, name=name, signal=signals[name]))
+    return (replace(program, signals=signals) if missing else program), missing
+
+
+def _numbers_taken(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:
+    """The numbers that signals of its kind have by now."""
+    return taken.setdefault((signal.direction, signal.kind == "analog"), set())

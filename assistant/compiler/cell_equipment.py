@@ -1,0 +1,316 @@
+"""Tools, frames, signals and lines that a cell gives a program which names them.
+
+They come from a process file, if the program moves to another cell, or from the configuration
+files of the program's controller: signals, the arm, values that the controller holds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+from assistant.base.diagnostics import Diagnostic, Refused, error, info, warning
+from assistant.base.source_text import decode, read_bytes
+from assistant.languages.language_types import ControllerConfiguration
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.passes.operator_texts import is_operators
+from assistant.program.program import Program, Signal
+from assistant.program.rewriting import records, rewrite
+from assistant.program.undeclared_names import ChannelLine
+from assistant.sources.process import NO_PROCESS, Process
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.program.undeclared_names import Supplied
+
+
+ENTRY_NOT_USED = warning(
+    "CO006",
+    "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
+    "write the name as the program does",
+)
+
+KEYS_WITHOUT_EFFECT = info(
+    "CO009",
+    "what the process file says of {keys} changes nothing in a program that states its own moves",
+    "name arms with --robot and --from-robot; the rest is for drawings and tables",
+)
+SIGNAL_MISMATCH = error(
+    "CO010",
+    "the program uses `{name}` as {used}, but the process file states {stated}",
+    'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
+)
+PROGRAM_KEYS: Final = (
+    *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
+    *("seen", "findings"),
+)
+"""What a process file says that a program takes from it."""
+KEY_WORDS: Final = {"defaults": "motion"}
+"""Keys of a process file that have other names here."""
+
+V = TypeVar("V")
+
+
+def with_cell_equipment(
+    program: Program, stated: Process, path: str, *, sharing: bool = False
+) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """The program with the tools, frames and signals of the same name in a process file.
+
+    Signals of other programs in the same cell may be in it as well, and where it is shared tools
+    and frames. path: of the file.
+    """
+    findings = [*stated.findings]
+    others = [
+        f"`{KEY_WORDS.get(f.name, f.name)}`"
+        for f in fields(Process)
+        if f.name not in PROGRAM_KEYS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
+    ]
+    if others:
+        findings.append(KEYS_WITHOUT_EFFECT(keys=", ".join(others), path=path))
+    program = with_signals(program, stated.signals)
+    program = with_lines(program, stated.lines)
+    for kind, given, there in _stated_tables(program, stated):
+        known = {name.lower() for name in there}
+        findings += [
+            ENTRY_NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
+            for name in given
+            if name.lower() not in known and not sharing
+        ]
+    return replace(
+        program,
+        tools=_replaced_entries(program.tools, stated.tools),
+        frames=_replaced_entries(program.frames, stated.frames),
+        interface=stated.interface or program.interface,
+    ), tuple(findings)
+
+
+def check_signals(program: Program, stated: Process, path: str) -> None:
+    """Raises Refused for signals that the program uses as something else than is stated.
+
+    A wait for an input would become one for an output. program: as it was read, without signals of
+    which only the name tells what they may be.
+    """
+    others = []
+    given = {name.lower(): signal for name, signal in stated.signals.items()}
+    for name, used in program.signals.items():
+        one = given.get(name.lower(), used)
+        if (one.kind, one.direction) != (used.kind, used.direction):
+            others.append(
+                SIGNAL_MISMATCH(
+                    name=name,
+                    used=f"`{used.kind} {used.direction}`",
+                    stated=f"`{one.kind} {one.direction}`",
+                    kind=used.kind,
+                    direction=used.direction,
+                    place=f"signals.{name}",
+                    path=path,
+                )
+            )
+    if others:
+        raise Refused(*others)
+
+
+def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
+    """The program with the signals of the same names, those included that expressions read."""
+    program = _with_signals_read(program, stated)
+    return replace(program, signals=_replaced_entries(program.signals, stated))
+
+
+def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:
+    """A program with what the cell knows of communication lines in place of their numbers."""
+
+    def stated(part: Any) -> Any:
+        match part:
+            case p.Attach(kind="line", place=(e.Number(number),)) if number in lines:
+                line = lines[int(number)]
+                port, address = e.Number(line.port), e.Text(line.address)
+                places: dict[str, tuple[e.Expression, ...]] = {
+                    "server": (port, address),
+                    "client": (address, port),
+                    "serial": (port,),
+                }
+                return replace(part, kind=line.role, place=places[line.role])
+        return part
+
+    return rewrite(program, stated) if lines else program
+
+
+def _with_signals_read(program: Program, stated: Mapping[str, Signal]) -> Program:
+    """With the signals that expressions read: only the cell knows that those are no data.
+
+    So are names in what is kept as their text, which another language may read, and
+    what a person answers by.
+    """
+    known = {name.lower() for name in (*program.signals, *program.variables)}
+    given = {name.lower(): signal for name, signal in stated.items()}
+    found: dict[str, Signal] = {}
+    read = [part.name for part in records(program.procedures) if isinstance(part, e.Name)]
+    texts = [one.text for one in program.declarations]
+    texts += [one.text for one in program.statements() if isinstance(one, p.Opaque)]
+    for text in texts:
+        read += re.findall(r"\w+", text)
+    read += filter(is_operators, stated)
+    for name in read:
+        if name.lower() in given and name.lower() not in known:
+            known.add(name.lower())
+            found[name] = given[name.lower()]
+    return replace(program, signals={**program.signals, **found})
+
+
+def _stated_tables(
+    program: Program, stated: Process
+) -> tuple[tuple[str, Mapping[str, object], Mapping[str, object]], ...]:
+    return (
+        ("tool", stated.tools, program.tools),
+        ("frame", stated.frames, program.frames),
+    )
+
+
+def _replaced_entries(there: dict[str, V], given: Mapping[str, V]) -> dict[str, V]:
+    """Values by the program's own names."""
+    stated = {name.lower(): value for name, value in given.items()}
+    return {name: stated.get(name.lower(), value) for name, value in there.items()}
+
+
+SIGNALS_NUMBERED: Final = info(
+    "CO043",
+    "{count} signals of the program have the numbers that its controller's files state, each "
+    "device behind the one before",
+    "see that the other controller is wired so, or state other numbers in the process file",
+)
+CROSS_CONNECTED: Final = warning(
+    "CO044",
+    "the controller sets {names} from other signals, as its files state; this is not translated",
+    "have the other controller or its wiring do that as well",
+)
+CONFIGURATION_UNREAD: Final = warning(
+    "CO045",
+    "{what} of `{name}` is not used: {reason}",
+    "correct it, or state what it says in the process file",
+)
+CONFIGURATION_TAKEN: Final = info(
+    "CO046",
+    "the controller's files state {what}",
+    "see that they are those of this program; a process file or a cell file counts instead",
+)
+CALLED_BY_CONTROLLER: Final = warning(
+    "CO048",
+    "the controller calls `{name}` {when}, as its files state; that call is not translated",
+    "have the other controller call it then, or call it where the program begins",
+)
+STATED_TEXT_NAME: Final = "cell values"
+"""Of the text of declarations that is made of what a cell states."""
+WHOLE_TEXT: Final = "the text"
+MOST_NAMED: Final = 5
+CONFIGURATION_ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
+
+
+def controller_configuration(
+    language: Language[Any], file: str | FilePath
+) -> tuple[ControllerConfiguration, tuple[Diagnostic, ...]]:
+    """What the files beside one of a program state; a file that cannot be read is a finding."""
+    if language.surroundings is None:
+        return ControllerConfiguration(), ()
+    unread = list[Diagnostic]()
+
+    def read(path: FilePath) -> str | None:
+        try:
+            return decode(read_bytes(path), str(path), CONFIGURATION_ENCODINGS).text
+        except Refused as refused:
+            reason = refused.findings[0].message
+            unread.append(
+                CONFIGURATION_UNREAD(what=WHOLE_TEXT, name=path.name, reason=reason, path=str(path))
+            )
+            return None
+
+    found = language.surroundings(FilePath(file), read)
+    source = found.source
+    if source is not None and not found.known:
+        reason = "it does not look like a file of system parameters"
+        unread.append(
+            CONFIGURATION_UNREAD(what=WHOLE_TEXT, name=source.name, reason=reason, path=str(source))
+        )
+    if source is not None and found.unread:
+        reason = "it states no type of signal that there is"
+        what = _names_in_words(found.unread)
+        unread.append(
+            CONFIGURATION_UNREAD(what=what, name=source.name, reason=reason, path=str(source))
+        )
+    return found, (*unread, *found.findings)
+
+
+@dataclass(frozen=True, slots=True)
+class ConfiguredProgram:
+    """A program with what the files of its controller state. arm: see `ControllerConfiguration`."""
+
+    program: Program
+    arm: str | None = None
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def with_controller_configuration(
+    program: Program, language: Language[Any], given: ControllerConfiguration
+) -> ConfiguredProgram:
+    """A program as the files of its controller have it."""
+    before, names = program, _values_held(program, language, given)
+    if names:
+        program = _with_values_held(program, language, names)
+    program = with_signals(program, given.signals)
+    program = with_lines(
+        program, {number: ChannelLine(*line) for number, line in given.lines.items()}
+    )
+    found: list[Diagnostic] = []
+    if names:
+        found.append(CONFIGURATION_TAKEN(what=_names_in_words([one.name for one, _ in names])))
+    numbered = _signal_numbers(program) - _signal_numbers(before)
+    if numbered:
+        found.append(SIGNALS_NUMBERED(count=len(numbered)))
+    crossed = [name for name in program.signals if name.lower() in given.crossed]
+    if crossed:
+        found.append(CROSS_CONNECTED(names=_names_in_words(crossed)))
+    arm = given.arm if program.robot is None else None
+    if arm is not None:
+        found.append(CONFIGURATION_TAKEN(what=f"the robot `{given.told}`, which is `{arm}`"))
+    begins = program.procedure(given.entry) if given.entry else None
+    if begins is not None and not begins.parameters and begins.name != program.entry:
+        program = replace(program, entry=begins.name)
+        found.append(CONFIGURATION_TAKEN(what=f"that the program begins with `{begins.name}`"))
+    if program.origin is not None and given.called:
+        program = replace(program, origin=replace(program.origin, called=frozenset(given.called)))
+    entry = (program.entry or "").lower()
+    for procedure in program.procedures:
+        when = given.called.get(procedure.name.lower())
+        if when is not None and procedure.name.lower() != entry:
+            found.append(CALLED_BY_CONTROLLER(name=procedure.name, when=when, span=procedure.span))
+    return ConfiguredProgram(program, arm, tuple(found))
+
+
+def _values_held(
+    program: Program, language: Language[Any], given: ControllerConfiguration
+) -> Supplied:
+    """What nobody declares and the controller holds a value of."""
+    if program.origin is None or not given.values:
+        return ()
+    wanted = language.wanted_of(program.origin.trees, given.values)
+    return [(one, given.values[one.kind, one.name.lower()]) for one in wanted]
+
+
+def _with_values_held(program: Program, language: Language[Any], values: Supplied) -> Program:
+    origin = program.origin
+    assert origin is not None
+    trees = language.with_supplied(origin.trees, values, STATED_TEXT_NAME)
+    return language.lift(trees, origin.robot)
+
+
+def _signal_numbers(program: Program) -> set[str]:
+    return {name for name, signal in program.signals.items() if signal.number is not None}
+
+
+def _names_in_words(names: list[str] | tuple[str, ...]) -> str:
+    shown = ", ".join(f"`{name}`" for name in names[:MOST_NAMED])
+    more = len(names) - MOST_NAMED
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -1,0 +1,410 @@
+"""Checker: the findings of sources and robot programs, several files of one program together.
+
+`check_files` takes files and folders, `check_text` a text, `check_program` a program that is there
+already.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant import checks, languages, sources
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
+from assistant.base.length_units import unit_stated
+from assistant.base.source_text import SourceText, is_folder, read_bytes
+from assistant.compiler.arms import InCell, known_robot, open_cell, teaching_arm, with_robot_of_cell
+from assistant.compiler.loader import (
+    Loaded,
+    files_in,
+    language_of,
+    load,
+    missing_files,
+    parse_pseudo,
+    read_companions,
+    read_pseudo,
+    read_trees,
+    with_process,
+    with_project_settings,
+)
+from assistant.compiler.retarget import for_arm, with_chosen_turns
+from assistant.compiler.seen_frames import with_seen_frames
+from assistant.compiler.source_map import Places, at_its_line, at_moves
+from assistant.compiler.travel import with_planned_travels
+from assistant.compiler.work_locations import fold_unplaced_work, with_locations
+from assistant.program import pseudo
+from assistant.program.program import Program
+from assistant.sources.process.placement import check_drawn
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.languages import Language
+    from assistant.robots import Robot, SolvedProgram
+    from assistant.sources.process.placement import DrawingPlacement
+
+
+NOTHING_THERE: Final = error(
+    "CO301",
+    "the folder holds nothing that is checked",
+    "name the files: in a folder, {kinds} are looked for, tables of targets are not",
+)
+LEFT_OUT: Final = info(
+    "CO302",
+    "the file is left out: it does not look like a robot program",
+    "name it with --from LANGUAGE if it is one",
+)
+PSEUDO_MARK: Final = "#"
+FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
+"""What is looked for in a folder beside programs; any folder may hold tables of other things."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedText:
+    """A text that was checked.
+
+    mark: begins a comment in it. complete: all that can be found was looked for, which is not
+    so where something could not be read.
+    """
+
+    source: SourceText
+    mark: str
+    complete: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CheckedProgram:
+    """A program that was checked.
+
+    files: that it stands in. arm: that runs it, with scene and solution, as far as they are known.
+    """
+
+    files: Sequence[str]
+    program: Program
+    places: Places
+    arm: Robot | None = None
+    scene: Scene | None = None
+    solution: SolvedProgram | None = None
+
+
+@dataclass(slots=True)
+class Checked:
+    """What was found.
+
+    findings: in the order of the sources, those of rows and targets one by one. files: how many
+    were looked at. texts: of programs, by path. unreadable: something could not be read at all.
+    paths: of the files, in their order. looked: the programs as they were looked at, None where
+    nobody wants them.
+    """
+
+    findings: list[Diagnostic] = field(default_factory=list)
+    files: int = 0
+    texts: dict[str, CheckedText] = field(default_factory=dict)
+    unreadable: bool = False
+    paths: list[str] = field(default_factory=list)
+    looked: list[CheckedProgram] | None = None
+
+
+def check_files(
+    paths: Sequence[str | FilePath],
+    *,
+    robot: str | None = None,
+    process: str | FilePath | None = None,
+    language: str | None = None,
+    unit: str | None = None,
+    placement: DrawingPlacement | None = None,
+    cell: str | FilePath | InCell | None = None,
+    keep: bool = False,
+) -> Checked:
+    """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
+
+    Modules that a controller loads together, as those of a folder in RAPID, are one program.
+    robot: reach, limits and configurations are checked for it. process: process file, see `load`.
+    language: of robot programs, where neither suffix nor text tell.
+    unit: of length, that drawings are in. placement: where they stand. cell: file of the cell that
+    they run in, so that contacts with its bodies are looked for; or what was read of it, whose
+    findings the caller tells. keep: the programs are in `looked` then.
+    Raises Refused if there is no such robot or language, or for a cell file that is wrong.
+    """
+    named = None if language is None else language_of(language)
+    stands = _opened_cell(cell, robot)
+    checked = Checked([] if isinstance(cell, InCell) else list(stands.findings))
+    checked.looked = [] if keep else None
+    programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
+    seen: set[FilePath] = set()
+    for path in dict.fromkeys(map(str, paths)):
+        for file in _files_to_check(path, named, checked):
+            part = FilePath(file).absolute()
+            if part in seen:
+                continue
+            seen.add(part)
+            checked.files += 1
+            checked.paths.append(file)
+            with _collecting(checked, file):
+                spoken = _language_of_file(file, named)
+                part = spoken.program_of(part) if spoken else part
+                programs.setdefault((spoken, part), []).append(file)
+    for (spoken, _), files in programs.items():
+        where = files[0] if len(files) == 1 else _folder_of(files)
+        with _collecting(checked, where):
+            if placement is not None:
+                check_drawn(FilePath(files[0]))
+            if spoken is not None:
+                found = _check_program(spoken, files, stands, process, checked)
+            else:
+                found = _check_source(files[0], process, unit, placement, stands, checked)
+            if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
+                found.append(unit_stated(where, unit))
+            checked.findings += [f.within(where) for f in found]
+    # a file that others call is looked at with each of them
+    checked.findings = list(dict.fromkeys(checked.findings))
+    return checked
+
+
+def check_text(
+    text: SourceText,
+    *,
+    robot: str | None = None,
+    process: str | FilePath | None = None,
+    language: str | None = None,
+    unit: str | None = None,
+    cell: str | FilePath | InCell | None = None,
+    others: Sequence[SourceText] = (),
+    beside: FilePath | None = None,
+    keep: bool = False,
+) -> Checked:
+    """The same for a text that is no file: a robot language's if named, else pseudo text.
+
+    others: of the same program. beside: folder of files that they call.
+    """
+    stands = _opened_cell(cell, robot)
+    checked = Checked([] if isinstance(cell, InCell) else list(stands.findings), files=1)
+    checked.looked = [] if keep else None
+    checked.paths.append(text.path or "standard input")
+    with _collecting(checked, text.path):
+        if language is None:
+            found = _check_pseudo(text, None, stands, process, checked)
+        else:
+            texts = [text, *others]
+            found = _check_texts(language_of(language), texts, beside, stands, process, checked)
+        if unit is not None:
+            found.append(unit_stated(text.path or "standard input", unit))
+        checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
+    return checked
+
+
+def check_program(
+    program: Program, stands: InCell, text: SourceText | None = None
+) -> tuple[Diagnostic, ...]:
+    """The same for a program that has been read or made. text: that it was read of, if any."""
+    places = Places(program, text)
+    return fold(map(places.finding, _check_meaning(program, stands, places)))
+
+
+def _opened_cell(cell: str | FilePath | InCell | None, robot: str | None) -> InCell:
+    return cell if isinstance(cell, InCell) else open_cell(cell, robot)
+
+
+def _folder_of(files: Sequence[str]) -> str:
+    """The folder of a program's files as the user wrote it, whole if it was written in two ways."""
+    if len({FilePath(file).is_absolute() for file in files}) > 1:
+        files = [str(FilePath(file).absolute()) for file in files]
+    return os.path.commonpath(files) or "."
+
+
+@dataclass(slots=True)
+class _collecting:  # noqa: N801 (used as a `with` word)
+    """What is refused inside, or fails, becomes findings; other programs are looked at as well."""
+
+    checked: Checked
+    path: str | None = None
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        expected = isinstance(error, Refused | OSError) or traceback_wanted()
+        if isinstance(error, Exception) and not expected:
+            self.checked.findings.append(internal_error(error).within(self.path))
+            self.checked.unreadable = True
+            return True
+        if not isinstance(error, Refused):
+            return False
+        self.checked.findings += [f.within(self.path) for f in error.findings]
+        self.checked.unreadable |= error.exit_status == 2
+        return True
+
+
+def _files_to_check(path: str, named: Language[Any] | None, checked: Checked) -> Iterator[str]:
+    """The file itself, or what a folder holds; hidden folders are left aside."""
+    if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:
+        yield path
+        return
+    spoken = [named] if named else [languages.get(name) for name in languages.names()]
+    suffixes = {suffix for language in spoken for suffix in language.suffixes}
+    there = False
+    for file in files_in(path, {*suffixes, *FOLDER_SUFFIXES}):
+        there = True
+        with _collecting(checked, file):
+            if (
+                FilePath(file).suffix.lower() in FOLDER_SUFFIXES
+                or _language_of_file(file, named) is not None
+            ):
+                yield file
+            else:
+                checked.findings.append(LEFT_OUT(path=file))
+    if not there:
+        kinds = " ".join(sorted({*suffixes, *FOLDER_SUFFIXES}))
+        checked.findings.append(NOTHING_THERE(path=path, kinds=kinds))
+        checked.unreadable = True
+
+
+def _language_of_file(file: str, named: Language[Any] | None) -> Language[Any] | None:
+    """The language of a file, None if it is no robot program."""
+    suffix = FilePath(file).suffix.lower()
+    if suffix == pseudo.SUFFIX or suffix in sources.READERS:
+        return None
+    return named or languages.of_file(file, read_bytes(file))
+
+
+def _check_source(
+    file: str,
+    process: str | FilePath | None,
+    unit: str | None,
+    placement: DrawingPlacement | None,
+    stands: InCell,
+    checked: Checked,
+) -> list[Diagnostic]:
+    """Findings of a drawing, a table, or a `.pseudo` text."""
+    path = FilePath(file)
+    if path.suffix.lower() == pseudo.SUFFIX:
+        return _check_pseudo(read_pseudo(path), path.parent, stands, process, checked)
+    loaded = load(
+        file,
+        process=process,
+        robot=stands.robot,
+        unit=unit,
+        around=stands.around,
+        placement=placement,
+    )
+    stands = stands.beside(loaded.seen)
+    meant = _check_meaning(loaded.program, stands, None, [file], checked)
+    return [*loaded.findings, *meant]
+
+
+def _check_pseudo(
+    text: SourceText,
+    tables: FilePath | None,
+    stands: InCell,
+    process: str | FilePath | None,
+    checked: Checked,
+) -> list[Diagnostic]:
+    name = text.path or ""
+    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=False)
+    program = parse_pseudo(text, tables)
+    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=True)
+    loaded = _with_process(program, process)
+    stands, places = stands.beside(loaded.seen), Places(program, text)
+    meant = _check_meaning(loaded.program, stands, places, [name], checked)
+    return [*loaded.findings, *(at_its_line(finding, text) for finding in meant)]
+
+
+def _with_process(program: Program, process: str | FilePath | None) -> Loaded:
+    loaded = Loaded(program)
+    return loaded if process is None else with_process(loaded, process)
+
+
+def _check_program(
+    language: Language[Any],
+    files: Sequence[str],
+    stands: InCell,
+    process: str | FilePath | None,
+    checked: Checked,
+) -> list[Diagnostic]:
+    texts = [language.read(file) for file in files]
+    return _check_texts(language, texts, FilePath(files[0]).parent, stands, process, checked)
+
+
+def _check_texts(
+    language: Language[Any],
+    texts: Sequence[SourceText],
+    beside: FilePath | None,
+    stands: InCell,
+    process: str | FilePath | None,
+    checked: Checked,
+) -> list[Diagnostic]:
+    """Findings of a program; of a broken one those of its text, as it is not known what it does."""
+    trees = read_trees(language, texts, beside=beside)
+    found = [finding for tree in trees for finding in tree.findings]
+    found += () if beside is None else missing_files(language, trees)
+    complete = not has_errors(found)
+    for text in texts:
+        checked.texts[text.path or ""] = CheckedText(text, language.comment_mark, complete)
+    folder = FilePath(texts[0].path or "").absolute().parent
+    beside_it = [] if beside is None else read_companions(language, trees, beside)
+    strangers = {tree.source.path for tree in beside_it}
+    said = with_project_settings(language, folder).check([*trees, *beside_it])
+    found += (finding for finding in said if finding.path not in strangers)
+    if not complete:
+        return found
+    try:
+        program = language.lift(trees, stands.robot)
+    except Refused as refused:
+        return [*found, *refused.findings]
+    told = {finding.code for finding in found}
+    loaded = _with_process(program, process)
+    stands = stands.beside(loaded.seen)
+    found += loaded.findings
+    places = Places(loaded.program)
+    meant = map(
+        places.finding,
+        _check_meaning(loaded.program, stands, places, [one.path or "" for one in texts], checked),
+    )
+    return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
+
+
+def _check_meaning(
+    program: Program,
+    stands: InCell,
+    places: Places | None = None,
+    files: Sequence[str] = (),
+    checked: Checked | None = None,
+) -> tuple[Diagnostic, ...]:
+    from assistant import robots
+
+    arms = with_robot_of_cell(program, stands.arms())
+    program, located = with_locations(program, arms)
+    program, sights = with_seen_frames(program, arms)
+    if has_errors(sights):
+        return (*located, *sights, *checks.check(program))
+    found = (*located, *sights, *checks.check(program))
+    arm = arms.robot or known_robot(program.robot)
+    if arm is None:
+        _keep_checked(
+            checked, CheckedProgram(files, program, places or Places(program), None, arms.scene)
+        )
+        return (*found, *with_planned_travels(program, None, arms.scene, Places(program)).findings)
+    if program.origin is None:  # a controller takes the numbers of its own text as they stand
+        program, changed = for_arm(program, teaching_arm(program, replace(arms, robot=arm)), arm)
+        found += changed
+    program, turned = with_chosen_turns(program, arm, arms.scene)
+    found += turned
+    places = Places(program) if places is None else places
+    ways = with_planned_travels(program, arm, arms.scene, places)
+    if has_errors(ways.findings):
+        _keep_checked(checked, CheckedProgram(files, ways.program, places, arm, arms.scene))
+        return (*found, *ways.findings)
+    solution = robots.solve_program(ways.program, arm)
+    _keep_checked(
+        checked, CheckedProgram(files, solution.program, places, arm, arms.scene, solution)
+    )
+    solved = (*solution.findings, *checks.with_robot(solution, scene=arms.scene))
+    told = fold_unplaced_work(program, arm, at_moves(solved, solution.program, places))
+    return (*found, *ways.findings, *told)
+
+
+def _keep_checked(checked: Checked | None, looked: CheckedProgram) -> None:
+    if checked is not None and checked.looked is not None:
+        checked.looked.append(looked)

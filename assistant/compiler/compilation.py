@@ -1,0 +1,641 @@
+"""Compilation: a source or pseudo-program into the proven files of a robot language.
+
+The written text is read back and compared before it is given out; a motion proof is made if one is
+asked for. `arithmetic_findings` reports results that the controllers of two languages may compute
+differently: halves, remainders below 0, sums of small steps.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.base.budgets import COMPILING, PRINTING, staged, within
+from assistant.base.diagnostics import (
+    Diagnostic,
+    Refused,
+    Severity,
+    Span,
+    error,
+    fold,
+    has_errors,
+    warning,
+)
+from assistant.checks import check, with_robot
+from assistant.checks.program_rules import group_values
+from assistant.compiler.arms import (
+    Arms,
+    InCell,
+    arms_of_loaded,
+    known_robot,
+    open_cell,
+    robot_of,
+    teaching_arm,
+    with_robot_of_cell,
+)
+from assistant.compiler.loader import Loaded, language_of, with_entry, with_project_settings
+from assistant.compiler.merge_edits.last_output import write_unedited
+from assistant.compiler.motion_proof import (
+    ComparisonTerms,
+    MotionProof,
+    Proving,
+    prove_motion,
+    written_pair,
+)
+from assistant.compiler.program_files import load
+from assistant.compiler.program_names import interface_findings, stated_interface, with_interface
+from assistant.compiler.read_back_proof import READ_BACK_DIFFERS, Proof, prove_read_back
+from assistant.compiler.retarget import (
+    for_arm,
+    has_free_turns,
+    joint_angle_errors,
+    with_chosen_turns,
+    with_converted_joint_speeds,
+    with_joint_percent,
+    with_joint_speed,
+    without_unused_joint_targets,
+)
+from assistant.compiler.seen_frames import with_located_frames
+from assistant.compiler.source_map import Places, at_moves
+from assistant.compiler.style import (
+    PLAIN_STYLE,
+    Style,
+    apply_style,
+    findings_of_templates,
+    style_beside,
+    without_comments,
+)
+from assistant.compiler.travel import has_travels, with_planned_travels
+from assistant.compiler.uncalled_routines import is_about_left_out, without_uncalled
+from assistant.compiler.work_locations import fold_unplaced_work, with_locations
+from assistant.languages.language_types import ARITHMETIC
+from assistant.lazy import pictured
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.integer_inference import NumberFacts
+from assistant.program.expressions import Verbatim
+from assistant.program.passes.legalisation import traced
+from assistant.program.program import Origin, Procedure, Program
+from assistant.program.statement_index import statements_with
+from assistant.program.statements import Opaque
+from assistant.sources.sights import NOTHING_SEEN, Seeing
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.languages import Language
+    from assistant.languages.language_types import Conversion, Frames, Sampling
+    from assistant.robots import Robot
+    from assistant.sources.process.placement import DrawingPlacement
+
+
+ARITHMETIC_ASSUMED: Final = warning(
+    "CO105",
+    "{what}: {way} is assumed of both controllers, but no manual confirms it",
+    "try it on both, and state `{key}` in the tables [{one}] and [{other}] of assistant.toml",
+)
+ARITHMETIC_DIFFERENT: Final = error(
+    "CO106",
+    "{what}: `{key}` is {first} in [{one}] and {second} in [{other}]",
+    "keep the value from being {avoided}, or correct what assistant.toml states",
+)
+INEXACT_STEPS: Final = warning(
+    "CO117",
+    "`{name}` counts in steps of {step}, which add up with rounding errors: {bound} is met by one "
+    "controller and may be missed by the other",
+    "count in whole numbers and multiply by {step}, or compare with a value between two steps",
+)
+NEAR_STEP_PART: Final = 1e-3
+"""Parts of a step by which a bound may be off a multiple of it and still be met."""
+OPERATION_WORDS: Final = {
+    "halves": ("a number that may end in .5 is rounded", "a half"),
+    "remainder": ("a division of whole numbers that may be negative", "negative"),
+}
+RESULT_WORDS: Final = {
+    "away": "away from zero",
+    "even": "to the even number",
+    "up": "up",
+    "dividend": "with a remainder of the dividend's sign",
+    "divisor": "with a remainder of the divisor's sign",
+}
+
+
+def arithmetic_findings(
+    program: Program, source: Language[Any], target: Language[Any]
+) -> Iterator[Diagnostic]:
+    """Findings on what a lifted program works out, where the language of it and another differ.
+
+    Raises Unreadable or Refused if the project's file is broken.
+    """
+    if source.family == target.family or program.origin is None:
+        return
+    texts = [tree.source for tree in program.origin.trees if tree.source is not None]
+    path = next((text.path for text in texts if text.path), None)
+    folder = FilePath(path or "").absolute().parent
+    one, other = (
+        with_project_settings(source, folder).stated,
+        with_project_settings(target, folder).stated,
+    )
+    for key, span in _operations_used(program):
+        what, avoided = OPERATION_WORDS[key]
+        usual = ARITHMETIC[key].words[0]
+        first, second = one.get(key, usual), other.get(key, usual)
+        tables: dict[str, Any] = {"key": key, "one": source.table, "other": target.table}
+        if first != second:
+            yield ARITHMETIC_DIFFERENT(
+                **tables, what=what, first=first, second=second, avoided=avoided, span=span
+            )
+        elif key not in one or key not in other:
+            yield ARITHMETIC_ASSUMED(**tables, what=what, way=RESULT_WORDS[first], span=span)
+    yield from _inexact_steps(program)
+
+
+def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
+    """Findings on loops and comparisons that end where a sum of inexact steps meets a bound."""
+    steps: dict[str, float] = {}
+    bounds: list[tuple[e.Name, e.Expression, Any]] = []
+    constants = {
+        name.lower(): variable.initial
+        for name, variable in program.variables.items()
+        if variable.storage == "constant"
+    }
+
+    def number(value: e.Expression | None) -> float | None:
+        if isinstance(value, e.Name):
+            value = constants.get(value.name.lower())
+        return float(value.value) if isinstance(value, e.Number) else None
+
+    def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
+        bound = "the last value" if end is None else f"{end:g}"
+        return INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=bound, span=span)
+
+    for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
+        match statement:
+            case p.For(variable, first, last, step=each):
+                step, end = number(each), number(last)
+                if (
+                    step is not None
+                    and _is_inexact(step)
+                    and _meets_bound(number(first), end, step)
+                ):
+                    yield finding(variable, step, end, statement.span)
+            case p.Assign(e.Name(name), e.Binary("+" | "-", e.Name(other), each)):
+                step = number(each)
+                if name.lower() == other.lower() and step is not None and _is_inexact(step):
+                    steps[name.lower()] = step
+        for part in parts:
+            match part:
+                case e.Binary(relation, one, other_side) if relation in e.RELATIONS:
+                    sides = (one, other_side), (other_side, one)
+                    bounds += [(x, y, statement.span) for x, y in sides if isinstance(x, e.Name)]
+    for one, value, span in bounds:
+        end, added = number(value), steps.get(one.name.lower())
+        if added is not None and end is not None and _meets_bound(0.0, end, added):
+            yield finding(one.name, added, end, span)
+
+
+def _is_inexact(step: float) -> bool:
+    """True if a controller's single-precision number is not exactly this step."""
+    return float(np.float32(step)) != step
+
+
+def _meets_bound(first: float | None, last: float | None, step: float) -> bool:
+    """True unless a count from first in steps clearly passes last between two steps."""
+    if first is None or last is None:
+        return True
+    rounds = (last - first) / step
+    return abs(rounds - round(rounds)) < NEAR_STEP_PART
+
+
+def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:
+    """What matters in each statement, with its span."""
+    numbers: NumberFacts | None = None
+    for procedure in program.procedures:
+        for statement, parts in statements_with(procedure, e.Binary, e.Apply):
+            asked = [part for part in parts if _depends_on_controller(part)]
+            if not asked:
+                continue
+            numbers = numbers or NumberFacts(program)
+            for key in dict.fromkeys(_arithmetic_key(part, procedure, numbers) for part in asked):
+                if key is not None:
+                    yield key, statement.span
+
+
+def _depends_on_controller(part: Any) -> bool:
+    return getattr(part, "operator", None) in ("div", "mod") or (
+        isinstance(part, e.Apply) and part.function == "round"
+    )
+
+
+def _arithmetic_key(part: Any, procedure: Procedure, numbers: NumberFacts) -> str | None:
+    """What of ARITHMETIC a division or rounding depends on, None if its operands rule it out."""
+    match part:
+        case e.Apply("round", (value,)):
+            return None if numbers.of(value, procedure).whole else "halves"
+        case e.Binary(_, left, right):
+            known = numbers.of(left, procedure).positive, numbers.of(right, procedure).positive
+            return None if all(known) else "remainder"
+    return None
+
+
+OTHER_MAKER = warning(
+    "CO003",
+    "the controller of {robot} does not run {language}",
+    "choose one of {languages}, or another robot",
+)
+TOO_FEW = error(
+    "CO004", "a unit of {most} targets is too small", "allow at least {least} targets a unit"
+)
+VENDOR_TEXT_DIFFERS = error(
+    "CO104",
+    "`{text}` keeps its text, but would be read back as something else where it is written",
+    "say it in statements with plain conditions and numbers",
+)
+VENDOR_TEXT_SETTINGS = error(
+    "CO107",
+    "`{text}` keeps its text, and the settings of the moves around it, which would be written"
+    " as well, change what it does",
+    "say it in plain statements, or take the moves around it out of the program",
+)
+UNIT_ALONE = error(
+    "CO008",
+    "`{name}` is no program, but a part that one loads while it runs",
+    "name the program that loads it: its parts are read with it",
+)
+LEAST_TARGETS: Final = 10
+"""A unit must hold an arc with its start, and be worth a file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """The outcome of a compilation.
+
+    files: bytes by file name, empty if anything forbids writing them. program: the
+    pseudo-program as the language says it. source: the one that it was made of. found: every
+    finding, the worst of them may be errors; those of the source have its spans alone.
+    wanting: errors that follow from these, see `Adapted`. motion: the proof by motion, None where
+    it was not asked for. path: file of the source, None if it is none.
+    """
+
+    program: Program
+    language: str
+    proof: Proof
+    source: Program
+    places: Places
+    files: dict[str, bytes] = field(default_factory=dict)
+    found: tuple[Diagnostic, ...] = ()
+    wanting: tuple[Diagnostic, ...] = ()
+    motion: MotionProof | None = None
+    path: str | None = None
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """Those that were found, at their lines, folded."""
+        return fold(map(self.places.finding, self.found))
+
+    def proof_lines(self) -> Iterator[str]:
+        """What was proven, a line each."""
+        yield f"text read back: {self.proof.line()}"
+        if self.motion is not None:
+            yield f"motion compared: {self.motion.line()}"
+
+    @property
+    def ok(self) -> bool:
+        return bool(self.files) and self.proof.holds and not has_errors(self.found)
+
+    def write(self, folder: str | FilePath, *, overwrite: bool = False) -> tuple[FilePath, ...]:
+        """Writes the files into a folder, which is made; all of them or none.
+
+        Gives where they are. Raises Refused with all findings where the program is not to be
+        written, and where a file there was edited since it was written, unless `overwrite`; with
+        exit status 2 where the folder cannot be written.
+        """
+        if not self.ok:
+            raise Refused(*self.findings)
+        return write_unedited(self.files, folder, source=self.path, overwrite=overwrite)
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        state = "proven" if self.ok else "not written"
+        told = [state, *sorted(self.files), f"{count} finding{'s' * (count != 1)}"]
+        return f"<Compiled {self.program.name} in {self.language}: {', '.join(told)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
+
+
+def compile(
+    source: str | FilePath | Program | Loaded,
+    *,
+    language: str,
+    robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    placement: DrawingPlacement | None = None,
+    cell: str | FilePath | InCell | None = None,
+    from_robot: str | Robot | None = None,
+    most_targets: int | None = None,
+    frames: Frames = "base",
+    grammar: Sampling = "samples",
+    entry: str | None = None,
+    called: str | None = None,
+    main: bool | None = None,
+    proving: Proving | None = None,
+    seeing: Seeing = NOTHING_SEEN,
+    style: Style | None = None,
+) -> Compiled:
+    """The source as a program of the language, read back and compared before it is given out.
+
+    robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
+    the program's own, or the only one of its cell. cell: file of the cell that it stands in:
+    nothing is written that touches anything there; or what was read of it, whose findings the
+    caller tells. process: process file of a drawing or table. unit: of length, that a
+    drawing is in, whatever it says itself. placement: where a drawing stands. from_robot: the
+    arm that a vendor program was written for. most_targets: of one unit, for controllers that take
+    less.
+    frames: how a language without work objects says them, see `Language.with_frames`.
+    grammar: `full` has the proof parse programs of more than 20,000 lines completely with lark.
+    entry: the procedure that the program begins with, where it is not the one that its source
+    says. called: the name that others call the program by; main: False for none that runs all of
+    it; instead of what the process file says of them. proving: how a proof by motion is sought,
+    None for none; nothing is given out that lacks one that was asked for. seeing: where frames that
+    are seen are taken from, if `cell` does not say it. style: of the written files, None for the
+    style of the project that contains the source. Raises Unreadable or Refused for input that
+    cannot be used at all.
+    """
+    target = language_of(language).with_frames(frames).with_sampling(grammar)
+    if most_targets is not None and most_targets < LEAST_TARGETS:
+        raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
+    stands = cell if isinstance(cell, InCell) else replace(open_cell(cell, robot), seeing=seeing)
+    if isinstance(source, Program):
+        loaded = Loaded(source)
+    elif isinstance(source, Loaded):
+        loaded = source
+    else:
+        arm = robot_of(from_robot)
+        loaded = load(
+            source,
+            process=process,
+            robot=arm,
+            unit=unit,
+            around=stands.around,
+            placement=placement,
+        )
+        loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
+    program = with_entry(loaded.program, entry)
+    program = with_interface(program, stated_interface(program.interface, called, main), target)
+    arms = with_robot_of_cell(program, arms_of_loaded(loaded, stands.arms(robot_of(from_robot))))
+    program, located = with_locations(program, arms)
+    if located:
+        raise Refused(*located)
+    program, sights = with_located_frames(program, arms)
+    path = None if isinstance(source, Program | Loaded) else str(source)
+    if style is None:
+        style = style_beside(program, loaded.text, None if path is None else FilePath(path))
+    places = Places(program, loaded.text)
+    compiled = compile_program(program, places, target, arms, most_targets, style)
+    begun = entry if program.interface is None or program.origin is not None else None
+    compiled = proven_by_motion(compiled, arms, proving, begun)
+    about = () if isinstance(cell, InCell) else stands.findings
+    found = (*loaded.findings, *about, *sights, *compiled.found)
+    return replace(compiled, found=found, path=path)
+
+
+def lowered_for_language(program: Program, target: Language[Any]) -> Program:
+    """A program with the data that another language than its own is told of it."""
+    origin = program.origin
+    return program if origin is None else language_of(origin.language).told(program, target)
+
+
+def proven_by_motion(
+    compiled: Compiled, arms: Arms, proving: Proving | None, entry: str | None
+) -> Compiled:
+    """A program with its proof by motion, if one is asked for; without files if that fails."""
+    if proving is None or not compiled.ok:
+        return compiled
+    pair = written_pair(compiled.source, compiled.program, compiled.language, compiled.files)
+    warnings = {f.code for f in compiled.found if f.severity is Severity.WARNING}
+    motion = prove_motion(
+        pair, arms, proving, entry, ComparisonTerms(warnings=tuple(sorted(warnings)))
+    )
+    files = compiled.files if motion.holds else {}
+    found = (*compiled.found, *motion.findings)
+    return replace(compiled, motion=motion, files=files, found=found)
+
+
+@staged(COMPILING, lambda source, *_, **__: source.size())
+def compile_program(
+    source: Program,
+    places: Places,
+    target: Language[Any],
+    arms: Arms,
+    most_targets: int | None = None,
+    style: Style = PLAIN_STYLE,
+) -> Compiled:
+    """A program, with the spans of its places, in the target language and a style."""
+    program = source
+    findings = list(check(program))
+    arm = arms.robot or known_robot(program.robot)
+    unlike = tuple[Diagnostic, ...]()
+    if source.origin is not None:
+        said = language_of(source.origin.language).exported(program, target, arm)
+        program, findings = traced("exported", said.program), [*findings, *said.findings]
+        findings += (f for f in group_values(program) if f not in findings)  # of questions as well
+        unlike = said.findings
+    taught = teaching_arm(program, arms)
+    if taught is not None or not arms.same:
+        program, left = without_unused_joint_targets(program, target, taught, arms.robot)
+        findings += (*left, *joint_angle_errors(program, target, taught, arms.robot))
+    if arms.joint_percent is not None and target.joint_percent:
+        program, changed = with_joint_percent(program, arms.joint_percent)
+        findings += changed
+    before = program
+    if arm is not None:
+        program, changed = for_arm(program, taught, arm)
+        findings += changed
+        traced("for-the-arm", program)
+    if has_free_turns(program):
+        program, changed = with_chosen_turns(program, arm, arms.scene)
+        findings += changed
+        source = before = traced("with-turns", program)
+    if has_travels(program):
+        ways = with_planned_travels(program, arm, arms.scene, places)
+        findings += ways.findings
+        source = before = program = traced("travelled", ways.program)
+        if has_errors(ways.findings):
+            compiled = Compiled(program, target.name, Proof(None), source, places)
+            return replace(compiled, found=tuple(findings))
+    conversion = target.convert(program, arm) if most_targets is None else None
+    if conversion is not None:
+        return _converted_dialect(conversion, findings, source, places, target, (arm, arms.scene))
+    if source.origin is not None:
+        spoken = language_of(source.origin.language)
+        alone = all(procedure.unit is not None for procedure in program.procedures)
+        if spoken.name != target.name and program.procedures and alone:
+            findings.append(UNIT_ALONE(name=program.name))
+        findings += (
+            *spoken.assumed(source, target.name),
+            *arithmetic_findings(source, spoken, target),
+        )
+    if arm is not None:
+        program = replace(program, robot=arm.name)
+        if target.name not in arm.languages:
+            findings.append(_other_maker_finding(arm, target))
+        from assistant import robots
+
+        solution = robots.solve_program(program, arm)
+        traced("with-configurations", solution.program)
+        program, changed = with_converted_joint_speeds(
+            solution, before, taught, target.joint_percent
+        )
+        traced("at-the-pace", program)
+        solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
+        told = fold_unplaced_work(program, arm, at_moves(solved, solution.program, places))
+        findings += (*told, *changed)
+    if arms.joint_speed is not None and not target.joint_percent:
+        program, changed = with_joint_speed(program, arms.joint_speed)
+        findings += changed
+    adapted = target.adapt(program, arm, most_targets=most_targets)
+    while source.origin is not None:
+        rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)
+        if rest is None:
+            break
+        program, uncalled = rest
+        findings = [one for one in findings if not is_about_left_out(one, uncalled)]
+        unlike = tuple(one for one in unlike if not is_about_left_out(one, uncalled))
+        findings += uncalled
+        adapted = target.adapt(program, arm, most_targets=most_targets)
+    findings += adapted.findings
+    program = adapted.program
+    if program.interface is not None:
+        findings += interface_findings(program.interface, program, target)
+    compiled = Compiled(program, target.name, Proof(None), source, places)
+    if has_errors(findings):
+        return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
+    units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
+    with within(PRINTING, None, program.size()):
+        plain = {
+            (unit, target.file_name(program, unit)): target.encode(target.built(adapted, arm, unit))
+            for unit in units
+        }
+    styled = {
+        name: apply_style(data, target, style, program, unit)
+        for (unit, name), data in plain.items()
+    }
+    files = {name: one.data for name, one in styled.items()}
+    framed = any(one.lines for one in styled.values())
+    proof = prove_read_back(
+        target, program, files, arm, reduced=without_comments if framed else None
+    )
+    if framed and not proof.holds:
+        unframed = prove_read_back(
+            target, program, {name: data for (_, name), data in plain.items()}, arm
+        )
+        if unframed.holds:
+            findings += findings_of_templates(proof.findings, styled)
+            return replace(compiled, found=tuple(findings))
+        proof = unframed
+    own = () if proof.holds else _own_faults(program.origin)
+    findings += own or dict.fromkeys(_explained_proof(proof, program))
+    kept = files if proof.holds else {}
+    return replace(compiled, proof=proof, files=kept, found=tuple(findings))
+
+
+def _converted_dialect(
+    conversion: Conversion[Any],
+    found: Sequence[Diagnostic],
+    source: Program,
+    places: Places,
+    target: Language[Any],
+    standing: tuple[Robot | None, Scene | None],
+) -> Compiled:
+    """A program of a sister dialect, whose trees were converted, for an arm in a cell."""
+    arm, scene = standing
+    findings = [*found, *(places.spanned(f) for f in conversion.findings)]
+    if arm is not None:
+        if target.name not in arm.languages:
+            findings.append(_other_maker_finding(arm, target))
+        from assistant import robots
+
+        # positions stay as they are written, so branches that would be chosen are of no interest
+        solution = robots.solve_program(replace(source, robot=arm.name), arm)
+        findings += (f for f in solution.findings if f.severity is not Severity.INFO)
+        findings += with_robot(solution, scene=scene)
+    compiled = Compiled(source, target.name, Proof(None), source, places)
+    if has_errors(findings):
+        return replace(compiled, found=tuple(findings))
+    with within(PRINTING, None, source.size()):
+        files = {name: target.encode(tree) for name, tree in conversion.files.items()}
+    proof = prove_read_back(target, source, files, arm, conversion.compared)
+    own = () if proof.holds else _own_faults(source.origin)
+    kept = files if proof.holds else {}
+    found = (*findings, *(own or proof.findings))
+    return replace(compiled, proof=proof, files=kept, found=found)
+
+
+def _other_maker_finding(arm: Robot, target: Language[Any]) -> Diagnostic:
+    languages = ", ".join(arm.languages)
+    return OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
+
+
+def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
+    """Errors that the source had before it was compiled: they tell why it cannot be proven."""
+    if written is None:
+        return ()
+    found = language_of(written.language).check(written.trees)
+    return tuple(f for f in found if f.severity is Severity.ERROR)
+
+
+def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
+    """What is not read back as it was written, with the text that is kept there as the cause.
+
+    Settings that are read back as texts of their own were written for moves, but hold for kept
+    ones as well.
+    """
+    kept = {
+        node.span: part.text
+        for node, parts in statements_with(program, Verbatim)
+        if node.span is not None
+        for part in parts
+    }
+    texts = _vendor_texts(program)
+    cause = (
+        _first_vendor_statement(program, moving=True)
+        or next(iter(kept.items()), None)
+        or _first_vendor_statement(program)
+    )
+    back = texts if proof.lifted is None else _vendor_texts(proof.lifted)
+    beside, lost = bool(back - texts), next(iter(texts - back), None)
+    for finding in proof.findings:
+        same = finding.code == READ_BACK_DIFFERS.code and finding.line is None
+        text = kept.get(finding.span) if same and finding.span else None
+        if text is not None:
+            yield VENDOR_TEXT_DIFFERS(text=text, span=finding.span)
+        elif same and beside and cause is not None:
+            yield VENDOR_TEXT_SETTINGS(text=cause[1], span=cause[0])
+        elif same and lost is not None:
+            yield VENDOR_TEXT_DIFFERS(text=lost, span=finding.span)
+        else:
+            yield finding
+
+
+def _first_vendor_statement(
+    program: Program, *, moving: bool = False
+) -> tuple[Span | None, str] | None:
+    """Return the first statement that keeps its text, with its place.
+
+    moving: only one that may move the robot.
+    """
+    for node in program.statements():
+        if isinstance(node, Opaque) and (not moving or node.effect is None or node.effect.moves):
+            return node.span, node.text
+    return None
+
+
+def _vendor_texts(program: Program) -> Counter[str]:
+    """Texts of statements, and how often each is there."""
+    return Counter(node.text for node in program.statements() if isinstance(node, Opaque))

@@ -1,0 +1,30 @@
+"""Merge of edits: what was edited in a written program stays when its source is compiled again.
+
+`contour_origins.py` says which part of a program came from which place of its source;
+`three_way_merge.py` finds the edits and puts them into the new program; `edited_files.py` does
+that with texts and files; `last_output.py` stores what was written last, from which edits are
+known.
+"""
+
+from __future__ import annotations
+
+from assistant.compiler.merge_edits.edited_files import Keeper, Kept
+from assistant.compiler.merge_edits.last_output import (
+    WRITTEN,
+    replaced,
+    with_sources,
+    write_unedited,
+    written_in,
+)
+from assistant.compiler.merge_edits.three_way_merge import MergeChoices
+
+__all__ = [
+    "WRITTEN",
+    "Keeper",
+    "Kept",
+    "MergeChoices",
+    "replaced",
+    "with_sources",
+    "write_unedited",
+    "written_in",
+]

@@ -1,0 +1,718 @@
+"""Order of contours: short travel between them, what lies inside others first, or as drawn.
+
+A tour goes to the nearest contour left, and is then improved, contour by contour, by 2-opt (a
+stretch of the tour run backwards), by or-opt (up to three contours moved elsewhere), and by
+choosing where closed contours start, as long as there is gain and effort left. Only near
+neighbours are tried (along Morton curves in O(n log n), some of them missed for the speed of it),
+so the work grows little faster than the number of contours. The result depends on the contours
+alone, and is never longer than the order they came in. Travel is mm, or the seconds of a
+`TravelMeasure`.
+
+`holders` finds which contours lie inside others, seen along the tool: each contour comes after
+those inside it, as a part that is cut out falls. `stated_order` takes the order of drawing, or of
+the numbers beside contours.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby, pairwise
+from typing import Final, Literal
+
+import numpy as np
+
+from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.diagnostics import Diagnostic, error, warning
+from assistant.program.geometry import Vector
+from assistant.program.settings_tables import shown
+from assistant.sources.contours.chains import Contour, Indices
+from assistant.sources.contours.curves import (
+    Arc,
+    FreeCurve,
+    Line,
+    Points,
+    chord_counts,
+    chorded,
+    cross,
+    points_at_parts,
+    sample,
+)
+from assistant.sources.contours.moves import level_x_axis
+
+MORTON_BITS: Final = 20
+"""Of each coordinate in a Morton key; three make 60."""
+MORTON_SHIFTS: Final = (0.0, 0.236, 0.618)
+"""Parts of the extent that the curve is moved by, so that no border is one in all of them."""
+CANDIDATES_EACH_WAY: Final = 5
+"""Points before and after on the curve that count as candidates."""
+
+BIT_SPREAD: Final = (
+    (32, 0x001F00000000FFFF),
+    (16, 0x001F0000FF0000FF),
+    (8, 0x100F00F00F00F00F),
+    (4, 0x10C30C30C30C30C3),
+    (2, 0x1249249249249249),
+)
+"""Shifts and masks that put two zero bits behind each of 21 bits."""
+
+
+def near_owners(points: Points, owners: Rows, most: int) -> list[list[int]]:
+    """For each owner of points (m, 3) up to `most` others, the nearest first.
+
+    owners: (m,), 0 to n - 1 and each of them there. Candidates are the neighbours along
+    Morton curves (G. M. Morton, 1966) through the points.
+    """
+    pairs = []
+    for shift in MORTON_SHIFTS:
+        order = along_morton_curve(points, shift)
+        pairs += [np.stack([order[:-n], order[n:]]) for n in range(1, CANDIDATES_EACH_WAY + 1)]
+    one, two = np.concatenate(pairs, axis=1)
+    apart = np.linalg.norm(points[one] - points[two], axis=1)
+    a, b = owners[np.r_[one, two]], owners[np.r_[two, one]]
+    order = np.lexsort((b, np.r_[apart, apart], a))
+    lists: list[list[int]] = [[] for _ in range(int(owners.max(initial=-1)) + 1)]
+    for owner, other in zip(a[order].tolist(), b[order].tolist(), strict=True):
+        mine = lists[owner]
+        if len(mine) < most and owner != other and other not in mine:
+            mine.append(other)
+    return lists
+
+
+def along_morton_curve(points: Points, shift: float = 0.0) -> Rows:
+    """The points (m, 3) in the order of a Morton curve."""
+    if not len(points):
+        return np.empty(0, dtype=np.intp)
+    low = points.min(axis=0)
+    extent = max(float((points.max(axis=0) - low).max()), 1e-9)
+    cells = ((points - low) / extent + shift) / (1.0 + max(MORTON_SHIFTS)) * (2**MORTON_BITS - 1)
+    bits = cells.astype(np.uint64)
+    for by, mask in BIT_SPREAD:
+        bits = (bits | (bits << np.uint64(by))) & np.uint64(mask)
+    x, y, z = bits.T
+    return np.argsort(x | (y << np.uint64(1)) | (z << np.uint64(2)), kind="stable")
+
+
+TRIED_NEIGHBOURS: Final = 8
+"""Other contours that a contour is tried beside."""
+LOOKS_PER_CONTOUR: Final = 12
+"""Looks at each contour, on the average, while improving a tour."""
+MANY_CONTOURS: Final = 2000
+"""Contours over which the effort for all of them grows no further, but one look at each."""
+MOST_STARTS_TRIED: Final = 24
+"""Vertices of a closed contour that are tried as its start."""
+LONGEST_MOVED_RUN: Final = 3
+LEAST_GAIN: Final = 1e-6
+FREE_CONTOUR: Final = -1
+"""Holder of a contour that none holds."""
+
+TourPoint = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TravelMeasure:
+    """What travel is measured by instead of mm.
+
+    places: points (n, 3) → (n, k), each what `apart` asks of it; None if that cannot be had.
+    apart: from place to place.
+    """
+
+    places: Callable[[Points], Floats | None]
+    apart: Callable[[TourPoint, TourPoint], float]
+
+
+BY_TRAVEL_LENGTH: Final = TravelMeasure(lambda points: points, math.dist)
+
+
+@dataclass(frozen=True, slots=True)
+class ContourOrder:
+    """contours: as they should be followed. before, after: mm of travel between them, or what it
+    was measured by if `measured`.
+    """
+
+    contours: tuple[Contour, ...]
+    before: float
+    after: float
+    measured: bool = False
+
+
+def order_contours(
+    contours: Sequence[Contour], holders: Sequence[int] = (), measure: TravelMeasure | None = None
+) -> ContourOrder:
+    """The contours in an order of short travel: turned, started elsewhere, none left out.
+
+    holders: for each contour the one that it has to come before, or -1; none: no such rule. It
+    may make the travel longer than in the order of drawing. measure: of travel, None for mm.
+    """
+    given = tuple(contours)
+    if len(given) < 2:
+        return ContourOrder(given, 0.0, 0.0)
+    stops = [_Stop.of(c) for c in given]
+    before, after, tour, timed = _improved_tour(
+        stops, list(holders) or [FREE_CONTOUR] * len(given), measure
+    )
+    made = tuple(tour.stops[c].contour() for c in tour.order)
+    allowed = all(holder == FREE_CONTOUR or i < holder for i, holder in enumerate(tour.holders))
+    if allowed and before <= after:
+        return ContourOrder(given, before, before, timed)
+    return ContourOrder(made, before, after, timed)
+
+
+@dataclass(frozen=True, slots=True)
+class PointOrder:
+    """rows: of points, in the order to visit them. before, after: as of `Ordering`."""
+
+    rows: tuple[int, ...]
+    before: float
+    after: float
+    measured: bool
+
+
+def order_points(points: Points, measure: TravelMeasure) -> PointOrder:
+    """Points (n, 3) in an order of short travel."""
+    given = tuple(range(len(points)))
+    if len(points) < 2:
+        return PointOrder(given, 0.0, 0.0, measured=False)
+    stops = [_Stop(None, points[i : i + 1], [0]) for i in given]
+    before, after, tour, timed = _improved_tour(stops, [FREE_CONTOUR] * len(stops), measure)
+    if before <= after:
+        return PointOrder(given, before, before, timed)
+    return PointOrder(tuple(tour.order), before, after, timed)
+
+
+def travel_length(contours: Sequence[Contour]) -> float:
+    """Mm from the end of each contour to the start of the next."""
+    ends = [c.end for c in contours[:-1]]
+    starts = [c.start for c in contours[1:]]
+    return math.fsum(map(math.dist, ends, starts))
+
+
+def _improved_tour(
+    stops: list[_Stop], holders: list[int], measure: TravelMeasure | None
+) -> tuple[float, float, _Tour, bool]:
+    """A tour of stops, the travel before and after, and whether the measure could be taken."""
+    points = np.concatenate([stop.points for stop in stops])
+    places = None if measure is None else measure.places(points)
+    used = BY_TRAVEL_LENGTH if measure is None or places is None else measure
+    rest = iter(map(tuple, (points if places is None else places).tolist()))
+    for stop in stops:
+        stop.stand([next(rest) for _ in range(len(stop.points))])
+    before = _tour_travel(stops, used)
+    tour = _Tour(stops, holders, used)
+    tour.improve()
+    return before, _tour_travel([stops[i] for i in tour.order], used), tour, used is measure
+
+
+def _tour_travel(stops: Sequence[_Stop], measure: TravelMeasure) -> float:
+    return math.fsum(measure.apart(a.exit, b.entry) for a, b in pairwise(stops))
+
+
+@dataclass(slots=True)
+class _Stop:
+    """A contour in the tour, or a point alone: where the tool goes in and out.
+
+    points: (m, 3), of an open contour its ends, of a closed one its possible starts, which are
+    those vertices. choices: the places of those.
+    """
+
+    given: Contour | None
+    points: Points
+    vertices: list[int]
+    entry: TourPoint = ()
+    exit: TourPoint = ()
+    choices: list[TourPoint] = field(default_factory=list)
+    chosen: int = 0
+    backwards: bool = False
+    fixed: bool = False
+
+    @staticmethod
+    def of(contour: Contour) -> _Stop:
+        if not contour.closed:
+            ends = np.array([contour.start, contour.end])
+            return _Stop(contour, ends, [], fixed=contour.fixed)
+        vertices = contour.vertices
+        count = len(vertices)
+        tried = min(count, MOST_STARTS_TRIED)
+        rows = [i * count // tried for i in range(tried)]
+        return _Stop(contour, vertices[rows], rows)
+
+    def stand(self, places: list[TourPoint]) -> None:
+        """As given, with the places of its points."""
+        self.entry, self.exit = places[0], places[0 if self.vertices else -1]
+        self.choices = places if self.vertices else []
+
+    def ends(self) -> Points:
+        """The points that stand for it when its neighbours are looked for."""
+        return self.points[:: max(1, len(self.choices) // 4)]
+
+    def flip(self) -> None:
+        self.entry, self.exit = self.exit, self.entry
+        self.backwards = not self.backwards
+
+    def enter(self, choice: int) -> None:
+        self.chosen = choice
+        self.entry = self.exit = self.choices[choice]
+
+    def contour(self) -> Contour:
+        assert self.given is not None
+        if self.choices:
+            return self.given.starting_at(self.vertices[self.chosen])
+        return self.given.reversed() if self.backwards else self.given
+
+
+class _Tour:
+    """order: the stop at each place. place: the place of each stop.
+
+    holders: of each stop the one that comes later, or -1. held: the stops that each holds.
+    """
+
+    def __init__(self, stops: list[_Stop], holders: list[int], measure: TravelMeasure) -> None:
+        self.stops, self.holders, self.apart = stops, holders, measure.apart
+        self.held: list[list[int]] = [[] for _ in stops]
+        for stop, holder in enumerate(holders):
+            if holder != FREE_CONTOUR:
+                self.held[holder].append(stop)
+        self.free = all(holder == FREE_CONTOUR for holder in holders)
+        self.any_fixed = any(stop.fixed for stop in stops)
+        ends = [stop.ends() for stop in stops]
+        points = np.concatenate(ends)
+        owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
+        self.near = near_owners(points, owners, TRIED_NEIGHBOURS)
+        self.order = self._nearest_first(owners[along_morton_curve(points)].tolist())
+        self.place = [0] * len(stops)
+        for place, stop in enumerate(self.order):
+            self.place[stop] = place
+
+    def _nearest_first(self, curve: list[int]) -> list[int]:
+        """From the first contour on to the nearest neighbour left.
+
+        Where all the neighbours are done, the next one on the curve follows. A holder waits
+        for what it holds, and is the next one then if no neighbour is left.
+        """
+        done = [False] * len(self.stops)
+        waits = [len(held) for held in self.held]
+        rest = iter(curve)
+        freed: list[int] = []
+        order: list[int] = []
+        stop: int | None = waits.index(0)
+        while stop is not None:
+            done[stop] = True
+            order.append(stop)
+            here = self.stops[stop].exit
+            open_ = [s for s in self.near[stop] if not done[s] and not waits[s]]
+            if (holder := self.holders[stop]) != FREE_CONTOUR:
+                waits[holder] -= 1
+                if not waits[holder]:
+                    freed.append(holder)
+                    open_.append(holder)
+            while freed and done[freed[-1]]:
+                freed.pop()
+            if open_:
+                stop = min(open_, key=lambda s: (self._enter_near(s, here), s))
+            elif freed:
+                stop = freed.pop()
+            else:
+                stop = next((s for s in rest if not done[s] and not waits[s]), None)
+            if stop is not None:
+                self._enter_near(stop, here)
+        return order
+
+    def _enter_near(self, stop: int, here: TourPoint) -> float:
+        """Turns the stop so that it is entered where it is nearest, and says how near."""
+        it = self.stops[stop]
+        if it.choices:
+            it.enter(min(range(len(it.choices)), key=lambda i: self.apart(here, it.choices[i])))
+        elif not it.fixed and self.apart(here, it.exit) < self.apart(here, it.entry):
+            it.flip()
+        return self.apart(here, it.entry)
+
+    def _link(self, one: TourPoint | None, two: TourPoint | None) -> float:
+        """Travel between two places of the tour; none before its start and after its end."""
+        return 0.0 if one is None or two is None else self.apart(one, two)
+
+    def _nearest(self, one: _Stop, other: _Stop) -> float:
+        """Travel between them, whichever way they are turned."""
+        return min(
+            self.apart(a, b) for a in (one.entry, one.exit) for b in (other.entry, other.exit)
+        )
+
+    def improve(self) -> None:
+        """Looks at each stop until none gains any more, or the effort is spent."""
+        n = len(self.order)
+        waiting, queued = deque(self.order), [True] * n
+        effort = max(LOOKS_PER_CONTOUR * min(n, MANY_CONTOURS), n)
+        while waiting and effort > 0:
+            effort -= 1
+            stop = waiting.popleft()
+            queued[stop] = False
+            for touched in self._look(stop):
+                if not queued[touched]:
+                    queued[touched] = True
+                    waiting.append(touched)
+
+    def _look(self, stop: int) -> list[int]:
+        """Makes the best change found near a stop; the stops whose links it changed."""
+        changed = self._start_elsewhere(stop)
+        best = (LEAST_GAIN, 0, 0, -1, False)
+        for change in self._changes(stop):
+            gain = self._gain(*change)
+            if gain > best[0] and self._allowed(*change):
+                best = (gain, *change)
+        _, low, high, to, backwards = best
+        if high == 0:
+            return changed
+        places = {low - 1, low, high - 1, high}
+        if to >= 0:
+            places |= {to - 1, to, to + low - high, to + high - low}
+        self._apply(low, high, to, backwards)
+        last = len(self.order) - 1
+        around = {min(max(p + d, 0), last) for p in places for d in (-1, 0, 1)}
+        return [self.order[p] for p in sorted(around)]
+
+    def _changes(self, stop: int) -> Iterator[tuple[int, int, int, bool]]:
+        """Stretches (low, high) to run backwards (to = -1) or to move before place `to`."""
+        n, i = len(self.order), self.place[stop]
+        yield 0, i, -1, True
+        yield i + 1, n, -1, True
+        yield 0, i + 1, -1, True
+        yield i, n, -1, True
+        it = self.stops[stop]
+        longest = max(
+            self._link(self._exit(i - 1), it.entry), self._link(it.exit, self._entry(i + 1))
+        )
+        for other in self.near[stop]:
+            if self._nearest(self.stops[other], it) >= longest:
+                continue  # no new link to it would be shorter than the stop's own
+            j = self.place[other]
+            a, b = (i, j) if i < j else (j, i)
+            yield a + 1, b + 1, -1, True
+            yield a, b, -1, True
+            for size in range(1, LONGEST_MOVED_RUN + 1):
+                for low in {i, i - size + 1}:
+                    high = low + size
+                    if low < 0 or high > n or low <= j < high:
+                        continue
+                    for to in (j, j + 1):
+                        if to not in (low, high):
+                            yield low, high, to, False
+                        yield low, high, to, True
+
+    def _allowed(self, low: int, high: int, to: int, backwards: bool) -> bool:
+        if backwards and self.any_fixed and any(self.stops[s].fixed for s in self.order[low:high]):
+            return False
+        return self.free or self._keeps_holders(low, high, to, backwards)
+
+    def _keeps_holders(self, low: int, high: int, to: int, backwards: bool) -> bool:
+        """Whether after a change each stop still comes before its holder."""
+        place, holders = self.place, self.holders
+        moved = self.order[low:high]
+        later = [place[holders[s]] if holders[s] != FREE_CONTOUR else math.inf for s in moved]
+        if backwards and any(low <= p < high for p in later):
+            return False
+        if to > high:
+            return not any(high <= p < to for p in later)
+        if 0 <= to < low:
+            return not any(to <= place[s] < low for stop in moved for s in self.held[stop])
+        return True
+
+    def _gain(self, low: int, high: int, to: int, backwards: bool) -> float:
+        """By how much a change shortens the tour."""
+        if high - low < 1:
+            return 0.0
+        before, after = self._exit(low - 1), self._entry(high)
+        head, tail = self._entry(low), self._exit(high - 1)
+        old = self._link(before, head) + self._link(tail, after)
+        if to < 0 or to in (low, high):
+            return old - self._link(before, tail) - self._link(head, after) if backwards else 0.0
+        into, out = (tail, head) if backwards else (head, tail)
+        left, right = self._exit(to - 1), self._entry(to)
+        new = self._link(left, into) + self._link(out, right) - self._link(left, right)
+        return old - self._link(before, after) - new
+
+    def _apply(self, low: int, high: int, to: int, backwards: bool) -> None:
+        moved = self.order[low:high]
+        if backwards:
+            moved.reverse()
+            for stop in moved:
+                self.stops[stop].flip()
+        first, last = low, high
+        if to < 0 or to in (low, high):
+            self.order[low:high] = moved
+        elif to < low:
+            self.order[to:high] = moved + self.order[to:low]
+            first = to
+        else:
+            self.order[low:to] = self.order[high:to] + moved
+            last = to
+        for place in range(first, last):
+            self.place[self.order[place]] = place
+
+    def _start_elsewhere(self, stop: int) -> list[int]:
+        """Starts a closed contour at the vertex nearest to what is before and after."""
+        it, i = self.stops[stop], self.place[stop]
+        if not it.choices:
+            return []
+        before, after = self._exit(i - 1), self._entry(i + 1)
+        costs = [self._link(before, p) + self._link(p, after) for p in it.choices]
+        best = min(range(len(costs)), key=costs.__getitem__)
+        if costs[best] >= costs[it.chosen] - LEAST_GAIN:
+            return []
+        it.enter(best)
+        return self.order[max(i - 1, 0) : i + 2]
+
+    def _entry(self, place: int) -> TourPoint | None:
+        return self.stops[self.order[place]].entry if place < len(self.order) else None
+
+    def _exit(self, place: int) -> TourPoint | None:
+        return self.stops[self.order[place]].exit if place >= 0 else None
+
+
+NO_HOLDER: Final = -1
+HOLDER_BATCH: Final = 256
+"""Contours whose holders are looked for at once."""
+MOST_CROSSINGS: Final = 1 << 20
+"""Sides of polygons times points that are looked at at once; bounds memory."""
+PROBED_PARTS: Final = (0.17, 0.5, 0.83)
+"""Parts of a contour's way that have to be inside, most of them: ends may touch the outline."""
+
+
+def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) -> list[int]:
+    """For each contour the smallest closed one that it lies inside, or -1.
+
+    direction: of the tool, along which it is seen. tolerance: mm that an arc may leave its
+    chords. A contour that crosses another one is inside it if most of it is. Of n contours
+    boxes are compared n by n in columns; polygons only where boxes hold each other.
+    """
+    if not any(c.closed for c in contours):
+        return [NO_HOLDER] * len(contours)
+    across = _view_axes(direction)
+    outlines = [_polygon_outline(c, tolerance) @ across.T for c in contours]
+    low, high = (np.array([f(o, axis=0) for o in outlines]) for f in (np.min, np.max))
+    areas = np.array(
+        [_polygon_area(o) if c.closed else 0.0 for o, c in zip(outlines, contours, strict=True)]
+    )
+    probes = np.array([_probe_points(o) for o in outlines])
+    outer = np.flatnonzero(areas > tolerance**2)
+    outer = outer[np.argsort(areas[outer], kind="stable")]
+    found = np.full(len(contours), NO_HOLDER, dtype=np.intp)
+    middle = np.pad((low + high) / 2.0, ((0, 0), (0, 1)))
+    order = along_morton_curve(middle)
+    for first in range(0, len(order), HOLDER_BATCH):
+        inner = order[first : first + HOLDER_BATCH]
+        near = (low[outer] <= high[inner].max(axis=0)) & (high[outer] >= low[inner].min(axis=0))
+        may = outer[near.all(axis=1)]
+        held = (
+            (low[may] <= low[inner, None] + tolerance)
+            & (high[may] >= high[inner, None] - tolerance)
+        ).all(axis=2) & (areas[may] > areas[inner, None] + tolerance**2)
+        for row, holder in _first_inside(held, may, probes[inner], outlines):
+            found[inner[row]] = holder
+    return [int(holder) for holder in found]
+
+
+def _first_inside(
+    held: Truths, may: Indices, probes: Points, outlines: Sequence[Points]
+) -> Iterator[tuple[Indices, int]]:
+    """Rows of probes (n, k, 2) with the first holder, in order of `may`, that is around them.
+
+    held: (n, m), which of the holders `may` (m,) come into question; it is used up.
+    """
+    open_ = np.flatnonzero(held.any(axis=1))
+    while open_.size:
+        columns = held[open_].argmax(axis=1)
+        held[open_, columns] = False
+        settled = np.zeros(len(open_), dtype=bool)
+        for column in np.unique(columns):
+            of = np.flatnonzero(columns == column)
+            inside = _are_inside(probes[open_[of]].reshape(-1, 2), outlines[may[column]])
+            most = inside.reshape(len(of), -1).mean(axis=1) > 0.5
+            settled[of[most]] = True
+            if most.any():
+                yield open_[of[most]], int(may[column])
+        open_ = open_[~settled]
+        open_ = open_[held[open_].any(axis=1)]
+
+
+def _view_axes(direction: Vector) -> Points:
+    """The two axes (2, 3) of the plane that the tool looks onto."""
+    x = level_x_axis(direction)
+    return np.stack([x, cross(np.asarray(direction, dtype=np.float64), x)])
+
+
+def _polygon_outline(contour: Contour, tolerance: float) -> Points:
+    """Corners (n, 3) of a polygon along the contour, its end left out if it is closed."""
+    parts = []
+    for is_free, group in groupby(contour.curves, key=lambda curve: isinstance(curve, FreeCurve)):
+        if is_free:
+            parts += [chorded(curve, tolerance)[:-1] for curve in group]
+            continue
+        pieces: list[Line | Arc] = list(group)  # type: ignore[arg-type]
+        counts = chord_counts(pieces, tolerance)
+        rows = np.repeat(np.arange(len(pieces)), counts)
+        first = np.cumsum(counts) - counts
+        parts.append(
+            points_at_parts(pieces, rows, (np.arange(len(rows)) - first[rows]) / counts[rows])
+        )
+    return np.concatenate(parts if contour.closed else [*parts, [contour.end]])
+
+
+def _polygon_area(outline: Points) -> float:
+    """Of a polygon (n, 2), by the shoelace formula."""
+    x, y = (outline - outline[0]).T
+    return 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
+
+
+def _probe_points(outline: Points) -> Points:
+    """Points (k, 2) between corners of an outline."""
+    place = np.array(PROBED_PARTS) * (len(outline) - 1)
+    row = np.minimum(place.astype(np.intp), max(len(outline) - 2, 0))
+    after = np.minimum(row + 1, len(outline) - 1)
+    part = (place - row)[:, None]
+    return np.asarray((1.0 - part) * outline[row] + part * outline[after])
+
+
+def _are_inside(points: Points, outline: Points) -> Truths:
+    """Which points (n, 2) a closed polygon (m, 2) is around, by the parity of crossings."""
+    (x0, y0), (x1, y1) = outline.T, np.roll(outline, -1, axis=0).T
+    together = max(1, MOST_CROSSINGS // len(outline))
+    found = np.empty(len(points), dtype=bool)
+    for first in range(0, len(points), together):
+        x, y = points[first : first + together, :, None].transpose(1, 0, 2)
+        over = (y0 > y) != (y1 > y)
+        left = ((x - x0) * (y1 - y0) < (x1 - x0) * (y - y0)) == (y1 > y0)
+        found[first : first + together] = (over & left).sum(axis=1) % 2 == 1
+    return found
+
+
+HOLDER_FIRST = warning(
+    "CT224",
+    "{count} contours of layer {layer!r} come before others that lie inside them; what is cut out"
+    " falls before its holes are done",
+    "number or draw the inner ones first, or say inside_first = false",
+)
+NO_NUMBER = warning(
+    "CT225",
+    "{count} of {all} contours of layer {layer!r} have no number beside them and come last, in the"
+    " order of drawing",
+    "write a text with a whole number beside each, on that layer",
+)
+TWO_NUMBERS = error(
+    "CT226",
+    "the numbers {one} and {other} on layer {layer!r} stand beside the same contour",
+    "move each text to its own contour: the nearest one to its insertion point",
+)
+SAME_NUMBER = error(
+    "CT227",
+    "the number {one} stands beside two contours of layer {layer!r}",
+    "give each contour a number of its own",
+)
+NUMBER_BETWEEN_CONTOURS = error(
+    "CT228",
+    "the number {one} on layer {layer!r} stands as near to one contour as to another",
+    "move it nearer to its own one",
+)
+
+NUMBER_TEXT: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
+"""A text that numbers a contour: `3`, `3.`, `(3)`, `#3`."""
+LEAST_DISTANCE_GAP: Final = 0.1
+"""mm by which the nearest contour has to be nearer than the next one."""
+OUTLINE_CHORDS: Final = 64
+"""Of each curve that is no line, to which a text's distance is measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class LayerText:
+    """A text on a drawing's layer. at: its insertion point, mm in the drawing's world."""
+
+    text: str
+    at: Vector
+    layer: str
+    handle: str = ""
+
+    @property
+    def number(self) -> int | None:
+        """What it numbers a contour by, None for a text that is no number."""
+        found = NUMBER_TEXT.fullmatch(self.text)
+        return None if found is None else int(found[1])
+
+
+OrderFindings = tuple[Diagnostic, ...]
+
+
+def stated_order(
+    contours: Sequence[Contour],
+    drawn: Sequence[Contour],
+    holders: Sequence[int],
+    order: Literal["drawing", "text"],
+    texts: Sequence[LayerText] = (),
+) -> tuple[ContourOrder, OrderFindings]:
+    """The contours as the drawing has them: none is turned, or started elsewhere.
+
+    drawn: what each of them was, beside which the texts stand.
+    holders: for each contour the one that it lies in, or -1; none: nobody minds. texts: those of
+    the layer.
+    """
+    rows, findings = list(range(len(contours))), list[Diagnostic]()
+    if order == "text":
+        numbers, findings = _numbers_of_contours(drawn, texts)
+        rows.sort(key=lambda i: (numbers.get(i, math.inf), i))
+    place = {row: at for at, row in enumerate(rows)}
+    early = {h for i, h in enumerate(holders) if h != FREE_CONTOUR and place[h] < place[i]}
+    if early:
+        findings.append(HOLDER_FIRST(count=len(early), layer=shown(contours[0].layer)))
+    made = tuple(contours[row] for row in rows)
+    return ContourOrder(made, travel_length(contours), travel_length(made)), tuple(findings)
+
+
+def _numbers_of_contours(
+    contours: Sequence[Contour], texts: Sequence[LayerText]
+) -> tuple[dict[int, int], list[Diagnostic]]:
+    """The number of each contour that has one, and what is wrong."""
+    findings: list[Diagnostic] = []
+    layer = shown(contours[0].layer)
+    numbers: dict[int, int] = {}
+    outlines = [_sampled_outline(contour) for contour in contours]
+    for one in texts:
+        if (number := one.number) is None:
+            continue
+        place = f"entity {one.handle}" if one.handle else None
+        apart = np.array([_distance_to_outline(one.at, outline) for outline in outlines])
+        nearest = int(apart.argmin())
+        if (
+            np.partition(apart, 1)[1] - apart[nearest] < LEAST_DISTANCE_GAP
+            if len(apart) > 1
+            else False
+        ):
+            findings.append(NUMBER_BETWEEN_CONTOURS(place=place, layer=layer, one=number))
+        elif nearest in numbers:
+            findings.append(
+                TWO_NUMBERS(place=place, layer=layer, one=numbers[nearest], other=number)
+            )
+        elif number in numbers.values():
+            findings.append(SAME_NUMBER(place=place, layer=layer, one=number))
+        else:
+            numbers[nearest] = number
+    if without := len(contours) - len(numbers):
+        findings.append(NO_NUMBER(layer=layer, count=without, all=len(contours)))
+    return numbers, findings
+
+
+def _sampled_outline(contour: Contour) -> Floats:
+    """Points (n, 3) of a line along it."""
+    points = []
+    for curve in contour.curves:
+        count = 2 if isinstance(curve, Line) else OUTLINE_CHORDS + 1
+        points.append(sample([curve], np.linspace(0.0, 1.0, count))[0])
+    return np.concatenate(points)
+
+
+def _distance_to_outline(at: Vector, outline: Floats) -> float:
+    """Mm from a point to a line through points (n, 3)."""
+    first, step = outline[:-1], np.diff(outline, axis=0)
+    size = (step**2).sum(axis=1)
+    to = np.asarray(at) - first
+    part = np.clip((to * step).sum(axis=1) / np.where(size > 0.0, size, 1.0), 0.0, 1.0)
+    return float(np.linalg.norm(to - part[:, None] * step, axis=1).min())

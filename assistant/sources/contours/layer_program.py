@@ -1,0 +1,352 @@
+"""Programs along the contours of a drawing: one procedure for each layer, as its process states.
+
+From curves to contours, the tool's paths beside them, their order, and the statements of each.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.base.diagnostics import Diagnostic, error, info, warning
+from assistant.program.geometry import Target, Vector
+from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
+from assistant.program.settings_tables import nearest, shown
+from assistant.program.statements import Comment, Statement
+from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
+from assistant.sources.contours.contour_order import (
+    NO_HOLDER,
+    LayerText,
+    holders,
+    order_contours,
+    stated_order,
+)
+from assistant.sources.contours.contour_statements import (
+    FramedSurroundings,
+    PlacedLayer,
+    follow_contour,
+    highest_point,
+    travel_measure,
+)
+from assistant.sources.contours.curves import Arc, Curve, Line
+from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
+from assistant.sources.contours.tool_paths import PathShaper, ShapedContour
+from assistant.sources.process import Layer, Process
+
+NOT_USED_ON_LAYER = warning(
+    "CT201",
+    "not used on layer {layer!r}, which the process file does not have: {what}",
+    "add [layers.{key}] to the process file, or leave_out = [{key}] at its top",
+)
+NO_CONTOURS = info(
+    "CT202", "the process file's layer {layer!r} has no contours in the drawing", "{cure}"
+)
+TOO_SMALL = warning(
+    "CT203",
+    "a contour on layer {layer!r} is smaller than the tolerance of {tolerance:g} mm and left out",
+    "give a smaller `tolerance`",
+)
+CURVE_NOT_FITTED = error(
+    "CT204",
+    "a curve on layer {layer!r} cannot be followed within {tolerance:g} mm",
+    "redraw it without jumps, or give a larger `tolerance`",
+)
+CURVES_FITTED = info(
+    "CT205",
+    "{count} ellipses and splines on layer {layer!r} are followed by arcs and lines, "
+    "at most {deviation:.4f} mm off",
+    "give a smaller `tolerance` for more and shorter pieces",
+)
+TRAVEL_LENGTH_SAVED = info(
+    "CT206",
+    "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
+    "it was {before:.0f} mm in the order of drawing",
+    "",
+)
+TRAVEL_TIME_SAVED = info(
+    "CT209",
+    "travel between the {count} contours of layer {layer!r} takes {after:.2f} s of joint moves at"
+    " full speed{inside}; it was {before:.2f} s in the order of drawing",
+    "",
+)
+SLOW_CORNERS = info(
+    "CT222",
+    "{count} corners of layer {layer!r} are gone round at {speed:g} mm/s: turns of {angle:g}"
+    " degrees and more, arcs of up to {radius:g} mm",
+    "",
+)
+NO_SLOW_CORNER = warning(
+    "CT223",
+    "layer {layer!r} has no corner for `corner_speed`: no turn of {angle:g} degrees, no arc of up"
+    " to {radius:g} mm",
+    "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
+)
+POINTS_LEFT_OUT = info(
+    "CT108",
+    "{count} points on layer {layer!r} are left out, as the way without them is at most"
+    " {deviation:.4f} mm off",
+    "give a smaller `tolerance` to keep them",
+)
+WIDEST_TURN: Final = 120.0
+"""Degrees of an arc over which the tool turns with the contour: a controller turns it the
+shorter way from start to end, which has to stay the way of the arc."""
+
+LONGEST_NAME_STEM: Final = 20
+"""Letters of a layer's name that go into the names of its paths."""
+
+
+def contour_program(
+    curves: Sequence[Curve],
+    process: Process,
+    *,
+    taken: set[str],
+    path: str | None = None,
+    marks: Sequence[tuple[str, Vector]] = (),
+    texts: Sequence[LayerText] = (),
+) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
+    """A procedure for each layer that has a process, the targets they name, what was found.
+
+    curves: where the process places them in its default frame; the layers come in order of
+    first appearance. A layer whose motion names another frame is followed at the same
+    place, its targets and its tool direction given in that frame. Without any layer in the
+    process, every layer moves as the defaults say. Curves of other layers are counted in a
+    finding. taken: names that must not be used; those that the program got are added.
+    path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
+    drawing, where they number contours.
+    """
+    layers: dict[str, list[Curve]] = {}
+    for curve in curves:
+        layers.setdefault(curve.layer.casefold(), []).append(curve)
+    known = {name.casefold(): layer for name, layer in process.layers.items()}
+    defaults = process.defaults
+    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
+    names = TakenNames(taken)
+    procedures: list[Procedure] = []
+    targets: dict[str, Target] = {}
+    findings: list[Diagnostic] = []
+    followed: list[tuple[str, Layer, Sequence[Contour]]] = []
+    for key, group in layers.items():
+        unwanted = process.leaves_out(key)
+        layer = known.get(key, None if unwanted else usual)
+        if layer is None:
+            if not unwanted:
+                given = group[0].layer
+                key_shown = json.dumps(shown(given), ensure_ascii=False)
+                findings.append(
+                    NOT_USED_ON_LAYER(
+                        what=_curves_in_words(group), layer=shown(given), key=key_shown
+                    )
+                )
+            continue
+        name = _procedure_name(group[0].layer, names)
+        names.add(name)
+        single, overlapping = without_overlaps(group, process.tolerance)
+        contours, chained = chain_curves(single, process.tolerance)
+        findings += (*overlapping, *chained, *wide_gaps(contours, process.tolerance))
+        if contours:
+            direction = process.placed(layer.direction)
+            followed.append((name, replace(layer, direction=direction), contours))
+    shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
+    # All procedures have their names before any path gets one.
+    before: Layer | None = None
+    for row in shaper.order():
+        name, layer, drawn = followed[row]
+        key = drawn[0].layer.casefold()
+        points = [point for marked, point in marks if marked.casefold() == key]
+        beside = [one for one in texts if one.layer.casefold() == key]
+        shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
+        findings += shaper.findings
+        shaper.findings.clear()
+        made, named, found = _layer_procedure(
+            name, drawn, shaped, layer, process, names, beside, before=before
+        )
+        before = layer if made else before
+        procedures += made
+        targets |= named
+        findings += found
+    taken.update(names)
+    findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
+    return tuple(procedures), targets, tuple(f.within(path) for f in findings)
+
+
+def _procedure_name(layer: str, taken: TakenNames) -> str:
+    """Of the procedure; a signal is often called as its layer is, and needs the name more."""
+    name = identifier(layer)
+    return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
+
+
+def _curves_in_words(curves: Sequence[Curve]) -> str:
+    """`3 lines, 1 arc`."""
+    kinds = Counter(
+        "line" if isinstance(c, Line) else "arc" if isinstance(c, Arc) else "free curve"
+        for c in curves
+    )
+    return ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in kinds.items())
+
+
+def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Diagnostic]:
+    there = {name.casefold() for name in drawn}
+    findings = []
+    for name in layers:
+        if name.casefold() not in there:
+            near = nearest(name, drawn)
+            cure = f"did you mean {shown(near)}?" if near else "draw some, or delete its table"
+            findings.append(NO_CONTOURS(layer=shown(name), cure=cure))
+    return findings
+
+
+def _layer_procedure(
+    named: str,
+    drawn: Sequence[Contour],
+    shaped: Sequence[ShapedContour | None],
+    layer: Layer,
+    process: Process,
+    taken: TakenNames,
+    texts: Sequence[LayerText],
+    *,
+    before: Layer | None,
+) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
+    """The procedure of that name along the contours of one layer, none if nothing is left.
+
+    shaped: what the contours have become. before: the layer that comes before it. With the
+    procedure come the targets that it names, and the findings.
+    """
+    name, findings = drawn[0].layer, list[Diagnostic]()
+    placed = PlacedLayer.of(name, layer, process)
+    if isinstance(placed, Diagnostic):
+        return [], {}, [placed]
+    kept = [one for one in shaped if one is not None]
+    contours = [one.main for one in kept]
+    if not contours:
+        return [], {}, findings
+    around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
+    around = _remaining_holders(around, shaped)
+    if layer.order == "travel":
+        standing = FramedSurroundings.of(process, layer.motion)
+        measure = travel_measure(layer, placed, standing) if process.defaults.travels else None
+        order = order_contours(contours, around, measure)
+    else:
+        left = [one for one, became in zip(drawn, shaped, strict=True) if became is not None]
+        order, said = stated_order(contours, left, around, layer.order, texts)
+        findings += said
+    if len(contours) > 1 and layer.order == "travel":
+        inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
+        findings.append(
+            (TRAVEL_TIME_SAVED if order.measured else TRAVEL_LENGTH_SAVED)(
+                layer=shown(name),
+                count=len(contours),
+                before=order.before,
+                after=order.after,
+                inside=inside,
+            )
+        )
+    if named != name:
+        findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
+    stem = _path_name_stem(name, taken)
+    targets: dict[str, Target] = {}
+    body: list[Statement] = [Comment(_printable_line(f"{layer.process}: layer {name}"))]
+    widest = WIDEST_TURN if layer.tangential else WIDEST_ARC
+    deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
+    thinned, dropped = 0.0, sum(one.dropped for one in kept)
+    wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
+    top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
+    corners = 0
+    of_number = {one.main.number: one for one in kept}
+    followed = [
+        (of_number[main.number], way)
+        for main in order.contours
+        for way in of_number[main.number].ways(main, layer.shaping)
+    ]
+    for one, way in followed:
+        contour = way.contour
+        rows = contour_moves(contour, process.tolerance, widest=widest, spent=one.deviation)
+        handle = next((c.handle for c in contour.curves if c.handle), "")
+        place = f"entity {handle}" if handle else None
+        if not rows.within:
+            findings.append(
+                CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
+            )
+        elif not len(rows):
+            findings.append(TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
+        else:
+            count += 1
+            deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
+            if one.dropped or rows.dropped:
+                thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
+            taken.add(f"{stem}_{count}")
+            lower = way.lower(layer)
+            stays = process.home is None and way is followed[-1][1]
+            made = follow_contour(
+                f"{stem}_{count}", rows, lower, placed, wound, process, taken, top,
+                drawn_on=name, stays=stays,
+            )  # fmt: skip
+            body += made.statements
+            corners += made.corners
+            findings += made.findings
+            targets |= made.targets
+            taken.update(made.targets)
+            wound = made.wound
+    if fitted:
+        findings.append(CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
+    if dropped:
+        findings.append(POINTS_LEFT_OUT(layer=shown(name), count=dropped, deviation=thinned))
+    if count and (slow := layer.pace.corner) is not None:
+        about: dict[str, Any] = {
+            "layer": shown(name),
+            "angle": layer.pace.angle,
+            "radius": layer.pace.radius,
+        }
+        findings.append(
+            SLOW_CORNERS(count=corners, speed=slow.tcp, **about)
+            if corners
+            else NO_SLOW_CORNER(**about)
+        )
+    return ([Procedure(named, tuple(body))] if count else []), targets, findings
+
+
+def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | None]) -> list[int]:
+    """What each contour that is left lies inside, by rows of those that are left."""
+    rows = [i for i, one in enumerate(shaped) if one is not None]
+    number = {row: i for i, row in enumerate(rows)}
+
+    def holder(row: int) -> int:
+        while (row := around[row]) != NO_HOLDER:
+            if row in number:
+                return number[row]
+        return NO_HOLDER
+
+    return [holder(row) for row in rows] if around else []
+
+
+def _is_reached_by_lines(before: Layer, layer: Layer) -> bool:
+    """Whether the tool comes from one layer to the next as it does within them.
+
+    A joint move needs room above the work.
+    """
+    raised = before.retract > 0.0 or before.above.height is not None
+    return layer.above.kind == "linear" or not (raised and layer.approach > 0.0)
+
+
+def _path_name_stem(layer: str, taken: TakenNames) -> str:
+    """Start of the layer's path names, so that no path or row has the name of another thing.
+
+    Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
+    """
+    base = identifier(layer.lower())[:LONGEST_NAME_STEM].rstrip("_")
+    candidate, counted = base, ("stem", base)
+    if candidate in taken.stems:
+        count = taken.counts.get(counted, 2)
+        while (candidate := f"{base.replace('_', '')}{count}") in taken.stems:
+            count += 1
+        taken.counts[counted] = count
+    return candidate
+
+
+def _printable_line(text: str) -> str:
+    """One printable line."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -1,0 +1,248 @@
+"""Pseudo-program of a drawing: names of its locations, their order, and its procedures.
+
+`main` visits the locations, then follows the contours; it starts and ends at `home` if the process
+file states one.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.base.budgets import AROUND, CONTOURS, within
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.expressions import Name
+from assistant.program.geometry import JointTarget, Pose, Target
+from assistant.program.motion import FINE
+from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
+from assistant.program.statements import Call, MoveJoints, Statement, Travel
+from assistant.sources.contours.contour_order import TravelMeasure, order_points
+from assistant.sources.contours.contour_statements import (
+    FramedSurroundings,
+    approach_of,
+    backed_off_target,
+    move_to,
+)
+from assistant.sources.contours.layer_program import contour_program
+from assistant.sources.drawing.contents import Contents
+from assistant.sources.drawing.findings import (
+    DUPLICATE,
+    EMPTY,
+    QUICKEST,
+    SAME_ORDER,
+    SOME_ORDERED,
+    shown,
+)
+from assistant.sources.drawing.locations import Location
+from assistant.sources.process import NO_PROCESS, Process, travel_seconds
+from assistant.sources.reading import Reading
+
+MAIN_PROCEDURE: Final = "main"
+HOME_TARGET: Final = "home"
+LOCATIONS_PROCEDURE: Final = "locations"
+"""Name of the procedure that visits the locations."""
+
+
+def drawing_program(contents: Contents, path: FilePath, process: Process) -> Reading:
+    """The program of a drawing: `main` visits the locations, then follows the contours.
+
+    Raises Refused if there is nothing to do, or something in it is wrong.
+    """
+    name = str(path)
+    title = identifier(path.stem)
+    taken = TakenNames((title, MAIN_PROCEDURE, LOCATIONS_PROCEDURE))
+    taken.update(process.tools, process.frames, process.signals)
+    named = name_locations(contents.locations, taken, name)
+    taken.update(named.names)
+    home = identifier(HOME_TARGET, taken) if process.home is not None else None
+    taken.update([home] if home else [])
+    places = len(contents.curves) + len(contents.locations)
+    with within(CONTOURS if process.around is None else AROUND, name, places):
+        curves = contents.curves
+        contours, ends, followed = contour_program(
+            curves, process, taken=taken, path=name, marks=contents.marks, texts=contents.texts
+        )
+        order = visiting_order(contents.locations, name, process)
+        visits, visited = _visit_procedure(contents.locations, named.names, order.rows, process)
+    arriving = (finding.within(name) for finding in visited)
+    findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
+    if title != path.stem:
+        findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
+    if not contours and not contents.locations and not has_errors(findings):
+        findings.append(EMPTY(path=name))
+    if has_errors(findings):
+        raise Refused(*findings)
+    procedures = [*visits, *contours]
+    program = Program(
+        title,
+        (Procedure(MAIN_PROCEDURE, _calls_from_home(home, procedures, process)), *procedures),
+        entry=MAIN_PROCEDURE,
+        robot=process.robot,
+        comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
+        frames=dict(process.frames),
+        tools=dict(process.tools),
+        signals=dict(process.signals),
+        targets={
+            n: Target(location.pose)
+            for n, location in zip(named.names, contents.locations, strict=True)
+        }
+        | ends,
+        joint_targets={home: JointTarget(process.home)} if home and process.home else {},
+        placed=process.placement is not None,
+    )
+    return Reading(program, tuple(findings))
+
+
+def _calls_from_home(
+    home: str | None, procedures: Sequence[Procedure], process: Process
+) -> tuple[Statement, ...]:
+    """Calls of the procedures, between two ways home if there is a home."""
+    calls = tuple(Call(p.name) for p in procedures)
+    if home is None:
+        return calls
+    motion = replace(process.defaults.motion, blend=FINE)
+    way = Travel if process.defaults.travels else MoveJoints
+    return (way(Name(home), motion), *calls, way(Name(home), motion))
+
+
+def _visit_procedure(
+    locations: Sequence[Location], names: Sequence[str], rows: Sequence[int], process: Process
+) -> tuple[list[Procedure], list[Diagnostic]]:
+    """The procedure through the locations, or none if there are none, and what is said of it.
+
+    To the first one no line leads from wherever the arm stands, unless it says so.
+    """
+    statements: list[Statement] = []
+    findings: list[Diagnostic] = []
+    usual = process.defaults
+    for place, i in enumerate(rows):
+        location, name = locations[i], names[i]
+        first = usual.kind if usual.travels else "joint"
+        kind = location.kind or (usual.kind if place else first)
+        standing = FramedSurroundings.of(process, location.motion)
+        into = approach_of(standing, location.pose, usual.approach, name)
+        out = into
+        if usual.retract != usual.approach:
+            out = approach_of(standing, location.pose, usual.retract, name)
+        findings += dict.fromkeys((*into.findings, *out.findings))
+        stopping = replace(location.motion, blend=FINE)
+        if usual.approach:
+            statements.append(
+                move_to(kind, backed_off_target(name, usual.approach, into), stopping)
+            )
+        at = stopping if usual.retract else location.motion  # no corner where the way turns back
+        statements.append(move_to("linear" if usual.approach else kind, Name(name), at))
+        if usual.retract:
+            statements.append(
+                move_to("linear", backed_off_target(name, usual.retract, out), stopping)
+            )
+    return ([Procedure(LOCATIONS_PROCEDURE, tuple(statements))] if statements else []), findings
+
+
+@dataclass(frozen=True, slots=True)
+class LocationNames:
+    """A name for each location, in order of drawing."""
+
+    names: tuple[str, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+def name_locations(
+    locations: Sequence[Location], taken: Collection[str], path: str
+) -> LocationNames:
+    """Unique names of the locations, near to those that were drawn.
+
+    Names that were given come first, so that a counted one never takes one of them.
+    """
+    used = TakenNames(t.lower() for t in taken)
+    names: dict[int, str] = {}
+    findings: list[Diagnostic] = []
+    drawn: set[str] = set()
+    for i, location in enumerate(locations):
+        if not location.given:
+            continue
+        name = names[i] = identifier(location.given, used)
+        given = shown(location.given)
+        if location.given.lower() in drawn:
+            findings.append(DUPLICATE(path=path, place=location.place, given=given, name=name))
+        elif name != location.given:
+            findings.append(MANGLED(path=path, place=location.place, given=given, name=name))
+        drawn.add(location.given.lower())
+        used.add(name.lower())
+    counts: Counter[str] = Counter()
+    stems: dict[str, str] = {}
+    for i, location in enumerate(locations):
+        if location.given:
+            continue
+        if location.stem not in stems:
+            stems[location.stem] = stem = identifier(location.stem)
+            if stem != location.stem:
+                given = shown(location.stem)
+                findings.append(MANGLED(path=path, place=location.place, given=given, name=stem))
+        stem = stems[location.stem]
+        while True:
+            counts[stem.lower()] += 1
+            name = f"{stem}_{counts[stem.lower()]}"
+            if name.lower() not in used:
+                break
+        names[i] = name
+        used.add(name.lower())
+    return LocationNames(tuple(names[i] for i in range(len(locations))), tuple(findings))
+
+
+@dataclass(frozen=True, slots=True)
+class LocationOrder:
+    """Rows of locations in the order of visiting."""
+
+    rows: tuple[int, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+def visiting_order(
+    locations: Sequence[Location], path: str, process: Process = NO_PROCESS
+) -> LocationOrder:
+    """By the order that locations state, as drawn where it is the same; the others follow.
+
+    Where ways are planned and none states an order or another motion, as travel between them is
+    short.
+    """
+    free = all(entry.order is None and entry.kind in (None, "travel") for entry in locations)
+    if process.defaults.travels and free:
+        return _quickest_order(locations, path, process)
+    stated = [(order, i) for i, entry in enumerate(locations) if (order := entry.order) is not None]
+    rest = [i for i, entry in enumerate(locations) if entry.order is None]
+    findings = []
+    if stated and rest:
+        findings.append(SOME_ORDERED(path=path, ordered=len(stated), rest=len(rest)))
+    seen: set[float] = set()
+    for order, i in sorted(stated):
+        if order in seen:
+            place = locations[i].place
+            findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
+        seen.add(order)
+    return LocationOrder((*(i for _, i in sorted(stated)), *rest), tuple(findings))
+
+
+def _quickest_order(locations: Sequence[Location], path: str, process: Process) -> LocationOrder:
+    """By joint moves between places above them; as drawn where those are not known."""
+    drawn = LocationOrder(tuple(range(len(locations))), ())
+    motions = {(one.motion.frame, one.motion.tool) for one in locations}
+    standing = FramedSurroundings.of(process, locations[0].motion) if len(motions) == 1 else None
+    if standing is None or len(locations) < 2:
+        return drawn
+    up = Pose((0.0, 0.0, -process.defaults.approach))
+    above = [one.pose @ up for one in locations]
+    positions = np.array([pose.position for pose in above])
+    turns = np.array([pose.quaternion for pose in above])
+    found = order_points(
+        positions, TravelMeasure(lambda points: standing.places(points, turns), travel_seconds)
+    )
+    if not found.measured:
+        return drawn
+    said = QUICKEST(path=path, count=len(above), before=found.before, after=found.after)
+    return LocationOrder(found.rows, (said,))

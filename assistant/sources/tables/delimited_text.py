@@ -1,0 +1,441 @@
+"""Delimited text as columns of cells: delimiter, quotes, blank lines, line ends, encodings.
+
+Cells are found, counted and read without a Python object for each row.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.base.arrays import Rows
+from assistant.base.columns import read_numbers
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
+from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
+from assistant.sources.tables.headers import shown
+
+ERROR: Final = Severity.ERROR
+COMMA_DECIMAL = error(
+    "TB121",
+    "{cell} has a decimal comma{more}",
+    "write decimal points; spreadsheets do so when the locale of the export is English",
+)
+NOT_FINITE = error(
+    "TB122", "{cell} is no place that a robot can be at{more}", "mend or remove the row"
+)
+FORMULA = error("TB123", "{cell} is a formula{more}", "save the values, not the formulas")
+UNIT_IN_CELL = error(
+    "TB124",
+    "{cell} has its unit in the cell{more}",
+    "write the unit into the name of the column and numbers alone below it",
+)
+NOT_A_NUMBER = error("TB125", "{cell} is no number{more}", "write a number such as `-12.5`")
+EMPTY_CELL = error("TB126", "the cell is empty{more}", "fill it in, or remove the row")
+
+BLANKS: Final = b" \t"
+_ROWS_AT_ONCE: Final = 1 << 14
+"""Rows read at a time, so that what is made of them stays in the processor's cache."""
+_WIDEST: Final = 256
+_NUMERIC_BYTES: Final = b"0123456789+-.eE "
+_NUMBER_HINTS: Final = (
+    (re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d{1,3}(\.\d{3})+,\d+"), COMMA_DECIMAL),
+    (re.compile(r"(?i)[+-]?(nan|inf|infinity|1\.#\w+)"), NOT_FINITE),
+    (re.compile(r"(?s)[=@].*"), FORMULA),
+    (re.compile(r"[+-]?[\d.]+\s*(mm|cm|m|in|deg|rad|°|mm/s|m/s|s|%)"), UNIT_IN_CELL),
+)
+"""What a cell that is no number looks like, and the rule that says what to do about it."""
+
+
+Offsets = NDArray[np.int32] | NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """n rows of k cells.
+
+    data: the whole text as UTF-8 with line feeds. starts, ends: (n, k) offsets into it of
+    the cells without outer blanks and quotes. header: names of the k columns.
+    """
+
+    data: bytes
+    path: str
+    header: tuple[str, ...]
+    comments: tuple[str, ...]
+    starts: Offsets
+    ends: Offsets
+    header_line: int
+    findings: tuple[Diagnostic, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    @cached_property
+    def octets(self) -> NDArray[np.uint8]:
+        return np.frombuffer(self.data, dtype=np.uint8)
+
+    @property
+    def empty(self) -> NDArray[np.bool_]:
+        """(n, k) whether a cell holds nothing."""
+        return np.asarray(self.starts == self.ends)
+
+    def text(self, row: int, column: int) -> str:
+        """One cell, for the few."""
+        return unescaped_cell(self.data[self.starts[row, column] : self.ends[row, column]])
+
+    def place(self, row: int, column: int | None = None) -> dict[str, Any]:
+        """Where a cell is, as the arguments of a rule."""
+        offset = int(self.starts[row, column or 0])
+        label = f"column {shown(self.header[column])}" if column is not None else None
+        return {"path": self.path, "place": label, **line_at(self.data, offset)}
+
+    def header_place(self, column: int) -> dict[str, Any]:
+        label = f"column {column + 1}"
+        return {"path": self.path, "place": label, "line": self.header_line}
+
+    def numbers(self, columns: list[int]) -> NDArray[np.float64]:
+        """The numbers (n, c) of some columns in the file's order, NaN for empty cells.
+
+        Raises Refused with the first cell of each column that is no number.
+        """
+        columns = sorted(columns)
+        values = np.full((len(self), len(columns)), np.nan)
+        for start in range(0, len(self), _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
+            starts, ends = self.starts[rows, columns], self.ends[rows, columns]
+            present = starts < ends
+            found = self._parsed(starts[present], ends[present])
+            if found is None:
+                raise Refused(*self._not_numbers(columns))
+            values[rows][present] = found
+        return values
+
+    def codes(self, column: int) -> tuple[NDArray[np.int32], list[str]]:
+        """A text column (n,) as indices into the list of its different cells."""
+        table: dict[bytes, int] = {}
+        parts = [np.empty(0, dtype=np.int32)]
+        for start in range(0, len(self), _ROWS_AT_ONCE):
+            rows = slice(start, start + _ROWS_AT_ONCE)
+            cells, repeats = self._distinct_runs(rows, column)
+            index = [table.setdefault(cell, len(table)) for cell in cells]
+            parts.append(np.repeat(np.array(index, dtype=np.int32), repeats))
+        return np.concatenate(parts), [unescaped_cell(cell) for cell in table]
+
+    def _distinct_runs(self, rows: slice, column: int) -> tuple[list[bytes], NDArray[np.intp]]:
+        """The cells of some rows with neighbours that are equal taken together."""
+        starts, ends = self.starts[rows, column], self.ends[rows, column]
+        lengths = ends - starts
+        width = int(lengths.max(initial=1)) or 1
+        if width > _WIDEST:
+            pairs = zip(starts.tolist(), ends.tolist(), strict=True)
+            return [self.data[a:b] for a, b in pairs], np.ones(len(starts), dtype=np.intp)
+        at = np.minimum(starts[:, None] + np.arange(width), len(self.data) - 1)
+        matrix = np.where(np.arange(width) < lengths[:, None], self.octets[at], 0).astype(np.uint8)
+        differs = (matrix[1:] != matrix[:-1]).any(axis=1)
+        heads = np.concatenate([[0], np.flatnonzero(differs) + 1])
+        runs = np.diff(np.concatenate([heads, [len(starts)]]))
+        texts = np.ascontiguousarray(matrix[heads]).view(f"S{width}")[:, 0]
+        return texts.tolist(), runs
+
+    def _parsed(self, starts: Offsets, ends: Offsets) -> NDArray[np.float64] | None:
+        """The numbers of cells that are not empty, in order; None if one is no number."""
+        if not len(starts):
+            return np.empty(0)
+        first, last = int(starts[0]), int(ends[-1])
+        edge = np.zeros(last - first + 1, dtype=np.int8)
+        edge[starts - first] = 1
+        edge[ends - first] = -1
+        within = np.cumsum(edge[:-1], dtype=np.int8).view(bool)
+        text = np.where(within, self.octets[first:last], BLANKS[0]).astype(np.uint8).tobytes()
+        if text.translate(None, _NUMERIC_BYTES):
+            return None
+        try:
+            found = read_numbers(text)
+        except ValueError:
+            return None
+        # a cell holds at least one number, so as many numbers as cells is one in each
+        return found if len(found) == len(starts) else None
+
+    def _not_numbers(self, columns: list[int]) -> list[Diagnostic]:
+        return [finding for column in columns for finding in self._not_numbers_in(column)]
+
+    def _not_numbers_in(self, column: int) -> list[Diagnostic]:
+        rows = np.flatnonzero(self.starts[:, column] < self.ends[:, column])
+        starts, ends = self.starts[rows, column], self.ends[rows, column]
+        if self._parsed(starts, ends) is not None:
+            return []
+        low, high = 0, len(rows)  # the first bad cell lies in rows[low:high]
+        while high - low > 1:
+            middle = (low + high) // 2
+            if self._parsed(starts[low:middle], ends[low:middle]) is None:
+                high = middle
+            else:
+                low = middle
+        rest = self._parsed(starts[high:], ends[high:]) is None
+        row = int(rows[low])
+        cell = self.text(row, column)
+        rule = next(
+            (rule for hint, rule in _NUMBER_HINTS if hint.fullmatch(cell[:200])), NOT_A_NUMBER
+        )
+        more = ", and so are others below it" if rest else ""
+        return [rule(**self.place(row, column), cell=shown(cell), more=more)]
+
+
+def unescaped_cell(cell: bytes) -> str:
+    return cell.decode().replace('""', '"')
+
+
+def line_at(text: bytes, offset: int) -> dict[str, Any]:
+    """Line, column and excerpt of an offset, as the arguments of a rule."""
+    start = text.rfind(b"\n", 0, offset) + 1
+    end = text.find(b"\n", offset)
+    line = text[start : end if end >= 0 else None].decode(errors="replace")
+    before = text[start:offset].decode(errors="replace")
+    return {
+        "line": text.count(b"\n", 0, start) + 1,
+        "column": len(before) + 1,
+        "excerpt": line if len(line) <= 200 and line.isprintable() else None,
+    }
+
+
+NOT_TEXT = error("TB111", "the file holds zero bytes, it is no text", "export it as CSV")
+NO_LINES = error("TB112", "the file holds nothing but blanks", "export or save it again")
+NO_ROWS = error("TB113", "there is no row below the header", "export or save it again")
+RAGGED = error(
+    "TB114",
+    "the row has {count} cells, the header {wanted}{more}",
+    "give every row as many cells as the header, with nothing between delimiters for none",
+)
+COMMA_ROW = error(
+    "TB115",
+    "the row has {count} cells, the header {wanted}{more}; are these decimal commas?",
+    "write decimal points, or save with `;` between the cells and decimal points",
+)
+STRAY_QUOTE = error(
+    "TB116",
+    "a quotation mark stands inside a cell",
+    'put the whole cell in quotation marks and double those inside it: `"5"" pipe"`',
+)
+UNCLOSED_QUOTE = error(
+    "TB117", "a quotation mark is never closed", "close it at the end of the cell"
+)
+EMPTY_ROWS = info("TB118", "{count} rows of empty cells are left out")
+
+DELIMITERS: Final = b",;\t"
+_QUOTE, _LINE_END = b'"'[0], b"\n"[0]
+_TRIM_STEPS: Final = 16
+_SPLIT_BYTES: Final = 1 << 19
+"""Bytes split at a time, so that what is made of them stays in the processor's cache."""
+
+HeaderCheck = Callable[[tuple[str, ...], Mapping[str, Any]], None]
+
+
+def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
+    """The cells of a delimited text; the delimiter is the one that the header uses.
+
+    check: raises what is wrong with the header, before a row is looked at.
+    Lines before the header that begin with `#` are comments; blank lines do not count.
+    Raises Unreadable if it is no text, Refused for ragged rows or loose quotation marks.
+    """
+    text = _as_text(data, path)
+    comments: list[str] = []
+    at = 0
+    while True:
+        end = text.find(b"\n", at)
+        if end < 0:
+            rule = NO_ROWS if comments else NO_LINES
+            raise Unreadable(rule(path=path))
+        line = text[at:end].strip()
+        if line.startswith(b"#"):
+            comments.append(line.lstrip(b"# ").decode())
+        elif line:
+            break
+        at = end + 1
+    delimiter = _delimiter(text[at:end])
+    starts, ends, counts = _split_cells(text, at, delimiter, path)
+    width = int(counts[0])
+    header = tuple(
+        unescaped_cell(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True)
+    )
+    header_line = text.count(b"\n", 0, at) + 1
+    check(header, {"path": path, "line": header_line})
+    starts, ends = _without_blank_lines(starts[width:], ends[width:], counts[1:], width, text, path)
+    starts, ends = starts.reshape(-1, width), ends.reshape(-1, width)
+    filled = (starts < ends).any(axis=1)
+    findings: tuple[Diagnostic, ...] = ()
+    if not filled.all():
+        gone = np.flatnonzero(~filled)
+        findings = (
+            EMPTY_ROWS(path=path, count=len(gone), **line_at(text, int(starts[gone[0], 0]))),
+        )
+        starts, ends = starts[filled], ends[filled]
+    if not len(starts):
+        raise Refused(NO_ROWS(path=path, line=header_line))
+    return Cells(text, path, header, tuple(comments), starts, ends, header_line, findings)
+
+
+def _as_text(data: bytes, path: str) -> bytes:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        data = decode(data, path, ("utf-16",)).text.encode()
+    if b"\0" in data:
+        raise Unreadable(NOT_TEXT(path=path))
+    if not data.isascii():
+        data = decode(data, path, ("utf-8-sig", "utf-8", "cp1252")).text.encode()
+    _check_returns(data, path)
+    text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
+    return text if text.endswith(b"\n") else text + b"\n"
+
+
+def _check_returns(data: bytes, path: str) -> None:
+    """Raises Refused for a carriage return alone that is no row's end for some readers."""
+    if b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
+        return
+    quoted = False
+    for mark in re.finditer(rb'"|\r(?!\r*\n|\Z)', data):
+        if mark[0] == b'"':
+            quoted = not quoted
+        elif not quoted:
+            at = len(data[: mark.start()].decode())
+            source, character = SourceText(data.decode(), path), LINE_ENDS["\r"]
+            raise Refused(source.finding(LINE_END_INSIDE, Span(at, at + 1), character=character))
+
+
+def _delimiter(header: bytes) -> int:
+    bare = re.sub(rb'"[^"]*"', b"", header)
+    return max(DELIMITERS, key=lambda mark: bare.count(bytes([mark])))
+
+
+def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offsets, Offsets, Rows]:
+    """Starts and ends of all cells from an offset on, and how many each line has."""
+    body = np.frombuffer(text, dtype=np.uint8)[at:]
+    quoted = bytes([_QUOTE]) in text
+    if quoted:
+        _check_quotes(text, at, body, delimiter, path)
+    ends = _cell_edges(body, delimiter, quoted)
+    starts = np.concatenate([np.zeros(1, ends.dtype), ends[:-1] + 1])
+    counts = np.diff(np.flatnonzero(body[ends] == _LINE_END), prepend=-1)
+    blanks = [b for b in BLANKS if b != delimiter]
+    if any(bytes([b]) in text for b in blanks):
+        starts, ends = _trimmed_cells(body, starts, ends, blanks)
+    if quoted:
+        outer = (ends > starts) & (body[np.minimum(starts, len(body) - 1)] == _QUOTE)
+        starts, ends = _trimmed_cells(body, starts + outer, ends - outer, list(BLANKS))
+    starts += at
+    ends = ends + at
+    return starts, ends, counts
+
+
+def _cell_edges(body: NDArray[np.uint8], delimiter: int, quoted: bool) -> Offsets:
+    """Offsets of the delimiters and line ends outside quotes, found a part at a time."""
+    kind = np.int32 if len(body) < np.iinfo(np.int32).max else np.int64
+    parts, within_last = [], np.uint8(0)
+    for start in range(0, len(body), _SPLIT_BYTES):
+        part = body[start : start + _SPLIT_BYTES]
+        marks = (part == delimiter) | (part == _LINE_END)
+        if quoted:
+            within = np.bitwise_xor.accumulate((part == _QUOTE).view(np.uint8)) ^ within_last
+            within_last = within[-1]
+            marks &= ~within.view(bool)
+        parts.append((np.flatnonzero(marks) + start).astype(kind))
+    return np.concatenate(parts)
+
+
+def _check_quotes(
+    text: bytes,
+    at: int,
+    body: NDArray[np.uint8],
+    delimiter: int,
+    path: str,
+) -> None:
+    """Quotes open at the start of a cell and close at its end, or are doubled."""
+    quotes = np.flatnonzero(body == _QUOTE)
+    opening, closing = quotes[::2], quotes[1::2]
+    edges = np.array([delimiter, _LINE_END], dtype=np.uint8)
+    inside = [b for b in BLANKS if b != delimiter]
+    before = np.where(opening > 0, body[opening - 1], _LINE_END)
+    after = body[np.minimum(closing + 1, len(body) - 1)]
+    loose = [
+        int(quote)
+        for neighbours, marks, step in ((before, opening, -1), (after, closing, 1))
+        for quote in marks[~np.isin(neighbours, [*edges, _QUOTE])]
+        if not _is_at_cell_edge(body, int(quote), step, inside, edges.tolist())
+    ]
+    if loose:
+        raise Refused(STRAY_QUOTE(path=path, **line_at(text, at + min(loose))))
+    if len(opening) > len(closing):
+        raise Refused(UNCLOSED_QUOTE(path=path, **line_at(text, at + int(opening[-1]))))
+
+
+def _is_at_cell_edge(
+    body: NDArray[np.uint8], quote: int, step: int, blanks: list[int], edges: list[int]
+) -> bool:
+    """Whether only blanks are between a quote and the edge of its cell."""
+    at = quote + step
+    while 0 <= at < len(body) and body[at] in blanks:
+        at += step
+    return not 0 <= at < len(body) or int(body[at]) in edges
+
+
+def _trimmed_cells(
+    body: NDArray[np.uint8],
+    starts: Offsets,
+    ends: Offsets,
+    blanks: list[int],
+) -> tuple[Offsets, Offsets]:
+    """The cells without outer blanks."""
+    blank = np.zeros(256, dtype=bool)
+    blank[blanks] = True
+    starts, ends, last = starts.copy(), ends.copy(), len(body) - 1
+    for _ in range(_TRIM_STEPS):
+        left = (starts < ends) & blank[body[np.minimum(starts, last)]]
+        starts += left
+        right = (starts < ends) & blank[body[ends - 1]]
+        ends -= right
+        if not (left.any() or right.any()):
+            return starts, ends
+    stripped = bytes(blanks)
+    wide = np.flatnonzero(
+        (starts < ends) & (blank[body[np.minimum(starts, last)]] | blank[body[ends - 1]])
+    )
+    for i in wide.tolist():  # the few cells with very wide margins
+        cell = body[starts[i] : ends[i]].tobytes()
+        starts[i] += len(cell) - len(cell.lstrip(stripped))
+        ends[i] = starts[i] + len(cell.strip(stripped))
+    return starts, ends
+
+
+def _without_blank_lines(
+    starts: Offsets,
+    ends: Offsets,
+    counts: Rows,
+    width: int,
+    text: bytes,
+    path: str,
+) -> tuple[Offsets, Offsets]:
+    first = np.cumsum(counts) - counts
+    blank = (counts == 1) & (starts[first] == ends[first]) if len(counts) else counts == 1
+    wrong = np.flatnonzero((counts != width) & ~blank)
+    if len(wrong):
+        row = int(wrong[0])
+        of_row = slice(first[row], first[row] + counts[row])
+        cells = [text[a:b] for a, b in zip(starts[of_row], ends[of_row], strict=True)]
+        commas = counts[row] > width and all(re.fullmatch(rb"[+-]?\d+([eE]\d+)?", c) for c in cells)
+        more = f" ({len(wrong)} such rows)" if len(wrong) > 1 else ""
+        raise Refused(
+            (COMMA_ROW if commas else RAGGED)(
+                path=path,
+                count=int(counts[row]),
+                wanted=width,
+                more=more,
+                **line_at(text, int(starts[first[row]])),
+            )
+        )
+    if not blank.any():
+        return starts, ends
+    keep = np.repeat(~blank, counts)
+    return starts[keep], ends[keep]
