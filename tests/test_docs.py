@@ -23,7 +23,7 @@ from assistant.controllers import controllers_of
 from assistant.findings import rulebook
 from assistant.findings.severities import severities_for
 from assistant.program import pseudo
-from assistant.project.schema import schema
+from assistant.project.schema import project_schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.options import choose
@@ -215,7 +215,7 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         if text.startswith("[controllers"):
             assert controllers_of(tmp_path)
         if text.startswith(OF_PROJECTS):
-            jsonschema.Draft7Validator(schema()).validate(tomllib.loads(text))
+            jsonschema.Draft7Validator(project_schema()).validate(tomllib.loads(text))
             return
         language = languages.get("melfa-basic-5")
         said = with_project_settings(language, tmp_path) is not language

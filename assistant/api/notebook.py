@@ -41,13 +41,13 @@ MOST_LINES: Final = 200
 COLOURS: Final = {Severity.ERROR: "#b3261e", Severity.WARNING: "#8a5a00", Severity.INFO: "#1f5f8b"}
 VIEWS: Final = (("from above", 0, 1), ("from the side", 0, 2))
 """Views of a picture, with the axes that lead to the right and up."""
-JOINT: Final = "#9a9a9a"
-WORK: Final = "#1f5f8b"
+JOINT_INK: Final = "#9a9a9a"
+WORK_INK: Final = "#1f5f8b"
 
 
 def program_html(program: Program) -> str:
     """A program: how long it is, and the way of its tool."""
-    return f"<div><p>{_text(repr(program)[1:-1])}</p>{_picture(program)}</div>"
+    return f"<div><p>{_cut_text(repr(program)[1:-1])}</p>{_path_picture(program)}</div>"
 
 
 def finding_html(finding: Diagnostic) -> str:
@@ -58,21 +58,21 @@ def findings_html(findings: Sequence[Diagnostic]) -> str:
     """A table of findings, and how many more there are."""
     if not findings:
         return "<p>no findings</p>"
-    lines = [_row(finding) for finding in findings[:MOST_FINDINGS]]
+    lines = [_finding_row(finding) for finding in findings[:MOST_FINDINGS]]
     more = len(findings) - len(lines)
     rest = f"<p>and {more} more</p>" if more > 0 else ""
     return f"<table><tbody>{''.join(lines)}</tbody></table>{rest}"
 
 
 def check_html(check: Check) -> str:
-    return f"<div><p>{_text(repr(check)[1:-1])}</p>{findings_html(check.findings)}</div>"
+    return f"<div><p>{_cut_text(repr(check)[1:-1])}</p>{findings_html(check.findings)}</div>"
 
 
 def compiled_html(compiled: Compiled) -> str:
     """What was compiled: its proof, the way of the tool, findings, the text of the files."""
     told = [repr(compiled)[1:-1], *compiled.proof_lines()]
-    parts = [_picture(compiled.source), findings_html(compiled.findings)]
-    return _page(told, parts, compiled.files.items())
+    parts = [_path_picture(compiled.source), findings_html(compiled.findings)]
+    return _html_page(told, parts, compiled.files.items())
 
 
 def translation_html(translation: Translation) -> str:
@@ -80,8 +80,10 @@ def translation_html(translation: Translation) -> str:
     totals = ", ".join(f"{count} {level}" for level, count in translation.totals.items() if count)
     told = [repr(translation)[1:-1], totals]
     source = translation.compiled.source
-    return _page(
-        told, [_picture(source), findings_html(translation.findings)], translation.files.items()
+    return _html_page(
+        told,
+        [_path_picture(source), findings_html(translation.findings)],
+        translation.files.items(),
     )
 
 
@@ -91,37 +93,39 @@ def simulated_html(done: Simulated) -> str:
     told += [
         f"{name}: {time.most:.2f} s a call" for name, time in done.simulation.procedures.items()
     ]
-    return _page(told, [findings_html(done.findings)], ())
+    return _html_page(told, [findings_html(done.findings)], ())
 
 
-def _page(told: Iterable[str], parts: Iterable[str], files: Iterable[tuple[str, bytes]]) -> str:
-    lines = "".join(f"<p>{_text(line)}</p>" for line in told)
-    return f"<div>{lines}{''.join(parts)}{''.join(_file(*one) for one in files)}</div>"
+def _html_page(
+    told: Iterable[str], parts: Iterable[str], files: Iterable[tuple[str, bytes]]
+) -> str:
+    lines = "".join(f"<p>{_cut_text(line)}</p>" for line in told)
+    return f"<div>{lines}{''.join(parts)}{''.join(_file_html(*one) for one in files)}</div>"
 
 
-def _file(name: str, data: bytes) -> str:
+def _file_html(name: str, data: bytes) -> str:
     lines = lines_of(data.decode("utf-8", "replace"))
-    shown = "\n".join(_text(line.expandtabs(4)) for line in lines[:MOST_LINES])
+    shown = "\n".join(_cut_text(line.expandtabs(4)) for line in lines[:MOST_LINES])
     more = len(lines) - MOST_LINES
     rest = f"\n… {more} more lines" if more > 0 else ""
-    return f"<details><summary>{_text(name)}</summary><pre>{shown}{rest}</pre></details>"
+    return f"<details><summary>{_cut_text(name)}</summary><pre>{shown}{rest}</pre></details>"
 
 
-def _row(finding: Diagnostic) -> str:
+def _finding_row(finding: Diagnostic) -> str:
     colour = COLOURS[finding.severity]
-    cure = f"<br><small>{_text(finding.cure)}</small>" if finding.cure else ""
-    head = f'<td style="color:{colour}">{_text(finding.code)} {finding.severity}</td>'
-    where = f"<td>{_text(finding.where())}</td>"
-    return f"<tr>{head}{where}<td>{_text(finding.message)}{cure}</td></tr>"
+    cure = f"<br><small>{_cut_text(finding.cure)}</small>" if finding.cure else ""
+    head = f'<td style="color:{colour}">{_cut_text(finding.code)} {finding.severity}</td>'
+    where = f"<td>{_cut_text(finding.where())}</td>"
+    return f"<tr>{head}{where}<td>{_cut_text(finding.message)}{cure}</td></tr>"
 
 
-def _text(text: str) -> str:
+def _cut_text(text: str) -> str:
     return escape(visible(text))
 
 
-def _picture(program: Program) -> str:
+def _path_picture(program: Program) -> str:
     """The way of the tool from above and from the side; nothing of one that does not move."""
-    points, joint = _way(program)
+    points, joint = _tool_path(program)
     if len(points) < 2:
         return ""
     every = -(-len(points) // MOST_POINTS)
@@ -130,7 +134,7 @@ def _picture(program: Program) -> str:
     low, high = points.min(axis=0), points.max(axis=0)
     extents = ", ".join(f"{axis} {low[i]:.1f} to {high[i]:.1f} mm" for i, axis in enumerate("xyz"))
     views = "".join(
-        _view(label, points[:, [x, y]], joint, number * WIDTH)
+        _path_view(label, points[:, [x, y]], joint, number * WIDTH)
         for number, (label, x, y) in enumerate(VIEWS)
     )
     size = f'width="{2 * WIDTH:.0f}" height="{HEIGHT:.0f}"'
@@ -142,7 +146,7 @@ def _picture(program: Program) -> str:
     )
 
 
-def _view(label: str, points: Floats, joint: Floats, left: float) -> str:
+def _path_view(label: str, points: Floats, joint: Floats, left: float) -> str:
     """Points (n, 2) mm, scaled alike along both axes into one view, y upwards. left: its edge."""
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.array([WIDTH, HEIGHT]) - 2 * MARGIN
@@ -151,16 +155,16 @@ def _view(label: str, points: Floats, joint: Floats, left: float) -> str:
     middle = np.array([left + WIDTH / 2, HEIGHT / 2])
     places = (points - (low + high) / 2) * scale * [1.0, -1.0] + middle
     lines = [
-        f'<polyline points="{one}" stroke="{JOINT if grey else WORK}" stroke-width="1.2"/>'
-        for one, grey in _stretches(places, joint)
+        f'<polyline points="{one}" stroke="{JOINT_INK if grey else WORK_INK}" stroke-width="1.2"/>'
+        for one, grey in _motion_stretches(places, joint)
     ]
     x, y = places[0]
-    start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{WORK}"/>'
+    start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{WORK_INK}"/>'
     text = f'<text x="{left + MARGIN:.0f}" y="14" fill="#555" font-size="11">{label}</text>'
     return f"{''.join(lines)}{start}{text}"
 
 
-def _stretches(places: Floats, joint: Floats) -> Iterable[tuple[str, bool]]:
+def _motion_stretches(places: Floats, joint: Floats) -> Iterable[tuple[str, bool]]:
     """Point lists of moves of one kind that follow each other, and whether they are joint moves."""
     cuts = np.flatnonzero(np.diff(joint[1:].astype(np.int8))) + 1
     begins, ends = np.append(0, cuts), np.append(cuts, len(places) - 1)
@@ -169,12 +173,12 @@ def _stretches(places: Floats, joint: Floats) -> Iterable[tuple[str, bool]]:
         yield " ".join(f"{x:.1f},{y:.1f}" for x, y in some), bool(joint[begin + 1])
 
 
-def _way(program: Program) -> tuple[Floats, Floats]:
+def _tool_path(program: Program) -> tuple[Floats, Floats]:
     """Points (n, 3) mm in the robot's base, and whether a joint move leads to each."""
     drawn = track(program)
     if len(drawn):
         return drawn.positions, drawn.kinds == Kind.JOINT
-    rows = list(_joint_rows(program))
+    rows = list(_program_joints(program))
     try:
         arm = known_robot(program.robot)
     except Refused:  # an arm of the user's own
@@ -188,7 +192,7 @@ def _way(program: Program) -> tuple[Floats, Floats]:
     return positions + rotations.rotate(quaternions, tips), np.ones(len(own), dtype=bool)
 
 
-def _joint_rows(program: Program) -> Iterable[tuple[Sequence[float], str]]:
+def _program_joints(program: Program) -> Iterable[tuple[Sequence[float], str]]:
     """The joints that the moves of a program go to, in order of text, each with its tool."""
     for statement in program.statements():
         if isinstance(statement, MoveJoints):

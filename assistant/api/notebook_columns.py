@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.robots.timing.simulation import Samples
 
-SIZE: Final = 260.0
+ARM_SIZE: Final = 260.0
 """px of the picture of an arm."""
 
 
-class Recorded(Protocol):
+class RecordedColumns(Protocol):
     """A recording of a controller: labels of its columns, and its rows (n, k)."""
 
     @property
@@ -44,7 +44,7 @@ def robot_html(robot: Robot) -> str:
     )
     lines = "".join(f"<p>{html_text(line)}</p>" for line in told)
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    return f"<div><b>{html_text(robot.name)}</b>{lines}{table}{_standing(robot)}</div>"
+    return f"<div><b>{html_text(robot.name)}</b>{lines}{table}{_links_at_home(robot)}</div>"
 
 
 def path_html(path: Path) -> str:
@@ -64,27 +64,27 @@ def samples_html(samples: Samples) -> str:
     )
 
 
-def recording_html(recording: Recorded) -> str:
+def recording_html(recording: RecordedColumns) -> str:
     return columns_html(
         repr(recording)[1:-1], dict(zip(recording.labels, recording.rows().T, strict=True))
     )
 
 
-def _standing(robot: Robot) -> str:
+def _links_at_home(robot: Robot) -> str:
     """The links at home in the plane that the arm stands in, as a line."""
     points = robot.chain(robot.home[None])[0]
     out = np.hypot(points[-1, 0], points[-1, 1])
     way = points[-1, :2] / out if out > 1.0 else np.array([1.0, 0.0])
     flat = np.column_stack([points[:, :2] @ way, points[:, 2]])
     low, high = flat.min(axis=0), flat.max(axis=0)
-    scale = (SIZE - 40.0) / max(float((high - low).max()), 1e-9)
-    places = (flat - (low + high) / 2.0) * scale * [1.0, -1.0] + SIZE / 2.0
+    scale = (ARM_SIZE - 40.0) / max(float((high - low).max()), 1e-9)
+    places = (flat - (low + high) / 2.0) * scale * [1.0, -1.0] + ARM_SIZE / 2.0
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
     dots = "".join(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4"/>' for x, y in places)
     x, y, z = robot.fk(robot.home)[0][0]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIZE:.0f}" height="{SIZE:.0f}" '
-        f'viewBox="0 0 {SIZE:.0f} {SIZE:.0f}" style="background:white" fill="#1f5f8b">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{ARM_SIZE:.0f}" height="{ARM_SIZE:.0f}" '
+        f'viewBox="0 0 {ARM_SIZE:.0f} {ARM_SIZE:.0f}" style="background:white" fill="#1f5f8b">'
         f'<polyline points="{line}" fill="none" stroke="#1f5f8b" stroke-width="5" '
         f'stroke-linecap="round" stroke-linejoin="round"/>{dots}</svg>'
         f"<p><small>at home, from the side; flange at {x:.1f}, {y:.1f}, {z:.1f} mm</small></p>"

@@ -79,10 +79,10 @@ def _run(arguments: list[str] | None) -> None:
     from assistant.base.file_sets import reporting_leftovers
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
-    from assistant.cli.secrets import check_arguments
+    from assistant.cli.secrets import refuse_passwords
 
     try:
-        check_arguments(sys.argv[1:] if arguments is None else arguments)
+        refuse_passwords(sys.argv[1:] if arguments is None else arguments)
         with reporting_leftovers(lambda finding: print_findings([finding])):
             app(args=arguments, prog_name="robot-assistant")
     except Refused as refused:

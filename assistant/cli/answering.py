@@ -22,7 +22,7 @@ SAME_FILE: Final = info(
 
 
 @dataclass(slots=True)
-class Answers:
+class Outcomes:
     """refusals: why programs have no answer. status: the worst exit status so far."""
 
     refusals: list[Diagnostic] = field(default_factory=list)
@@ -48,7 +48,7 @@ class Answers:
 Files = Mapping[str, bytes]
 
 
-def placed(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]]:
+def output_folders(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]]:
     """The folder of each source that writes a file which another one writes as well.
 
     files: by source, then by name. Folders are named as the sources are told apart.
@@ -70,7 +70,7 @@ def placed(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]
     return folders, told
 
 
-def write_each(
+def write_outputs(
     files: Mapping[str, Files],
     folders: Mapping[str, str],
     output: str | Path,
@@ -88,7 +88,10 @@ def write_each(
     told: list[Diagnostic] = []
     for source in sorted(files, key=lambda source: source in folders):  # those without one first
         memory = written_in(Path(output) / folders.get(source, ""))
-        wished, path = places(source, files[source], folders, output), paths.get(source, source)
+        wished, path = (
+            files_by_path(source, files[source], folders, output),
+            paths.get(source, source),
+        )
         if others := replaced(wished, path, memory):
             told += others
             continue
@@ -101,7 +104,7 @@ def write_each(
     return written, told
 
 
-def places(
+def files_by_path(
     source: str, files: Files, folders: Mapping[str, str], output: str | Path
 ) -> dict[Path, bytes]:
     """The files of one source by where they are written."""
@@ -109,7 +112,7 @@ def places(
     return {file_in_folder(name, folder): data for name, data in files.items()}
 
 
-def paths_of(
+def output_paths(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
 ) -> Sequence[Path]:
     """Where the files of all sources are written."""

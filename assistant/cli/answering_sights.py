@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from assistant.sources.sights import Sight
     from assistant.vision.answering import Answer
 
-SPOKEN: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
+SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
 
 
 def answer(
@@ -43,12 +43,12 @@ def answer(
     ] = None,
 ) -> None:
     """Answer programs that ask as they run where objects are. No robot is moved by it."""
-    given = Given(seen, at, times, math.inf if patience is None else patience)
+    given = AnswerOptions(seen, at, times, math.inf if patience is None else patience)
     raise typer.Exit(run_answer(given, process, robot, cell))
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class AnswerOptions:
     """seen: file of what was found. at: the line. times: programs, 0 for any number of them."""
 
     seen: Path
@@ -64,17 +64,19 @@ class Given:
         return sights.get(name.casefold())
 
 
-def run_answer(given: Given, process: Path | None, robot: str | None, cell: Path | None) -> int:
+def run_answer(
+    given: AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
+) -> int:
     """0 if all that was asked for was found, else 1."""
     from assistant.sources.process import DEFAULT_TRUST
     from assistant.sources.process.file import read_process
     from assistant.sources.sights import read_sights
 
     trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust
-    base = _base(robot, cell)
+    base = _robot_base(robot, cell)
     read_sights(given.seen)  # what is wrong in it is told before any program waits
     try:
-        return _answered(given, trust, base)
+        return _serve_answers(given, trust, base)
     except KeyboardInterrupt as caught:
         say("ended")
         if not is_ctrl_c(caught):
@@ -82,7 +84,7 @@ def run_answer(given: Given, process: Path | None, robot: str | None, cell: Path
     return 0
 
 
-def _answered(given: Given, trust: Trust, base: Pose | None) -> int:
+def _serve_answers(given: AnswerOptions, trust: Trust, base: Pose | None) -> int:
     from assistant.controllers.mitsubishi.data_link import DataLink
     from assistant.vision.answering import answer as answers
 
@@ -93,22 +95,22 @@ def _answered(given: Given, trust: Trust, base: Pose | None) -> int:
     while not given.times or done < given.times:
         sys.stdout.flush()
         for told in answers(link, given.look, trust=trust, base=base, patience=given.patience):
-            status = max(status, _tell(told))
+            status = max(status, _print_answer(told))
         done += 1
     return status
 
 
-def _tell(told: Answer) -> int:
+def _print_answer(told: Answer) -> int:
     print_findings(told.findings)
     where = ""
     if told.pose is not None:
         where = " at " + ", ".join(f"{value:.2f}" for value in told.pose.position) + " mm"
-    say(f"{told.name or 'a line'}: {SPOKEN[told.state]}{where}")
+    say(f"{told.name or 'a line'}: {SIGHT_STATES[told.state]}{where}")
     sys.stdout.flush()
     return 0 if told.state == 1 else 1
 
 
-def _base(robot: str | None, cell: Path | None) -> Pose | None:
+def _robot_base(robot: str | None, cell: Path | None) -> Pose | None:
     """Where the robot stands in the world of a cell; None if that is not known."""
     if cell is None:
         return None

@@ -44,7 +44,7 @@ COMMANDS: Final[Mapping[str, str]] = {
 """Command, in the order of the help → the module of this folder that has it under its name: a
 function, or the `Typer` of a group.
 """
-NUMBERS: Final = frozenset({"jog"})
+NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""
 
 
@@ -79,7 +79,7 @@ def _command(name: str) -> Any:
     found = getattr(module, name)
     if not isinstance(found, typer.Typer):
         function, found = found, typer.Typer(add_completion=False, rich_markup_mode=None)
-        minus = {"ignore_unknown_options": True} if name in NUMBERS else None
+        minus = {"ignore_unknown_options": True} if name in NEGATIVE_ARGUMENTS else None
         found.command(name, context_settings=minus)(function)
     command = typer.main.get_command(found)
     command.name = name
@@ -104,7 +104,7 @@ app: Final = typer.Typer(
 )
 
 
-def _budget(text: str | None) -> None:
+def _set_budget(text: str | None) -> None:
     """For this command, and for the processes that it starts."""
     from assistant.base.budgets import FACTOR_VARIABLE, budget_factor, read_budget_factor
 
@@ -114,7 +114,7 @@ def _budget(text: str | None) -> None:
     budget_factor()  # what the environment states is looked at before anything is done
 
 
-def _version(wanted: bool) -> None:
+def _print_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"robot-assistant {__version__}")
         raise typer.Exit
@@ -124,7 +124,9 @@ def _version(wanted: bool) -> None:
 def options(
     _: Annotated[
         bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
     budget: Annotated[
         str | None,
@@ -136,4 +138,4 @@ def options(
     ] = None,
 ) -> None:
     """Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC."""
-    _budget(budget)
+    _set_budget(budget)

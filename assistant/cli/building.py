@@ -30,8 +30,8 @@ NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name on
 
 
 def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
-    from assistant.project.drafting import BLANKS
-    from assistant.project.starting import start
+    from assistant.project.drafting import BLANK_KEYS
+    from assistant.project.starting import start_project
     from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     drawings = [
@@ -43,12 +43,12 @@ def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     if unit is not None and not drawings:
         raise Refused(NO_DRAWING(), exit_status=2)
     folder = folders[0] if folders else Path()
-    started = start(folder, drawings, unit)
+    started = start_project(folder, drawings, unit)
     print_findings(started.findings)
     for file in started.written:
         say(f"wrote {file}")
     for file in started.blank:
-        say(f"fill in {' and '.join(BLANKS)} in {file}")
+        say(f"fill in {' and '.join(BLANK_KEYS)} in {file}")
     inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
     first = (
         "check, then build and deploy" if started.blank else "build, then robot-assistant deploy"
@@ -57,7 +57,7 @@ def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     return 0
 
 
-def run_project_check(given: Mapping[str, object], format: FindingFormat, fail_on: FailOn) -> int:
+def check_project(given: Mapping[str, object], format: FindingFormat, fail_on: FailOn) -> int:
     """`check` of the project here. given: options of files, by name."""
     from assistant.project import project_of, rules
     from assistant.project.checking import check
@@ -65,14 +65,16 @@ def run_project_check(given: Mapping[str, object], format: FindingFormat, fail_o
     stated = [option for option, value in given.items() if value is not None]
     if stated:
         raise Refused(*(rules.ONLY_WITH_FILES(option=one) for one in stated), exit_status=2)
-    done = check(project_of(), working=lambda count: working(f"checking {_programs(count)}"))
+    done = check(project_of(), working=lambda count: working(f"checking {_program_count(count)}"))
     if format is not FindingFormat.TEXT:
         print_for_programs(done.findings, done.ignored, format, fail_on, done.sources)
     else:
         print_findings(fold_files(done.findings), explained=True)
         count = len(done.findings)
         ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
-        say(f"{_programs(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}")
+        say(
+            f"{_program_count(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}"
+        )
     return fail_on.status(done.findings, unreadable=done.unreadable)
 
 
@@ -86,15 +88,15 @@ def run_build(
     from assistant.project import State, build, project_of
     from assistant.project.building import build_record
 
-    done = build(project_of(), names, jobs=jobs, anew=anew, working=_building, wishes=wishes)
+    done = build(project_of(), names, jobs=jobs, anew=anew, working=_build_spinner, wishes=wishes)
     if format is FindingFormat.JSON:
-        print_json(build_record(done, _shown))
+        print_json(build_record(done, _path_from_here))
     elif format is not FindingFormat.TEXT:
         print_for_programs(done.findings, (), format)
     else:
         print_findings(done.findings)
         for one in done.programs:
-            said = ", ".join(map(_shown, one.files)) if one.state is State.BUILT else ""
+            said = ", ".join(map(_path_from_here, one.files)) if one.state is State.BUILT else ""
             say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
             for line in one.proof:
                 say(f"  {line}")
@@ -103,14 +105,14 @@ def run_build(
     return done.status
 
 
-def _building(count: int) -> AbstractContextManager[None]:
-    return working(f"building {_programs(count)}")
+def _build_spinner(count: int) -> AbstractContextManager[None]:
+    return working(f"building {_program_count(count)}")
 
 
-def _programs(count: int) -> str:
+def _program_count(count: int) -> str:
     return f"{count} program{'s' * (count != 1)}"
 
 
-def _shown(file: Path) -> str:
+def _path_from_here(file: Path) -> str:
     here = Path.cwd()
     return str(file.relative_to(here) if file.is_relative_to(here) else file)

@@ -16,20 +16,20 @@ if TYPE_CHECKING:
     from assistant.learning.calibration.problem import Known
     from assistant.vision.cameras.camera import Camera
 
-NO_TOML: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
-NO_NUMBERS: Final = error(
+NOT_A_ROBOT_FILE: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
+NOT_NUMBERS: Final = error(
     "CL541", "`{given}` is not {wanted}", "write numbers with commas between, in mm"
 )
-NO_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
+BAD_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
 FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
 OWN_FILE: Final = error(
     "CL544", "`{name}` is a file of the robot that was measured", "name another one"
 )
-LEAST: Final = 6
+FEWEST_POSES: Final = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class CalibrationOptions:
     """tool: x,y,z of the measured point in the flange, if it is known. in_base: whether the points
     are measured in the base of the arm. noise: mm, one sigma, None to take it from the residuals.
     """
@@ -43,7 +43,7 @@ class Options:
     format: Format
 
 
-def run_calibrate(robot: str, measured: Path, options: Options) -> int:
+def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> int:
     """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
     from assistant.base.diagnostics import Severity
     from assistant.base.file_sets import write_files
@@ -55,16 +55,16 @@ def run_calibrate(robot: str, measured: Path, options: Options) -> int:
 
     output = options.output
     if output.suffix.lower() != ".toml" or not output.stem:
-        raise Refused(NO_TOML(name=output.name), exit_status=2)
+        raise Refused(NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
     if options.noise is not None and not options.noise > 0.0:
-        raise Refused(NO_NOISE(given=options.noise), exit_status=2)
-    known = _known(options.tool, in_base=options.in_base)
+        raise Refused(BAD_NOISE(given=options.noise), exit_status=2)
+    known = _known_parts(options.tool, in_base=options.in_base)
     arm = robot_of(robot)
     assert arm is not None
-    poses = read_measured(measured, arm, _cameras(options.cameras))
+    poses = read_measured(measured, arm, _read_given_cameras(options.cameras))
     done = calibrate(arm, poses, estimate=options.estimate, known=known, noise=options.noise)
     files = corrected_files(done, output.stem)
-    _spared(robot, [output.parent / name for name in files])
+    _refuse_own_file(robot, [output.parent / name for name in files])
     written = write_files(files, output.parent)
     print_findings(done.findings)
     if options.format is Format.JSON:
@@ -96,21 +96,21 @@ def run_poses(robot: str, options: PoseOptions) -> int:
     from assistant.learning.calibration import telling
     from assistant.learning.calibration.poses import suggested
 
-    if options.count < LEAST:
-        raise Refused(FEW_POSES(count=options.count, least=LEAST), exit_status=2)
+    if options.count < FEWEST_POSES:
+        raise Refused(FEW_POSES(count=options.count, least=FEWEST_POSES), exit_status=2)
     arm = robot_of(robot)
     assert arm is not None
-    a, b, c = _numbers(options.tool or "0,0,0", 3, "x,y,z")
+    a, b, c = _finite_numbers(options.tool or "0,0,0", 3, "x,y,z")
     box = None
     if options.box is not None:
-        box = np.array(_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
-    seen = tuple((_cameras(options.cameras) or {}).values())
+        box = np.array(_finite_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
+    seen = tuple((_read_given_cameras(options.cameras) or {}).values())
     found = suggested(
         arm,
         options.count,
         estimate=options.estimate,
         tool=(a, b, c),
-        known=_known(None, in_base=options.in_base),
+        known=_known_parts(None, in_base=options.in_base),
         box=box,
         cameras=seen,
     )
@@ -130,7 +130,7 @@ def run_poses(robot: str, options: PoseOptions) -> int:
     return 0
 
 
-def _spared(robot: str, files: Iterable[Path]) -> None:
+def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
     """Raises Refused for what would take the place of the measured robot, or of a URDF beside it,
     which may be its own.
     """
@@ -143,18 +143,18 @@ def _spared(robot: str, files: Iterable[Path]) -> None:
             raise Refused(OWN_FILE(name=file.name), exit_status=2)
 
 
-def _known(tool: str | None, *, in_base: bool) -> Known:
+def _known_parts(tool: str | None, *, in_base: bool) -> Known:
     from assistant.learning.calibration.problem import Known
     from assistant.program.geometry import IDENTITY
 
     base = IDENTITY if in_base else None
     if tool is None:
         return Known(base)
-    a, b, c = _numbers(tool, 3, "x,y,z")
+    a, b, c = _finite_numbers(tool, 3, "x,y,z")
     return Known(base, (a, b, c))
 
 
-def _cameras(file: Path | None) -> dict[str, Camera] | None:
+def _read_given_cameras(file: Path | None) -> dict[str, Camera] | None:
     if file is None:
         return None
     from assistant.vision.cameras.camera_file import read_cameras
@@ -162,11 +162,11 @@ def _cameras(file: Path | None) -> dict[str, Camera] | None:
     return dict(read_cameras(file).cameras)
 
 
-def _numbers(given: str, count: int, wanted: str) -> list[float]:
+def _finite_numbers(given: str, count: int, wanted: str) -> list[float]:
     try:
         found = [float(part) for part in given.split(",")]
     except ValueError:
         found = []
     if len(found) != count or not np.isfinite(found).all():
-        raise Refused(NO_NUMBERS(given=given, wanted=wanted), exit_status=2)
+        raise Refused(NOT_NUMBERS(given=given, wanted=wanted), exit_status=2)
     return found

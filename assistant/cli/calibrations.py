@@ -20,7 +20,7 @@ class Estimated(enum.StrEnum):
     CHAIN = "chain"
 
 
-Arm = Annotated[
+RobotArgument = Annotated[
     str,
     typer.Argument(
         metavar="ROBOT",
@@ -47,7 +47,7 @@ AnswerOption = Annotated[
 
 def calibrate(
     context: typer.Context,
-    robot: Arm,
+    robot: RobotArgument,
     measured: Annotated[
         Path, typer.Argument(metavar="MEASURED", help="CSV: joints beside measured points.")
     ],
@@ -67,16 +67,16 @@ def calibrate(
     format: AnswerOption = None,
 ) -> None:
     """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
-    from assistant.cli.calibrating import Options, run_calibrate
+    from assistant.cli.calibrating import CalibrationOptions, run_calibrate
 
-    asked = _asked(context, format)
-    options = Options(output, estimate.value, tool, in_base, noise, cameras, asked)
+    asked = _calibration_options(context, format)
+    options = CalibrationOptions(output, estimate.value, tool, in_base, noise, cameras, asked)
     raise typer.Exit(run_calibrate(robot, measured, options))
 
 
 def poses(
     context: typer.Context,
-    robot: Arm,
+    robot: RobotArgument,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
     ],
@@ -96,11 +96,11 @@ def poses(
     """Suggest poses to measure an arm in, which tell most of its errors."""
     from assistant.cli.calibrating import PoseOptions, run_poses
 
-    asked = _asked(context, format)
+    asked = _calibration_options(context, format)
     options = PoseOptions(output, count, estimate.value, tool, in_base, box, cameras, asked)
     raise typer.Exit(run_poses(robot, options))
 
 
-def _asked(context: typer.Context, format: Format | None) -> Format:
+def _calibration_options(context: typer.Context, format: Format | None) -> Format:
     before = context.parent.params["format"] if context.parent else Format.TEXT
     return answer_as(format or Format(before))

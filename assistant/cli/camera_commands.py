@@ -25,14 +25,14 @@ BoardOption = Annotated[
 ]
 
 
-class Mounting(StrEnum):
+class MountingChoice(StrEnum):
     """Where a camera is that an arm calibrates."""
 
     HAND = "hand"
     STAND = "stand"
 
 
-class Shown(StrEnum):
+class DrawnThing(StrEnum):
     """What is shown to drawn cameras."""
 
     BALL = "ball"
@@ -53,8 +53,9 @@ def calibrate(
         typer.Option(help="Table of the poses of the flange, a row a picture: CSV, NPY, JSON."),
     ] = None,
     mounting: Annotated[
-        Mounting, typer.Option(help="With --poses: the first camera is in the hand, or stands.")
-    ] = Mounting.STAND,
+        MountingChoice,
+        typer.Option(help="With --poses: the first camera is in the hand, or stands."),
+    ] = MountingChoice.STAND,
     flange: Annotated[
         str, typer.Option(help="How the cell calls the flange that carries the camera.")
     ] = "flange",
@@ -104,7 +105,7 @@ def draw(
         Path, typer.Option("--output", "-o", help="Folder; a folder of pictures each camera.")
     ],
     cell: Annotated[Path | None, typer.Option(help="Cell file of what else is seen.")] = None,
-    show: Annotated[Shown, typer.Option(help="What is shown.")] = Shown.WAND,
+    show: Annotated[DrawnThing, typer.Option(help="What is shown.")] = DrawnThing.WAND,
     at: Annotated[
         Path | None,
         typer.Option(help="Table of the poses at which it is shown, a row a picture."),

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.capture import Frame
     from assistant.vision.cameras.checking import Agreement
 
-NOT_NAMED: Final = error(
+NOT_A_CAMERA_FOLDER: Final = error(
     "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
 )
-TWICE_NAMED: Final = error("CL506", "two cameras are named `{name}`", "give each a name of its own")
+CAMERA_TWICE: Final = error(
+    "CL506", "two cameras are named `{name}`", "give each a name of its own"
+)
 NO_SOURCE: Final = error(
     "CL501",
     "the file does not say where pictures of camera `{name}` come from",
@@ -46,26 +48,26 @@ def run_calibrate(
     from assistant.vision.cameras.camera_file import write_cameras
 
     wanted = Board.parse(board)
-    folders = _folders(pictures)
+    folders = _picture_folders(pictures)
     looked = [look(wanted, name, folder) for name, folder in folders.items()]
     told = [finding for one in looked for finding in one.findings]
     print_findings(told)
-    flanges = None if poses is None else poses_in(poses)
+    flanges = None if poses is None else read_poses(poses)
     how = cast("Mounting", mounting)
     found = calibrate(wanted, looked, flanges=flanges, mounting=how, flange=flange)
-    sources = {name: _from(folder, output.parent) for name, folder in folders.items()}
+    sources = {name: _relative_folder(folder, output.parent) for name, folder in folders.items()}
     write_cameras(output, with_sources(found.rig, sources))
     print_findings([finding for finding in found.findings if finding not in told])
     if format is Format.JSON:
-        print_json(_record(found))
+        print_json(_calibration_record(found))
     else:
-        for line in _lines(found):
+        for line in _calibration_lines(found):
             say(line)
         say(f"wrote {output}")
     return 0
 
 
-def _lines(found: RigFound) -> list[str]:
+def _calibration_lines(found: RigFound) -> list[str]:
     from assistant.vision.calibration.lenses import PARAMETERS
 
     lines = list[str]()
@@ -100,7 +102,7 @@ def _lines(found: RigFound) -> list[str]:
     return lines
 
 
-def _record(found: RigFound) -> dict[str, object]:
+def _calibration_record(found: RigFound) -> dict[str, object]:
     from assistant.vision.calibration.lenses import PARAMETERS
 
     answer: dict[str, object] = {
@@ -138,21 +140,21 @@ def _record(found: RigFound) -> dict[str, object]:
     return answer
 
 
-def _folders(given: Sequence[str]) -> dict[str, str]:
+def _picture_folders(given: Sequence[str]) -> dict[str, str]:
     from assistant.program.program import IDENTIFIER
 
     found: dict[str, str] = {}
     for one in given:
         name, equals, folder = one.partition("=")
         if not (equals and folder and IDENTIFIER.fullmatch(name)):
-            raise Refused(NOT_NAMED(given=one), exit_status=2)
+            raise Refused(NOT_A_CAMERA_FOLDER(given=one), exit_status=2)
         if name.lower() in {other.lower() for other in found}:
-            raise Refused(TWICE_NAMED(name=name), exit_status=2)
+            raise Refused(CAMERA_TWICE(name=name), exit_status=2)
         found[name] = folder
     return found
 
 
-def _from(folder: str, file: Path) -> str:
+def _relative_folder(folder: str, file: Path) -> str:
     """A folder as a file that stands in another one names it; a number would be a device."""
     if Path(folder).is_absolute():
         return folder
@@ -160,7 +162,7 @@ def _from(folder: str, file: Path) -> str:
     return f"./{found}" if found.isdigit() else found
 
 
-def poses_in(file: Path) -> list[Pose]:
+def read_poses(file: Path) -> list[Pose]:
     """The rows of a table of waypoints, or its targets in their order."""
     from assistant.program.geometry import Pose
     from assistant.program.statements import Follow
@@ -185,8 +187,8 @@ def run_view(file: Path, name: str, output: Path, source: str | None, format: Fo
         raise Refused(NO_PNG(name=output), exit_status=2)
     rig = read_cameras(file)
     camera = rig[name]
-    frame = _frame(rig, camera, source)
-    write_picture(output, with_axes(camera, frame.picture))
+    frame = _next_frame(rig, camera, source)
+    write_png(output, with_axes(camera, frame.picture))
     print_findings(look_at(camera, frame.picture))
     if format is Format.JSON:
         print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
@@ -195,7 +197,7 @@ def run_view(file: Path, name: str, output: Path, source: str | None, format: Fo
     return 0
 
 
-def _frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
+def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
     from assistant.vision.cameras.capture import opened
 
     named = source or rig.sources.get(camera.name, "")
@@ -211,11 +213,11 @@ def run_check(file: Path, board: str | None, format: Format) -> int:
     from assistant.vision.cameras.checking import pictures_findings
 
     rig = read_cameras(file)
-    frames = {name: _frame(rig, camera, None) for name, camera in rig.cameras.items()}
+    frames = {name: _next_frame(rig, camera, None) for name, camera in rig.cameras.items()}
     findings = list(pictures_findings(rig.cameras, frames))
     agreements: list[Agreement] = []
     if board is not None:
-        agreements, more = _agreements(rig, frames, board)
+        agreements, more = _camera_agreements(rig, frames, board)
         findings += more
     print_findings(findings)
     if format is Format.JSON:
@@ -239,7 +241,7 @@ def run_check(file: Path, board: str | None, format: Format) -> int:
     return int(bool(findings))
 
 
-def _agreements(
+def _camera_agreements(
     rig: Rig, frames: Mapping[str, Frame], board: str
 ) -> tuple[list[Agreement], list[Diagnostic]]:
     from itertools import combinations
@@ -268,7 +270,7 @@ def _agreements(
     return agreements, findings
 
 
-def write_picture(file: Path, picture: object) -> None:
+def write_png(file: Path, picture: object) -> None:
     """As PNG, whole or not at all."""
     from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv

@@ -29,18 +29,18 @@ def named_by(text: str) -> Named:
     return named(text)
 
 
-def client_of(one: Named, timeout: float | None = None) -> Programs:
+def new_client(one: Named, timeout: float | None = None) -> Programs:
     """A client that is not connected yet; asks for a password where somebody can answer."""
     from assistant.controllers import connect
 
-    _tell_clear_text(one)
-    client = connect(one, ask=_ask if sys.stdin.isatty() else None, timeout=timeout)
+    _note_clear_text(one)
+    client = connect(one, ask=_ask_password if sys.stdin.isatty() else None, timeout=timeout)
     if hasattr(client, "tell"):
         client.tell = lambda finding: note(str(one.address), finding)
     return client
 
 
-def _tell_clear_text(one: Named) -> None:
+def _note_clear_text(one: Named) -> None:
     """Says that what is sent can be read on the way, once, unless the project has accepted it."""
     from assistant.controllers.address import clear_text_finding
     from assistant.findings.severities import severities_for
@@ -51,12 +51,12 @@ def _tell_clear_text(one: Named) -> None:
         note(str(one.address), wanted)
 
 
-def _ask(prompt: str) -> str | None:
+def _ask_password(prompt: str) -> str | None:
     return getpass.getpass(prompt)
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class Session:
     """A controller that is connected to. command: that is carried out, for what it cannot do."""
 
     one: Named
@@ -69,11 +69,11 @@ class Cell:
         from assistant.controllers import Controller
 
         if not isinstance(self.session, Controller):
-            raise Refused(_not_here(self.one, self.command), exit_status=2)
+            raise Refused(_not_supported(self.one, self.command), exit_status=2)
         return self.session
 
 
-def _not_here(one: Named, command: str) -> Diagnostic:
+def _not_supported(one: Named, command: str) -> Diagnostic:
     from assistant.controllers import rules
     from assistant.controllers.address import SCHEMES
 
@@ -87,25 +87,25 @@ def _not_here(one: Named, command: str) -> Diagnostic:
     )
 
 
-def _client(one: Named) -> AbstractContextManager[Programs]:
+def _open_client(one: Named) -> AbstractContextManager[Programs]:
     """A client that is not connected yet; a virtual controller of the project runs meanwhile."""
     if one.virtual is None:
-        return nullcontext(client_of(one))
+        return nullcontext(new_client(one))
     from assistant.project import project_of
-    from assistant.project.virtual import running
+    from assistant.project.virtual import running_client
 
-    return running(one, project_of().kept)
+    return running_client(one, project_of().kept)
 
 
 @contextmanager
-def reached(text: str, command: str) -> Iterator[Cell]:
+def connected(text: str, command: str) -> Iterator[Session]:
     """A controller by its name or address, connected to. What it cannot do is wrong usage."""
     from assistant.controllers import rules
 
     one = named_by(text)
     try:
-        with _client(one) as client, client as session:
-            yield Cell(one, session, command)
+        with _open_client(one) as client, client as session:
+            yield Session(one, session, command)
     except Refused as refused:
         if any(finding.code == rules.NOT_HERE.code for finding in refused.findings):
             raise Refused(*refused.findings, exit_status=2) from None
@@ -137,7 +137,7 @@ def assignments(given: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     return read, written
 
 
-def number(name: str, value: str) -> float:
+def output_value(name: str, value: str) -> float:
     """What an output is set to; `on` and `off` are numbers, too."""
     words = {"on": 1.0, "off": 0.0}
     try:

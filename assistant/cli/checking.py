@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.base.diagnostics import Diagnostic, FailOn, Refused, fold, fold_files
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
-from assistant.cli.pages import NOBODY, Asked, stem_of, write_page
+from assistant.cli.pages import NO_PAGE_WANTED, PageRequest, page_name, write_page
 from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
 
 if TYPE_CHECKING:
     from assistant.compiler.checker import Checked
-    from assistant.report.drawn import Line
+    from assistant.report.drawn import DrawnLine
     from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 
-STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
+CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
 """Sources of which a project says how they are made; programs are checked for what is given."""
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class CheckOptions:
     """What all sources of one command are checked with."""
 
     robot: str | None
@@ -39,19 +39,19 @@ class Options:
 
 def run_check(
     sources: Sequence[str],
-    options: Options,
+    options: CheckOptions,
     format: FindingFormat,
     fail_on: FailOn,
-    asked: Asked = NOBODY,
+    asked: PageRequest = NO_PAGE_WANTED,
 ) -> int:
     from assistant.findings.severities import apply_severities
 
     asked.only_page()
     with working(f"checking {', '.join(sources)}"):
-        checked = _checked(sources, options, keep=bool(asked))
+        checked = _check_sources(sources, options, keep=bool(asked))
         settled = apply_severities(checked.findings, checked.texts)
         left = list(settled.left)
-        written = _page(sources, options, checked, left, asked) if asked else []
+        written = _write_check_page(sources, options, checked, left, asked) if asked else []
     if format is not FindingFormat.TEXT:
         print_for_programs(left, settled.ignored, format, fail_on, checked.paths)
     else:
@@ -71,17 +71,19 @@ def run_explain(codes: Sequence[str]) -> int:
     return 0
 
 
-def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
-    from assistant.cli.stating import as_stated
+def _check_sources(sources: Sequence[str], options: CheckOptions, keep: bool) -> Checked:
+    from assistant.cli.stating import with_project_defaults
     from assistant.compiler.checker import Checked
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
-    alike: dict[Options, list[str]] = {}
+    alike: dict[CheckOptions, list[str]] = {}
     for source in sources:
-        own = Path(source).suffix.lower() in STATED
-        alike.setdefault(as_stated(source, options) if own else options, []).append(source)
-    every = [_checked_alike(files, one, keep) for one, files in alike.items()]
+        own = Path(source).suffix.lower() in CHECKED_AS_STATED
+        alike.setdefault(with_project_defaults(source, options) if own else options, []).append(
+            source
+        )
+    every = [_check_alike(files, one, keep) for one, files in alike.items()]
     return Checked(
         list(dict.fromkeys(finding for one in every for finding in one.findings)),
         sum(one.files for one in every),
@@ -92,7 +94,7 @@ def _checked(sources: Sequence[str], options: Options, keep: bool) -> Checked:
     )
 
 
-def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Checked:
+def _check_alike(sources: Sequence[str], options: CheckOptions, keep: bool) -> Checked:
     """Sources that are checked with the same options."""
     from assistant.compiler.arms import open_cell
     from assistant.compiler.checker import Checked, check_files, check_text
@@ -122,18 +124,18 @@ def _checked_alike(sources: Sequence[str], options: Options, keep: bool) -> Chec
     )
 
 
-def _page(
+def _write_check_page(
     sources: Sequence[str],
-    options: Options,
+    options: CheckOptions,
     checked: Checked,
     findings: list[Diagnostic],
-    asked: Asked,
+    asked: PageRequest,
 ) -> Sequence[Path]:
     """Writes the page; what is to be said of it is added to the findings."""
-    from assistant.cli.sheets import lines_of_drawing, looked_sheet, refused_sheets
+    from assistant.cli.sheets import checked_sheet, drawing_lines, refused_sheets
 
-    def lines(source: str) -> Sequence[Line]:
-        return lines_of_drawing(source, options.process, options.unit, options.placement)
+    def lines(source: str) -> Sequence[DrawnLine]:
+        return drawing_lines(source, options.process, options.unit, options.placement)
 
     left = list(findings if asked.plot else fold(findings))  # a picture marks each place
     sheets = []
@@ -141,9 +143,9 @@ def _page(
         own = [finding for finding in left if finding.path in (*one.files, None)]
         left = [finding for finding in left if finding not in own]
         drawn = [line for file in one.files for line in lines(file)]
-        sheets.append(looked_sheet(one, own, drawn))
+        sheets.append(checked_sheet(one, own, drawn))
     sheets += refused_sheets(left, lines)
-    stem = stem_of(sources[0])
+    stem = page_name(sources[0])
     written, told = write_page(asked, sheets, checked.paths, stem)
     findings += told
     return written

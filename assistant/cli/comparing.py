@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, error
-from assistant.cli.answering import Answers
+from assistant.cli.answering import Outcomes
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.cli.pages import Asked
+    from assistant.cli.pages import PageRequest
     from assistant.compiler.comparison import Comparison, Difference
     from assistant.compiler.motion_proof import Proving
     from assistant.compiler.source_map import Place
 
-ALONE: Final = error(
+WITHOUT_PARTNER: Final = error(
     "CL015",
     "there is no program `{name}` in `{folder}`",
     "compare it with another one by naming both files",
@@ -25,7 +25,7 @@ ALONE: Final = error(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class CompareOptions:
     """The options of the command; see `compiler.comparing.compare`."""
 
     robot: str | None
@@ -44,7 +44,9 @@ class Options:
         return [str(path) for path in given if path is not None]
 
 
-def run_compare(first: str, second: str, options: Options, format: Format, asked: Asked) -> int:
+def run_compare(
+    first: str, second: str, options: CompareOptions, format: Format, asked: PageRequest
+) -> int:
     """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared.
 
     asked: the page with both programs side by side. Raises Refused (exit status 2) for a file name
@@ -55,7 +57,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
 
     asked.only_page()
     pairs = counterparts(first, second, options.language)
-    answers = Answers()
+    answers = Outcomes()
     done: list[Comparison] = []
     for one, other in pairs.both:
         with answers.of(one.name), working(f"comparing {one.name}"):
@@ -74,7 +76,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
                     text=options.text,
                 )
             )
-    lone = [ALONE(path=name, name=name, folder=folder) for name, folder in pairs.lone]
+    lone = [WITHOUT_PARTNER(path=name, name=name, folder=folder) for name, folder in pairs.lone]
     status = max(
         [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
     )
@@ -85,11 +87,11 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
         files, findings = compared_page(asked, done, refusals, read)
         refusals += findings
     if format is Format.JSON:
-        print_json(_record(done, refusals, status) | {"written": list(map(str, files))})
+        print_json(_comparison_record(done, refusals, status) | {"written": list(map(str, files))})
         return status
     print_findings(refusals)
     for each in done:
-        _show(each)
+        _print_comparison(each)
     if len(pairs.both) > 1:
         equal = sum(each.equal for each in done)
         say(f"{len(pairs.both)} pairs of programs, {equal} of them equal")
@@ -98,7 +100,7 @@ def run_compare(first: str, second: str, options: Options, format: Format, asked
     return status
 
 
-def _show(done: Comparison) -> None:
+def _print_comparison(done: Comparison) -> None:
     """Print the differences with both lines, then what was compared and the answer."""
     from assistant.compiler.comparison import PROGRAMS_DIFFER
 
@@ -107,23 +109,25 @@ def _show(done: Comparison) -> None:
         if not row.alike:
             for sign, name, at in zip("-+", done.names, (row.first, row.second), strict=True):
                 if at is not None:
-                    say(f"{sign} {_line(name, at)}")
+                    say(f"{sign} {_difference_line(name, at)}")
     for one in done.differences:
         for name, place, behind in zip(done.names, one.places, one.behind, strict=True):
-            say(_line(name, place))
+            say(_difference_line(name, place))
             if behind is not None and behind != place:
                 say(f"  behind line {behind.line}: {behind.text}")
         say(f"  {one.what}; with {one.inputs}")
     say(f"{done.names[0]}, {done.names[1]}: {done.line()}")
 
 
-def _line(name: str, place: Place | None) -> str:
+def _difference_line(name: str, place: Place | None) -> str:
     if place is None:
         return f"{name}: does nothing there"
     return f"{place.path or name}:{place.line}: {place.text}"
 
 
-def _record(done: list[Comparison], refusals: list[Diagnostic], status: int) -> dict[str, Any]:
+def _comparison_record(
+    done: list[Comparison], refusals: list[Diagnostic], status: int
+) -> dict[str, Any]:
     from assistant.findings.formats import finding_record
 
     return {
@@ -133,11 +137,14 @@ def _record(done: list[Comparison], refusals: list[Diagnostic], status: int) -> 
                 "first": one.names[0],
                 "second": one.names[1],
                 "answer": one.answer,
-                "differences": list(map(_difference, one.differences)),
+                "differences": list(map(_difference_record, one.differences)),
                 "compared": one.motion.record(),
                 "names": dict(one.pairs),
                 "statements": [
-                    {"alike": row.alike, "places": [_place(row.first), _place(row.second)]}
+                    {
+                        "alike": row.alike,
+                        "places": [_place_record(row.first), _place_record(row.second)],
+                    }
                     for row in one.rows
                 ],
                 "findings": list(map(finding_record, one.findings)),
@@ -148,14 +155,14 @@ def _record(done: list[Comparison], refusals: list[Diagnostic], status: int) -> 
     }
 
 
-def _difference(one: Difference) -> dict[str, Any]:
+def _difference_record(one: Difference) -> dict[str, Any]:
     return {
         "what": one.what,
         "inputs": one.inputs,
-        "places": list(map(_place, one.places)),
-        "behind": list(map(_place, one.behind)),
+        "places": list(map(_place_record, one.places)),
+        "behind": list(map(_place_record, one.behind)),
     }
 
 
-def _place(place: Place | None) -> dict[str, Any] | None:
+def _place_record(place: Place | None) -> dict[str, Any] | None:
     return None if place is None else {"path": place.path, "line": place.line, "text": place.text}

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
-from assistant.cli.answering import Answers, paths_of, placed
-from assistant.cli.keeping import write_kept
+from assistant.cli.answering import Outcomes, output_folders, output_paths
+from assistant.cli.keeping import write_with_edits
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     """Writes the page of what was compiled, adds what is to be said of it to the findings, and
     tells its file; of some sources other files are on disk."""
     from assistant.base.source_text import SourceText
-    from assistant.project.stated import Stated
+    from assistant.project.stated import SourceOptions
     from assistant.robots import Robot
     from assistant.sources.process import SurroundingsByRobot
     from assistant.sources.process.placement import DrawingPlacement
@@ -103,11 +103,11 @@ def run_compile(
     from assistant.compiler.loader import language_of
     from assistant.compiler.merge_edits import Keeper, MergeChoices
     from assistant.findings.severities import apply_severities
-    from assistant.project.stated import Stated
+    from assistant.project.stated import SourceOptions
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
-    options = Stated(
+    options = SourceOptions(
         *(language, robot, process, unit, cell),
         *(from_language, from_robot, entry, most_targets),
     )
@@ -122,7 +122,7 @@ def run_compile(
         robot_of(one.from_robot)
     stands = open_cell(cell, robot)
     stands = stands if seeing is None else replace(stands, seeing=seeing)
-    answers = Answers()
+    answers = Outcomes()
     done: list[tuple[str, Compiled]] = []
     apart = dict.fromkeys(sources)
     if called is not None and together is None and len(apart) > 1:
@@ -167,7 +167,7 @@ def run_compile(
         findings += settled
         if compiled.ok and not has_errors(settled):
             files[source] = compiled.files
-    folders, told = placed(files)
+    folders, told = output_folders(files)
     findings += told
     ok = len(files) == len(done) and not answers.refusals
     written: list[str] = []
@@ -178,9 +178,9 @@ def run_compile(
             raise Refused(NOT_ONE_FILE(count=len(data)), exit_status=2)
         sys.stdout.buffer.write(data[0])
     elif files:
-        keep_sources(sources, paths_of(files, folders, output))
+        keep_sources(sources, output_paths(files, folders, output))
         keeper = Keeper(language, robot, stands if cell else None, wishes or MergeChoices())
-        kept = write_kept(files, folders, output, keeper)
+        kept = write_with_edits(files, folders, output, keeper)
         findings += apply_severities(kept.findings).left
         ok, written, diffs = ok and not has_errors(kept.findings), kept.written, kept.diffs
     if page is not None:
@@ -212,18 +212,18 @@ def _unlike(
 
     found = []
     for source, made in files.items():
-        places = {path.name: path for path in paths_of({source: made}, folders, output)}
+        places = {path.name: path for path in output_paths({source: made}, folders, output)}
         there = all(place.is_file() for place in places.values())
         if not there or any(read_bytes(places[name]) != data for name, data in made.items()):
             found.append(source)
     return found
 
 
-def _to_write(source: str, options: Stated) -> Stated:
+def _to_write(source: str, options: SourceOptions) -> SourceOptions:
     """The options of one source, with what its project states; raises Refused without language."""
-    from assistant.cli.stating import as_stated
+    from assistant.cli.stating import with_project_defaults
 
-    one = as_stated(source, options)
+    one = with_project_defaults(source, options)
     if one.language is None:
         raise Refused(NO_LANGUAGE(path=source), exit_status=2)
     return one

@@ -22,7 +22,7 @@ OTHER_WORD: Final = error(
 )
 
 
-def confirmed(one: Named, what: str, yes: bool) -> None:
+def confirm(one: Named, what: str, yes: bool) -> None:
     """Returns if somebody wants it; raises Refused else. what: it does, to be read after "this"."""
     if yes:
         return

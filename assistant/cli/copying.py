@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Final
 from assistant.base.diagnostics import Refused, error
 from assistant.base.file_access import read_file
 from assistant.base.source_text import lines_of
-from assistant.cli.cells import Cell, reached
+from assistant.cli.cells import Session, connected
 from assistant.cli.compiling import working
-from assistant.cli.confirming import confirmed
+from assistant.cli.confirming import confirm
 from assistant.cli.presentation import Format, note, print_json, say
 
 if TYPE_CHECKING:
@@ -55,15 +55,15 @@ def run_get(
     into = Path(output or ".")
     if len(names) > 1 and (output == "-" or not into.is_dir()):
         raise Refused(ONE_FILE(), exit_status=2)
-    with reached(cell, "get") as there:
-        found = {name: _read(there, name) for name in names}
+    with connected(cell, "get") as there:
+        found = {name: _read_program(there, name) for name in names}
     if output == "-":
         for data in found.values():
             sys.stdout.buffer.write(data)
         sys.stdout.flush()
         return 0
     folder = into if into.is_dir() else into.parent
-    files = {_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
+    files = {_local_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
     for name, data in files.items():
         path = folder / name
         if not replace and path.exists() and (path.is_dir() or read_file(path) != data):
@@ -77,14 +77,14 @@ def run_get(
     return 0
 
 
-def _read(there: Cell, name: str) -> bytes:
+def _read_program(there: Session, name: str) -> bytes:
     data = there.session.read(name)
     if data is None:
         raise Refused(NO_PROGRAM(name=name, address=there.one.address))
     return data
 
 
-def _file_name(name: str) -> str:
+def _local_file_name(name: str) -> str:
     """The name of a program as a file's; raises Refused for one that leads elsewhere."""
     if Path(name).name != name or name in {"", ".", ".."} or os.sep in name or "\\" in name:
         raise Refused(NO_PLAIN_NAME(name=name), exit_status=2)
@@ -96,7 +96,7 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
     from assistant.base.source_text import read_bytes
 
     data = {file: read_bytes(file) for file in files}
-    with reached(cell, "put") as there:
+    with connected(cell, "put") as there:
         session = there.session
         names = {file: session.name_for(file) for file in files}
         for file, name in names.items():
@@ -120,7 +120,7 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
     """Delete programs; all of them are checked before the first one is deleted."""
     from assistant.deploy.preconditions import check_removable, found_programs, unseen_use
 
-    with reached(cell, "rm") as there:
+    with connected(cell, "rm") as there:
         address = there.one.address
         found = found_programs(there.session, names)
         missing = [NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one]
@@ -132,7 +132,7 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
         for finding in unseen_use(there.session, wanted):
             note(str(address), finding)
         listed = ", ".join(f"`{name}`" for name in wanted)
-        confirmed(there.one, f"deletes {listed}, which nothing brings back", yes)
+        confirm(there.one, f"deletes {listed}, which nothing brings back", yes)
         for name in wanted:
             there.session.remove(name)
     if format is Format.JSON:
@@ -146,9 +146,9 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
 def run_backup(cell: str, folder: Path, format: Format) -> int:
     if folder.exists():
         raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
-    with reached(cell, "backup") as there, working(f"backing up {there.one.name}"):
+    with connected(cell, "backup") as there, working(f"backing up {there.one.name}"):
         files = there.controller.backup(folder)
-        _tell_left_out(str(there.one.address), folder)
+        _note_left_out(str(there.one.address), folder)
     if format is Format.JSON:
         print_json({"address": str(there.one.address), "folder": str(folder), "files": [*files]})
     else:
@@ -156,7 +156,7 @@ def run_backup(cell: str, folder: Path, format: Format) -> int:
     return 0
 
 
-def _tell_left_out(address: str, folder: Path) -> None:
+def _note_left_out(address: str, folder: Path) -> None:
     """Says what a controller has that its backup has not."""
     from assistant.controllers import rules
     from assistant.controllers.mitsubishi.backup import NOT_KEPT
@@ -174,15 +174,15 @@ def run_restore(
     """Shows what differs, asks, and brings it back."""
     if not folder.is_dir():
         raise Refused(NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
-    with reached(cell, "restore") as there:
+    with connected(cell, "restore") as there:
         with working(f"comparing with {there.one.name}"):
             restoring = there.controller.restore(folder, only=only)
         if format is Format.TEXT:
-            _show(restoring)
+            _print_changes(restoring)
         wanted = bool(restoring.changes) and not dry_run
         if wanted:
             sys.stdout.flush()
-            confirmed(there.one, f"changes {len(restoring.changes)} parts of the controller", yes)
+            confirm(there.one, f"changes {len(restoring.changes)} parts of the controller", yes)
             with working(f"restoring {there.one.name}"):
                 restoring.apply()
     if format is Format.JSON:
@@ -203,7 +203,7 @@ def run_restore(
     return 0
 
 
-def _show(restoring: Restoring) -> None:
+def _print_changes(restoring: Restoring) -> None:
     for what, difference in restoring.changes.items():
         say(what)
         sys.stdout.write(difference if difference.endswith("\n") else difference + "\n")

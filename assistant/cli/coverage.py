@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.languages.coverage import Construct
 
-NO_LANGUAGE = error(
+LANGUAGE_UNCLEAR = error(
     "CL006", "the text does not show which robot language it is in", "name it with --from"
 )
-HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
+COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
 
 
 def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> int:
@@ -31,7 +31,7 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
     wrong: list[Diagnostic] = []
     for path in dict.fromkeys(paths):
         try:
-            for name, spoken, source in _programs(path, language):
+            for name, spoken, source in _programs_to_count(path, language):
                 with working(f"reading {name}"):
                     tree = spoken.parse(source)
                     told = [f.within(name) for f in tree.findings]
@@ -46,11 +46,13 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
             print_findings(told)
             wrong += told
             status = max(status, refused.exit_status)
-    _show(total(found), wrong, format)
+    _print_coverage(total(found), wrong, format)
     return status
 
 
-def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[Any], SourceText]]:
+def _programs_to_count(
+    path: str, language: str | None
+) -> Iterator[tuple[str, Language[Any], SourceText]]:
     """Name, language and text of each program that a path stands for."""
     from assistant.compiler.formatter import read_program
     from assistant.compiler.loader import language_of
@@ -62,11 +64,11 @@ def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[A
         return
     text, spoken = standard_input(language)
     if spoken is None:
-        raise Refused(NO_LANGUAGE(path="standard input"), exit_status=2)
+        raise Refused(LANGUAGE_UNCLEAR(path="standard input"), exit_status=2)
     yield "standard input", language_of(spoken), text
 
 
-def _show(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:
+def _print_coverage(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:
     """wrong: why programs are not counted, which a list of constructs alone would not tell."""
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
@@ -79,7 +81,7 @@ def _show(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format
         return
     counts = [(row.name, row.supported, row.partial, row.verbatim) for row in rows]
     sums = [sum(column) for column in zip(*(c[1:] for c in counts), strict=True)]
-    lines = [HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
+    lines = [COVERAGE_HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
     width = max(len(str(line[0])) for line in lines)
     for first, *rest in lines:
         said = f"{first:{width}}" + "".join(f"{value:>15}" for value in rest)

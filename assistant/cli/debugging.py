@@ -20,12 +20,12 @@ WRONG_LAUNCH: Final = error(
     "the editor's launch request is wrong: {reason}",
     "name program, and where wanted {known}, in the configuration that the editor launches",
 )
-BROKEN: Final = error(
+BROKEN_MESSAGE: Final = error(
     "CL121",
     "what was read is no message of the Debug Adapter Protocol: {reason}",
     "let an editor start this command; to run a program in a terminal there is `run`",
 )
-NAMES: Final[Mapping[str, type]] = {
+LAUNCH_KEYS: Final[Mapping[str, type]] = {
     "program": str,
     "robot": str,
     "language": str,
@@ -35,7 +35,7 @@ NAMES: Final[Mapping[str, type]] = {
     "stopOnEntry": bool,
 }
 """What a configuration may say; `program` may be a list of texts too."""
-OF_EDITORS: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
+EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
 """What editors add, with names that begin with two underscores."""
 
 
@@ -45,15 +45,15 @@ def run_debug() -> int:
 
     # Not buffered: a reading thread that holds the buffer's lock would stop Python from ending.
     source = FileIO(sys.stdin.fileno(), closefd=False)
-    adapter = Adapter(source, sys.stdout.buffer, _launch)
+    adapter = Adapter(source, sys.stdout.buffer, _launched_programs)
     adapter.serve()
     if adapter.broken:
-        print_findings([BROKEN(reason=adapter.broken)], explained=True)
+        print_findings([BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
         return 2
     return 0
 
 
-def _launch(wanted: Object) -> tuple[Kernel, Lines]:
+def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
     """The programs of a launch request, ready to run, and their lines; raises Refused."""
     from assistant.compiler.arms import robot_of
     from assistant.compiler.simulated_run import programs
@@ -61,18 +61,18 @@ def _launch(wanted: Object) -> tuple[Kernel, Lines]:
     from assistant.virtual.program_run import MOST_STEPS, Settings, prepared
 
     for name, value in wanted.items():
-        if name.startswith("__") or name in OF_EDITORS:
+        if name.startswith("__") or name in EDITOR_KEY_PREFIX:
             continue
-        if name not in NAMES:
-            raise _wrong(f"`{name}` is not known")
+        if name not in LAUNCH_KEYS:
+            raise _wrong_launch(f"`{name}` is not known")
         if name == "program" and isinstance(value, list):
             continue
-        if not isinstance(value, NAMES[name]):
-            raise _wrong(f"`{name}` is no {WORDS[NAMES[name]]}")
+        if not isinstance(value, LAUNCH_KEYS[name]):
+            raise _wrong_launch(f"`{name}` is no {TYPE_NAMES[LAUNCH_KEYS[name]]}")
     program = wanted.get("program")
     named = program if isinstance(program, list) else [program]
     if not named or not all(isinstance(one, str) and one for one in named):
-        raise _wrong("`program` names no file")
+        raise _wrong_launch("`program` names no file")
     texts = {name: value for name, value in wanted.items() if isinstance(value, str)}
     robot = robot_of(texts.get("robot"))
     steps = wanted.get("maxSteps")
@@ -87,9 +87,9 @@ def _launch(wanted: Object) -> tuple[Kernel, Lines]:
     return prepared(found, settings), statement_lines(found)
 
 
-def _wrong(reason: str) -> Refused:
-    known = ", ".join(name for name in NAMES if name != "program")
+def _wrong_launch(reason: str) -> Refused:
+    known = ", ".join(name for name in LAUNCH_KEYS if name != "program")
     return Refused(WRONG_LAUNCH(reason=reason, known=known), exit_status=2)
 
 
-WORDS: Final[Mapping[type, str]] = {str: "text", int: "whole number", bool: "truth"}
+TYPE_NAMES: Final[Mapping[type, str]] = {str: "text", int: "whole number", bool: "truth"}

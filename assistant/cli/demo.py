@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, Severity
 from assistant.cli.compiling import working
-from assistant.cli.demo_cells import ABB, MITSUBISHI, Cell, cells
+from assistant.cli.demo_cells import ABB, MITSUBISHI, Cell, start_cells
 from assistant.cli.presentation import print_findings, say
 from assistant.resources import resource
 
@@ -28,7 +28,7 @@ TRAJECTORY: Final = "positioning.csv"
 POSES: Final = 35
 TOOL: Final = "GRIPPER"
 ROBOTS: Final = (ABB, MITSUBISHI)
-IN_CELL: Final = (DRAWING, ABB)
+SHOWN_IN_CELL: Final = (DRAWING, ABB)
 """What is shown in the cell of `CELL`."""
 CELL: Final = "stand.toml"
 REPORT: Final = "report.html"
@@ -47,20 +47,20 @@ class Source:
 
 
 def run_demo(output: Path, unit: Unit) -> int:
-    from assistant.cli.pages import Asked, write_page
+    from assistant.cli.pages import PageRequest, write_page
 
     sheets: list[Sheet] = []
     with ExitStack() as stack:
-        there = cells(stack)
-        for source in (Source(DRAWING, _sample(DRAWING)), trajectory()):
-            sheets += _sheets(output, source, there, unit)
+        there = start_cells(stack)
+        for source in (Source(DRAWING, _sample_path(DRAWING)), trajectory()):
+            sheets += _run_on_each_robot(output, source, there, unit)
     with working("drawing the page"):
-        (report,), _ = write_page(Asked(output / REPORT), sheets, (), "demo")
+        (report,), _ = write_page(PageRequest(output / REPORT), sheets, (), "demo")
     say(f"to be looked at in a browser: {report}")
     return 0
 
 
-def _sample(name: str) -> Path:
+def _sample_path(name: str) -> Path:
     return Path(str(resource("samples", name)))
 
 
@@ -75,7 +75,7 @@ def trajectory() -> Source:
     except Refused as refused:
         (missing,) = refused.findings
         say(f"{missing.message}: the demo takes it from {TRAJECTORY}; {missing.cure}")
-        return Source(TRAJECTORY, _sample(TRAJECTORY), played=True)
+        return Source(TRAJECTORY, _sample_path(TRAJECTORY), played=True)
     from spatialmath import SE3
 
     start = SE3(0.25, -0.08, 0.3) * SE3.RPY(180, 0, 60, unit="deg")
@@ -88,32 +88,34 @@ def trajectory() -> Source:
         speed=150,
         blend=100,
         tool=TOOL,
-        process=_sample("positioning.process.toml"),
+        process=_sample_path("positioning.process.toml"),
     )
     return Source(f"{program.name} by ctraj", program, played=True)
 
 
-def _sheets(output: Path, source: Source, there: Mapping[str, Cell], unit: Unit) -> Iterator[Sheet]:
+def _run_on_each_robot(
+    output: Path, source: Source, there: Mapping[str, Cell], unit: Unit
+) -> Iterator[Sheet]:
     """A source for each robot, as it is installed and played there, with a plot of it."""
     from assistant import robots
-    from assistant.cli.sheets import compiled_sheet, lines_of_drawing
+    from assistant.cli.sheets import compiled_sheet, drawing_lines
     from assistant.report.track import track
 
     given = source.given
-    drawn = lines_of_drawing(str(given), None, None) if isinstance(given, Path) else ()
+    drawn = drawing_lines(str(given), None, None) if isinstance(given, Path) else ()
     passed: dict[str, Poses] = {}
     for robot in ROBOTS:
-        compiled = _compiled(source, robot)
-        notes = [_installed(output, compiled, there[robot])]
+        compiled = _compile_source(source, robot)
+        notes = [_install(output, compiled, there[robot])]
         if source.played:
-            passed[robot], note = _played(compiled, there[robot])
+            passed[robot], note = _run_and_compare(compiled, there[robot])
             notes.append(note)
         elif robot == ROBOTS[0]:
             from assistant.report import plots
 
             title = f"{source.name}: the TCP over its way"
-            _drawn(output, source, plots.pose_plot(track(compiled.program), title, unit))
-        scene = _scene(robot) if (source.name, robot) == IN_CELL else None
+            _write_pose_plot(output, source, plots.pose_plot(track(compiled.program), title, unit))
+        scene = _demo_scene(robot) if (source.name, robot) == SHOWN_IN_CELL else None
         found = (
             replace(one, path=source.name if one.path == str(given) else one.path)
             for one in compiled.found
@@ -125,10 +127,12 @@ def _sheets(output: Path, source: Source, there: Mapping[str, Cell], unit: Unit)
         from assistant.report.points import point_plot
 
         title = f"{source.name}: the TCP at its {POSES} points"
-        _drawn(output, source, point_plot(_points(compiled), passed, title, unit=unit))
+        _write_pose_plot(
+            output, source, point_plot(_program_points(compiled), passed, title, unit=unit)
+        )
 
 
-def _drawn(output: Path, source: Source, plot: bytes) -> None:
+def _write_pose_plot(output: Path, source: Source, plot: bytes) -> None:
     from assistant.base.file_sets import write_files
 
     given = source.given
@@ -137,7 +141,7 @@ def _drawn(output: Path, source: Source, plot: bytes) -> None:
     say(f"  plot: {png}")
 
 
-def _points(compiled: Compiled) -> Poses:
+def _program_points(compiled: Compiled) -> Poses:
     """The points of a program, in the order of its statements."""
     from assistant.report.points import Poses
     from assistant.report.track import track
@@ -146,16 +150,16 @@ def _points(compiled: Compiled) -> Poses:
     return Poses(way.positions, way.quaternions)
 
 
-def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
+def _run_and_compare(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
     """Run the program; returns the poses at which the arm passed its points, and a note on them."""
-    from assistant.report.points import passed
+    from assistant.report.points import passed_poses
 
     tool = compiled.program.tools[TOOL]
     name = cell.programs.name_for(next(iter(compiled.files)))
     with working(f"playing {name} on the virtual controller"):
         seen = cell.seen(name, tool.tip)
-    points = _points(compiled)
-    there = passed(points, seen)
+    points = _program_points(compiled)
+    there = passed_poses(points, seen)
     apart, turned = points.deviation(there)
     near = f"within {apart:.2f} mm and {turned:.2f} degrees"
     note = f"played: {len(points)} points passed {near}, by {len(seen)} looks at the arm"
@@ -163,7 +167,7 @@ def _played(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
     return there, note
 
 
-def _scene(robot: str) -> Scene | None:
+def _demo_scene(robot: str) -> Scene | None:
     """The cell; nothing where the library for cells is not installed."""
     from assistant.cell.findings import NO_LIBRARY
     from assistant.compiler.arms import open_cell
@@ -176,7 +180,7 @@ def _scene(robot: str) -> Scene | None:
         return None
 
 
-def _compiled(source: Source, robot: str) -> Compiled:
+def _compile_source(source: Source, robot: str) -> Compiled:
     from assistant import robots
     from assistant.compiler import compile
 
@@ -191,7 +195,7 @@ def _compiled(source: Source, robot: str) -> Compiled:
     return compiled
 
 
-def _installed(output: Path, compiled: Compiled, cell: Cell) -> str:
+def _install(output: Path, compiled: Compiled, cell: Cell) -> str:
     """Installs a program on a controller; what was done, in a line."""
     from assistant import deploy
     from assistant.base.file_sets import write_files

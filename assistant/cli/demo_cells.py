@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 ABB: Final = "irb1200-7-0.7"
 MITSUBISHI: Final = "rv-2aj"
-RATE: Final = 2.0
+TIME_FACTOR: Final = 2.0
 """Simulated seconds for each real one."""
-INTERVAL: Final = 0.01
+LOOK_PERIOD: Final = 0.01
 """Seconds between two looks at an arm."""
-STATUS: Final = b"""10 WAIT M_RUN(1)=1
+JOINT_SENDER: Final = b"""10 WAIT M_RUN(1)=1
 20 OPEN "COM2:" AS #1
 30 PRINT #1,J_CURR
 40 DLY 0.02
@@ -61,33 +61,33 @@ class Cell:
         return Poses(tips, rotations.multiply(turns, np.array(tip.quaternion)))
 
 
-def cells(stack: ExitStack) -> Mapping[str, Cell]:
+def start_cells(stack: ExitStack) -> Mapping[str, Cell]:
     """Start a controller for each robot, both empty, until `stack` is closed."""
     from assistant.controllers import connect
     from assistant.virtual.cr import VirtualCr
     from assistant.virtual.irc5 import VirtualIrc5
 
     home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
-    irc5 = stack.enter_context(VirtualIrc5(home, rate=RATE / 2.0))  # it is seen more seldom
-    cr = stack.enter_context(VirtualCr(MITSUBISHI, pace=RATE))
+    irc5 = stack.enter_context(VirtualIrc5(home, rate=TIME_FACTOR / 2.0))  # it is seen more seldom
+    cr = stack.enter_context(VirtualCr(MITSUBISHI, pace=TIME_FACTOR))
 
     def play_rapid(name: str) -> Floats:
         with connect(irc5.rws_address, password=irc5.password) as controller:
-            return _watched(cast("Controller", controller), name)
+            return _run_and_watch(cast("Controller", controller), name)
 
     return {
         ABB: Cell(ABB, connect(irc5.address, password=irc5.password), play_rapid),
-        MITSUBISHI: Cell(MITSUBISHI, connect(cr.address), lambda name: _sent(cr, name)),
+        MITSUBISHI: Cell(MITSUBISHI, connect(cr.address), lambda name: _run_and_receive(cr, name)),
     }
 
 
-def _watched(controller: Controller, name: str) -> Floats:
+def _run_and_watch(controller: Controller, name: str) -> Floats:
     """Run a program and ask for the joints, by the line that it was started on."""
     controller.load(name)
     controller.motors(True)
     controller.start()
     rows = []
-    for sample in controller.watch(INTERVAL):
+    for sample in controller.watch(LOOK_PERIOD):
         rows.append(sample.position.joints)
         if not sample.state.running:
             break
@@ -95,7 +95,7 @@ def _watched(controller: Controller, name: str) -> Floats:
     return np.array(rows, dtype=np.float64)
 
 
-def _sent(cr: VirtualCr, name: str) -> Floats:
+def _run_and_receive(cr: VirtualCr, name: str) -> Floats:
     """Run a program, and have a second one send the joints on a data link meanwhile.
 
     The line of the commands answers five times a second, and a data link as often as is sent.
@@ -108,7 +108,7 @@ def _sent(cr: VirtualCr, name: str) -> Floats:
     host, port = cr.data_ports["COM2:"]
     rows = []
     with cast("Controller", connect(cr.address)) as controller:
-        controller.write("STATUS", STATUS)
+        controller.write("STATUS", JOINT_SENDER)
         controller.load("STATUS", task="2")
         controller.load(name)
         controller.motors(True)

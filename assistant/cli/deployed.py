@@ -12,7 +12,7 @@ from assistant.cli.cells import named_by
 from assistant.cli.compiling import working
 from assistant.cli.jobs import (
     NOT_BOTH,
-    Wishes,
+    DeploymentOptions,
     controllers_of_jobs,
     history_here,
     jobs_of,
@@ -23,7 +23,7 @@ from assistant.cli.presentation import Format, PlanFormat, print_findings, print
 if TYPE_CHECKING:
     from assistant.deploy import Deployment, Verified
 
-COMMIT: Final = 12
+COMMIT_LENGTH: Final = 12
 """Characters of a commit in a table."""
 
 
@@ -31,7 +31,7 @@ def run_resume(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: Wishes,
+    wishes: DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     from assistant import deploy
@@ -42,7 +42,7 @@ def run_resume(
     for job in named_controllers(to, targets, wishes):
         with job.opened() as client, working(f"finishing on {job.one.address}"):
             done = deploy.resume(client, history=job.history, replace=wishes.replace)
-        status = max(status, finished(done, as_json=format is PlanFormat.JSON))
+        status = max(status, report_finished(done, as_json=format is PlanFormat.JSON))
     return status
 
 
@@ -57,7 +57,7 @@ def run_rollback(
     from assistant import deploy
 
     status = 0
-    for job in named_controllers(to, targets, Wishes(history=history)):
+    for job in named_controllers(to, targets, DeploymentOptions(history=history)):
         with job.opened() as client, working(f"taking back on {job.one.address}"):
             done = deploy.rollback(
                 client,
@@ -66,11 +66,11 @@ def run_rollback(
                 replace=replace,
                 tell=lambda finding: print_findings([finding]),
             )
-        status = max(status, finished(done, as_json=format is Format.JSON, back=True))
+        status = max(status, report_finished(done, as_json=format is Format.JSON, back=True))
     return status
 
 
-def finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
+def report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
     """Tells what became of a deployment that was finished or taken back; its exit status.
 
     back: what is installed then is what was there before.
@@ -123,7 +123,7 @@ def run_deployments(to: str | None, history: Path | None, format: Format) -> int
             address = one.record.address
             say(address)
         commit, _, dirty = one.record.commit.partition("-")
-        words = f"{commit[:COMMIT]}{'+' if dirty else ''}" or "-"
+        words = f"{commit[:COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
         programs = ", ".join(entry.name for entry in one.entries) or "-"
         say(
             f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
@@ -144,7 +144,7 @@ def run_verify(
 
     answers = []
     status = 0
-    wishes = Wishes(history=history)
+    wishes = DeploymentOptions(history=history)
     if files or to is None:
         jobs = jobs_of(files, to, targets, wishes)
     else:
@@ -156,14 +156,14 @@ def run_verify(
         if format is Format.JSON:
             answers.append(verified_record(seen))
         else:
-            _tell(seen)
+            _print_verified(seen)
         status = max(status, 0 if seen.ok else 1)
     if format is Format.JSON:
         print_json(answers[0] if len(answers) == 1 else answers)
     return status
 
 
-def _tell(seen: Verified) -> None:
+def _print_verified(seen: Verified) -> None:
     print_findings(seen.findings)
     for program in seen.programs:
         other = ", and not what the file here says" if program.as_built is False else ""

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.cli.compiling import working
-from assistant.cli.jobs import NOT_BOTH, Job, Wishes, jobs_of
-from assistant.cli.many_cells import Manner, run_many
+from assistant.cli.jobs import NOT_BOTH, DeploymentJob, DeploymentOptions, jobs_of
+from assistant.cli.many_cells import RolloutOptions, run_rollout
 from assistant.cli.plans import plan_markdown, print_plan
 from assistant.cli.presentation import Format, PlanFormat, print_findings, print_json, say
 
@@ -24,7 +24,7 @@ def run_plan(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: Wishes,
+    wishes: DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     answers = []
@@ -33,9 +33,9 @@ def run_plan(
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         plan = replace(plan, notes=(*plan.notes, *plan.unseen))
-        answers.append(_show(job, plan, None, format))
+        answers.append(_print_outcome(job, plan, None, format))
         status = max(status, 1 if plan.conflicts or has_errors(plan.findings) else 0)
-    _print(answers, format)
+    _print_answers(answers, format)
     return status
 
 
@@ -43,8 +43,8 @@ def run_deploy(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: Wishes,
-    manner: Manner | None,
+    wishes: DeploymentOptions,
+    manner: RolloutOptions | None,
     format: PlanFormat,
 ) -> int:
     """manner: of many controllers, None for what the project says."""
@@ -52,7 +52,7 @@ def run_deploy(
 
     jobs = jobs_of(files, to, targets, wishes)
     if len(jobs) > 1 or manner is not None:
-        return _to_many(jobs, manner or Manner(), format)
+        return _deploy_to_many(jobs, manner or RolloutOptions(), format)
     (job,) = jobs
     with job.opened() as client:
         with working(f"comparing with {job.one.address}"):
@@ -64,17 +64,19 @@ def run_deploy(
                 files_only=wishes.files_only,
                 tell=lambda finding: print_findings([finding]),
             )
-    _print([_show(job, plan, done, format)], format)
+    _print_answers([_print_outcome(job, plan, done, format)], format)
     return 0 if done.ok else 1
 
 
-def _to_many(jobs: Sequence[Job], manner: Manner, format: PlanFormat) -> int:
+def _deploy_to_many(
+    jobs: Sequence[DeploymentJob], manner: RolloutOptions, format: PlanFormat
+) -> int:
     from assistant.deploy import Cell
 
     if format is PlanFormat.MARKDOWN:
         raise Refused(NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2)
 
-    def planning(job: Job, client: Programs) -> Callable[[], Plan]:
+    def planning(job: DeploymentJob, client: Programs) -> Callable[[], Plan]:
         return lambda: job.planned(client)
 
     with ExitStack() as stack:
@@ -93,10 +95,12 @@ def _to_many(jobs: Sequence[Job], manner: Manner, format: PlanFormat) -> int:
             canary = manner.canary or (project.canary if project.canary in names else "")
             parallel = manner.parallel or project.parallel
             manner = replace(manner, canary=canary or "", parallel=parallel)
-        return run_many(cells, manner, jobs[0].history, wishes.files_only, answer)
+        return run_rollout(cells, manner, jobs[0].history, wishes.files_only, answer)
 
 
-def _show(job: Job, plan: Plan, done: Deployment | None, format: PlanFormat) -> object:
+def _print_outcome(
+    job: DeploymentJob, plan: Plan, done: Deployment | None, format: PlanFormat
+) -> object:
     """Prints what is for people; what is for programs comes back."""
     findings = (*plan.findings, *(done.findings if done else ()))
     if format is PlanFormat.JSON:
@@ -118,7 +122,7 @@ def _show(job: Job, plan: Plan, done: Deployment | None, format: PlanFormat) -> 
     return None
 
 
-def _print(answers: Sequence[object], format: PlanFormat) -> None:
+def _print_answers(answers: Sequence[object], format: PlanFormat) -> None:
     """One object for one controller, a list of them for several."""
     if format is PlanFormat.JSON:
         print_json(answers[0] if len(answers) == 1 else answers)

@@ -61,9 +61,9 @@ def plan(
 ) -> None:
     """Show what a deployment would do to each program on a controller. Changes nothing."""
     from assistant.cli.deploying import run_plan
-    from assistant.cli.jobs import Wishes
+    from assistant.cli.jobs import DeploymentOptions
 
-    wishes = Wishes(task, load, tuple(replace or ()), False, history)
+    wishes = DeploymentOptions(task, load, tuple(replace or ()), False, history)
     raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
 
 
@@ -112,18 +112,18 @@ def deploy(
     """Install programs on a controller, read them back and compare. Never starts motion."""
     from assistant.cli.deployed import run_resume
     from assistant.cli.deploying import run_deploy, run_plan
-    from assistant.cli.jobs import Wishes
-    from assistant.cli.many_cells import Manner
+    from assistant.cli.jobs import DeploymentOptions
+    from assistant.cli.many_cells import RolloutOptions
     from assistant.cli.pulling import run_pull
 
-    wishes = Wishes(task, load, tuple(replace or ()), files_only, history)
+    wishes = DeploymentOptions(task, load, tuple(replace or ()), files_only, history)
     if resume:
         raise typer.Exit(run_resume(files or (), to, target or (), wishes, format))
     if pull:
         raise typer.Exit(run_pull(files or (), to, target or (), source, wishes, format))
     if dry_run:
         raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
-    manner = Manner(canary, parallel, junit) if canary or parallel or junit else None
+    manner = RolloutOptions(canary, parallel, junit) if canary or parallel or junit else None
     raise typer.Exit(run_deploy(files or (), to, target or (), wishes, manner, format))
 
 

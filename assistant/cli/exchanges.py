@@ -126,10 +126,10 @@ def follow(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
-    from assistant.cli.exchanging import Options, plain_files, run_follow
+    from assistant.cli.exchanging import FollowOptions, plain_files, run_follow
 
     names = plain_files(plain, files, answers, {"--through": through})
-    options = Options(
+    options = FollowOptions(
         prefix, timeout, longest, through, record, plot, plot_unit.value, names, yes, format
     )
     raise typer.Exit(run_follow(cell, trajectory, options))

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.cells import reached
-from assistant.cli.confirming import confirmed
+from assistant.cli.cells import connected
+from assistant.cli.confirming import confirm
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from assistant.program.statements import Motion
 
 BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
-NO_POSES: Final = error(
+NOT_ONE_PATH: Final = error(
     "CL262",
     "`{name}` holds {found} paths of poses, and an exchange follows one",
     "name a table of poses, one in each row",
@@ -55,7 +55,7 @@ ONLY_PLAIN: Final = error(
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class FollowOptions:
     """Of `exchange follow`."""
 
     prefix: str
@@ -91,12 +91,12 @@ def plain_files(
             raise Refused(NOT_PLAIN(option=option, reason=reason), exit_status=2)
     usual = PlainFiles()
     return PlainFiles(
-        usual.sent if files is None else _three(files),
-        usual.answers if answers is None else _three(answers),
+        usual.sent if files is None else _answer_names(files),
+        usual.answers if answers is None else _answer_names(answers),
     )
 
 
-def _three(given: str) -> tuple[str, str, str]:
+def _answer_names(given: str) -> tuple[str, str, str]:
     names = [name.strip() for name in given.split(",")]
     if len(names) != 3:
         wanted = "three names: of position, orientation and configuration"
@@ -104,7 +104,7 @@ def _three(given: str) -> tuple[str, str, str]:
     return names[0], names[1], names[2]
 
 
-def _sender(
+def _pose_sender(
     programs: Programs,
     prefix: str,
     timeout: float,
@@ -135,8 +135,8 @@ def run_module(
 
     tool = None
     if tip is not None:
-        place, turn = _place(tip)
-        middle = _numbers(centre, (3,), "x,y,z")
+        place, turn = _tool_pose(tip)
+        middle = _listed_numbers(centre, (3,), "x,y,z")
         tool = Tool(place, turn, mass, (middle[0], middle[1], middle[2]))
     usual = Module()
     text = Module(
@@ -170,18 +170,18 @@ def run_module(
 def run_pose(
     cell: str, prefix: str, timeout: float, plain: PlainFiles | None, format: Format
 ) -> int:
-    with reached(cell, "exchange pose") as there:
-        exchange = _sender(there.session, prefix, timeout, timeout, plain)
+    with connected(cell, "exchange pose") as there:
+        exchange = _pose_sender(there.session, prefix, timeout, timeout, plain)
         answer = exchange.current_pose()
-    _warn(answer.checked if plain is None else None, str(there.one.address))
+    _warn_without_checksum(answer.checked if plain is None else None, str(there.one.address))
     if format is Format.JSON:
-        print_json({"address": str(there.one.address), **_record(answer)})
+        print_json({"address": str(there.one.address), **_answer_record(answer)})
     else:
-        say(_line(answer))
+        say(_answer_line(answer))
     return 0
 
 
-def _warn(checked: bool | None, place: str) -> None:
+def _warn_without_checksum(checked: bool | None, place: str) -> None:
     """Report a module that writes no checksum."""
     if checked is False:
         from assistant.controllers.abb.exchange import rules
@@ -192,40 +192,42 @@ def _warn(checked: bool | None, place: str) -> None:
 def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
     from assistant.controllers.abb.exchange import PoseExchange
 
-    with reached(cell, "exchange stop") as there:
+    with connected(cell, "exchange stop") as there:
         exchange = PoseExchange(there.session, prefix=prefix, timeout=timeout)
         answer = exchange.stop()
     if answer is None:
         raise Refused(NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
     if format is Format.JSON:
-        print_json({"address": str(there.one.address), **_record(answer)})
+        print_json({"address": str(there.one.address), **_answer_record(answer)})
     else:
         say(f"{there.one.name}: {exchange.ended}")
-        say(_line(answer))
+        say(_answer_line(answer))
     return 0
 
 
-def run_follow(cell: str, trajectory: Path, options: Options) -> int:
+def run_follow(cell: str, trajectory: Path, options: FollowOptions) -> int:
     from assistant.controllers.recording import check_place
     from assistant.report import figures
 
     if options.plot is not None:
         figures.format_of(options.plot.name)
-        figures.figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
+        figures.new_figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
     if options.record is not None:
         check_place(options.record)
-    path = _poses(trajectory)
-    with reached(cell, "exchange follow") as there:
+    path = _read_poses(trajectory)
+    with connected(cell, "exchange follow") as there:
         how = "through" if options.through else "to"
-        confirmed(
-            there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes
-        )
-        exchange = _sender(
+        confirm(there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes)
+        exchange = _pose_sender(
             there.session, options.prefix, options.timeout, options.longest, options.plain
         )
         try:
-            with _told(str(there.one.address), exchange), exchange, _bar(len(path)) as advance:
-                _warn(exchange.checked, str(there.one.address))
+            with (
+                _ended_otherwise(str(there.one.address), exchange),
+                exchange,
+                _progress_bar(len(path)) as advance,
+            ):
+                _warn_without_checksum(exchange.checked, str(there.one.address))
                 exchange.follow(
                     path,
                     configurations=_configurations(path),
@@ -233,13 +235,13 @@ def run_follow(cell: str, trajectory: Path, options: Options) -> int:
                     progress=lambda *_: advance(),
                 )
         finally:
-            _keep(exchange, options, trajectory.name)
-    _tell(exchange, str(there.one.address), options)
+            _write_answers(exchange, options, trajectory.name)
+    _print_round_trips(exchange, str(there.one.address), options)
     return 0
 
 
 @contextmanager
-def _told(place: str, exchange: PoseSender) -> Iterator[None]:
+def _ended_otherwise(place: str, exchange: PoseSender) -> Iterator[None]:
     """Says in which state the robot is if the exchange ends otherwise than it should."""
     try:
         yield
@@ -251,7 +253,7 @@ def _told(place: str, exchange: PoseSender) -> Iterator[None]:
 
 
 @contextmanager
-def _bar(total: int) -> Iterator[Callable[[], None]]:
+def _progress_bar(total: int) -> Iterator[Callable[[], None]]:
     """A progress bar on a terminal; nothing elsewhere."""
     if not sys.stderr.isatty():
         yield lambda: None
@@ -263,7 +265,7 @@ def _bar(total: int) -> Iterator[Callable[[], None]]:
         yield lambda: progress.advance(task)
 
 
-def _poses(source: Path) -> Poses:
+def _read_poses(source: Path) -> Poses:
     """The one path of a table, of one pose too; raises Refused if there is not one."""
     from assistant import sources
     from assistant.program.expressions import Name
@@ -277,9 +279,9 @@ def _poses(source: Path) -> Poses:
             case Follow(path):
                 found.append(path)
             case Move(target=Name(name), motion=motion):
-                found.append(_of_one(reading.program.targets[name], motion))
+                found.append(_single_pose(reading.program.targets[name], motion))
     if len(found) != 1 or not len(found[0]):
-        raise Refused(NO_POSES(path=str(source), name=source.name, found=len(found)))
+        raise Refused(NOT_ONE_PATH(path=str(source), name=source.name, found=len(found)))
     path = found[0]
     for what, names, rows in (
         ("frames", path.frames, path.frame),
@@ -295,7 +297,7 @@ def _poses(source: Path) -> Poses:
     return path
 
 
-def _of_one(target: Target, motion: Motion) -> Poses:
+def _single_pose(target: Target, motion: Motion) -> Poses:
     from assistant.program.motion import Path as Rows
     from assistant.program.motion import configuration_row
 
@@ -324,7 +326,7 @@ def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
     return [(one, four, six, x) for one, four, six, x in rows]
 
 
-def _keep(exchange: PoseSender, options: Options, name: str) -> None:
+def _write_answers(exchange: PoseSender, options: FollowOptions, name: str) -> None:
     """Writes what was answered, also of an exchange that was broken off."""
     if not len(exchange.recording):
         return
@@ -348,7 +350,7 @@ def _keep(exchange: PoseSender, options: Options, name: str) -> None:
         say(f"wrote {options.plot}")
 
 
-def _tell(exchange: PoseSender, place: str, options: Options) -> None:
+def _print_round_trips(exchange: PoseSender, place: str, options: FollowOptions) -> None:
     """How long the round trips took, and what of them was whose."""
     parts = ["round_trip", "hand_over", "waiting", "fetching"]
     if options.plain is None:  # whose files do not tell how long a motion took
@@ -369,7 +371,7 @@ def _tell(exchange: PoseSender, place: str, options: Options) -> None:
     say(f"  {taken['fetching']:.3f} s to fetch the answer")
 
 
-def _record(answer: Answer) -> dict[str, object]:
+def _answer_record(answer: Answer) -> dict[str, object]:
     return {
         "position": list(answer.pose.position),
         "quaternion": list(answer.pose.quaternion),
@@ -377,21 +379,21 @@ def _record(answer: Answer) -> dict[str, object]:
     }
 
 
-def _line(answer: Answer) -> str:
+def _answer_line(answer: Answer) -> str:
     x, y, z = answer.pose.position
     turn = ", ".join(f"{part:.6f}" for part in answer.pose.quaternion)
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({turn})  {answer.configuration}"
 
 
-def _place(
+def _tool_pose(
     tip: str,
 ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-    x, y, z, *turn = _numbers(tip, (3, 7), "x,y,z or x,y,z,w,x,y,z")
+    x, y, z, *turn = _listed_numbers(tip, (3, 7), "x,y,z or x,y,z,w,x,y,z")
     a, b, c, d = turn or (1.0, 0.0, 0.0, 0.0)
     return (x, y, z), (a, b, c, d)
 
 
-def _numbers(given: str, counts: tuple[int, ...], wanted: str) -> list[float]:
+def _listed_numbers(given: str, counts: tuple[int, ...], wanted: str) -> list[float]:
     try:
         found = [float(part) for part in given.split(",")]
     except ValueError:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from assistant.cli.on_arms import complete_leading
+from assistant.cli.on_arms import complete_servo_mode
 from assistant.cli.on_controllers import YesOption
 from assistant.cli.options import (
     AccelerationOption,
@@ -22,7 +22,7 @@ from assistant.cli.options import (
 from assistant.cli.presentation import Format
 
 if TYPE_CHECKING:
-    from assistant.cli.exploring_arms import Live
+    from assistant.cli.exploring_arms import WatchOptions
     from assistant.compiler.exploration import ExplorationRequest
 
 explore: Final = typer.Typer(
@@ -118,7 +118,8 @@ def wander(
     ] = None,
     speed: Annotated[float, typer.Option(help="mm/s of the flange, at most 250.")] = 50.0,
     by: Annotated[
-        str, typer.Option(help="Way to lead the arm: see `servo`.", autocompletion=complete_leading)
+        str,
+        typer.Option(help="Way to lead the arm: see `servo`.", autocompletion=complete_servo_mode),
     ] = "jog",
     port: Annotated[
         int | None, typer.Option(help="UDP port of the way; default the usual one.", min=1)
@@ -137,7 +138,7 @@ def wander(
 ) -> None:
     """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
     from assistant.cli.exploring import check_moving, check_still, run_wander
-    from assistant.cli.exploring_arms import Bounds, run_wander_arm
+    from assistant.cli.exploring_arms import MotionBounds, run_wander_arm
     from assistant.controllers.trajectory_execution import LinkOptions
 
     if cell is None:
@@ -145,13 +146,13 @@ def wander(
         moved |= {"--region": region, "--range": range, "--box": box, "--seconds": seconds}
         moved |= {"--log": log, "--line": lines, "--port": port, "--replace": replace}
         check_still(where, moved)
-        asked = _asked(Path(where), chart, robot, size, thinner)
+        asked = _exploration_options(Path(where), chart, robot, size, thinner)
         raise typer.Exit(run_wander(asked, hidden, runs, seed, format))
     check_moving(hidden)
-    asked = _asked(cell, chart, robot, size, thinner)
+    asked = _exploration_options(cell, chart, robot, size, thinner)
     wishes = LinkOptions(port, tuple(lines or ()), None, replace)
-    bounds = Bounds(range or (), box, speed, by, wishes)
-    live = _live(contact, key, camera, region, seconds, log, yes, format)
+    bounds = MotionBounds(range or (), box, speed, by, wishes)
+    live = _watch_options(contact, key, camera, region, seconds, log, yes, format)
     raise typer.Exit(run_wander_arm(where, asked, bounds, live, runs, seed))
 
 
@@ -174,8 +175,8 @@ def manual(
     """Learn while you jog or lead an arm by hand, until Ctrl-C. This moves nothing."""
     from assistant.cli.exploring_arms import run_manual
 
-    asked = _asked(cell, chart, robot, size, thinner)
-    live = _live(contact, key, camera, region, seconds, log, False, format)
+    asked = _exploration_options(cell, chart, robot, size, thinner)
+    live = _watch_options(contact, key, camera, region, seconds, log, False, format)
     raise typer.Exit(run_manual(controller, asked, live))
 
 
@@ -203,8 +204,8 @@ def running(
     """Start a program and learn while it moves the arm; a contact stops it. Asks before."""
     from assistant.cli.exploring_arms import run_running
 
-    asked = _asked(cell, chart, robot, size, thinner)
-    live = _live(contact, key, camera, region, seconds, log, yes, format)
+    asked = _exploration_options(cell, chart, robot, size, thinner)
+    live = _watch_options(contact, key, camera, region, seconds, log, yes, format)
     raise typer.Exit(run_running(controller, program, asked, live, override))
 
 
@@ -227,7 +228,7 @@ def recorded(
     """Learn from where an arm has been, by hand or by programs, as a controller recorded it."""
     from assistant.cli.exploring import run_recorded
 
-    asked = _asked(cell, chart, robot, size, thinner)
+    asked = _exploration_options(cell, chart, robot, size, thinner)
     raise typer.Exit(run_recorded(asked, recordings, contact, format))
 
 
@@ -253,10 +254,10 @@ def program(
 ) -> None:
     """Learn from a program that has run without contact, or up to one. Nothing moves."""
     from assistant.cli.exploring import run_program
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
 
-    asked = _asked(cell, chart, robot, size, thinner)
-    options = Options(
+    asked = _exploration_options(cell, chart, robot, size, thinner)
+    options = SimulationOptions(
         None, process, unit, from_language, from_robot, acceleration, None, entry, None
     )
     raise typer.Exit(run_program(asked, program, options, until, hidden, format))
@@ -303,7 +304,7 @@ def compare(
     raise typer.Exit(run_charts_compared(old, new, format))
 
 
-def _live(
+def _watch_options(
     signal: str | None,
     key: bool,
     camera: Path | None,
@@ -312,13 +313,13 @@ def _live(
     log: Path | None,
     yes: bool,
     format: Format,
-) -> Live:
-    from assistant.cli.exploring_arms import Contact, Live
+) -> WatchOptions:
+    from assistant.cli.exploring_arms import ContactOptions, WatchOptions
 
-    return Live(Contact(signal, key, camera, region), seconds, log, yes, format)
+    return WatchOptions(ContactOptions(signal, key, camera, region), seconds, log, yes, format)
 
 
-def _asked(
+def _exploration_options(
     cell: Path, chart: Path, robot: str | None, size: float | None, thinner: float
 ) -> ExplorationRequest:
     from assistant.compiler.exploration import ExplorationRequest

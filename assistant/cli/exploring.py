@@ -14,7 +14,7 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.cell.exploration.occupancy import Occupancy
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
     from assistant.compiler.exploration import (
         ExplorationRequest,
         ExplorationResult,
@@ -33,7 +33,7 @@ ONLY_STILL: Final = error(
     "`{option}` is for a cell in which nothing moves, and --cell moves an arm",
     "leave out one of them",
 )
-SUFFIX: Final = ".npz"
+CHART_SUFFIX: Final = ".npz"
 
 
 def check_still(where: str, given: Mapping[str, object]) -> None:
@@ -59,9 +59,9 @@ def run_wander(
     from assistant.compiler.exploration import explore_by_random_moves
 
     with working("exploring"):
-        begun = prepared(asked, [] if hidden is None else [str(hidden)])
+        begun = prepare_chart(asked, [] if hidden is None else [str(hidden)])
         found = explore_by_random_moves(begun, hidden, runs, seed)
-    return _told(begun, found, "runs", format)
+    return _report_exploration(begun, found, "runs", format)
 
 
 def run_recorded(
@@ -70,21 +70,21 @@ def run_recorded(
     from assistant.compiler.exploration import explore_by_recordings
 
     with working("reading what was recorded"):
-        begun = prepared(asked, [str(path) for path in recordings])
+        begun = prepare_chart(asked, [str(path) for path in recordings])
         found = explore_by_recordings(begun, recordings, contact)
-    return _told(begun, found, "runs of each recording", format)
+    return _report_exploration(begun, found, "runs of each recording", format)
 
 
 def run_program(
     asked: ExplorationRequest,
     source: str,
-    options: Options,
+    options: SimulationOptions,
     until: float | None,
     hidden: Path | None,
     format: Format,
 ) -> int:
     """1 if the robot cannot run the program; then the chart stays as it is."""
-    from assistant.cli.simulating import refused, solved
+    from assistant.cli.simulating import report_errors, solved_source
     from assistant.compiler.arms import InCell
     from assistant.compiler.exploration import explore_by_program
     from assistant.robots.timing import simulate
@@ -92,46 +92,48 @@ def run_program(
     if until is not None and not until > 0.0:
         raise Refused(NO_UNTIL(value=until), exit_status=2)
     with working(f"going through {source}"):
-        begun = prepared(asked, [source, *([] if hidden is None else [str(hidden)])])
+        begun = prepare_chart(asked, [source, *([] if hidden is None else [str(hidden)])])
         explorer = begun.explorer
         named = None if asked.robot is None else explorer.placed.robot
         scene = replace(explorer.scene, runs=asked.robot)
-        done = solved(source, options, InCell(scene, named))
+        done = solved_source(source, options, InCell(scene, named))
         if has_errors(done.findings):
             robot = done.solution.robot
-            return refused(source, robot, done.findings, format, "gone through")
+            return report_errors(source, robot, done.findings, format, "gone through")
         simulation = simulate(done.solution, acceleration=options.acceleration)
         try:
             found = explore_by_program(begun, done.program, simulation, until, hidden)
         except Refused as caught:
             findings = [done.places.finding(one).within(source) for one in caught.findings]
             raise Refused(*findings, exit_status=caught.exit_status) from None
-    return _told(begun, found, "runs", format)
+    return _report_exploration(begun, found, "runs", format)
 
 
-def prepared(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
+def prepare_chart(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
     """Raises Refused for a chart that would not be one, or would be written over what is read."""
     from assistant.compiler.exploration import start_exploration
 
-    _check_name(asked.chart)
+    _check_chart_name(asked.chart)
     keep_sources([str(asked.cell), *read], [asked.chart])
     return start_exploration(asked)
 
 
-def _check_name(path: Path) -> None:
-    if path.suffix.lower() != SUFFIX or not path.stem:
+def _check_chart_name(path: Path) -> None:
+    if path.suffix.lower() != CHART_SUFFIX or not path.stem:
         raise Refused(NO_CHART_NAME(name=path), exit_status=2)
 
 
-def _told(begun: ExplorationStart, found: ExplorationResult, what: str, format: Format) -> int:
+def _report_exploration(
+    begun: ExplorationStart, found: ExplorationResult, what: str, format: Format
+) -> int:
     from assistant.cell.exploration.occupancy import save_map
 
     save_map(found.occupancy, begun.asked.chart)
-    return report(Done(found, what, [begun.asked.chart]), format)
+    return report_chart(ExplorationSummary(found, what, [begun.asked.chart]), format)
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class ExplorationSummary:
     """Result of exploring. what: the runs that its rows count. written: files."""
 
     found: ExplorationResult
@@ -139,7 +141,7 @@ class Done:
     written: Sequence[Path]
 
 
-def report(done: Done, format: Format) -> int:
+def report_chart(done: ExplorationSummary, format: Format) -> int:
     """Print the result and the free space so far; returns the exit status."""
     from assistant.findings.formats import finding_record
 
@@ -147,7 +149,11 @@ def report(done: Done, format: Format) -> int:
     if format is Format.JSON:
         rows = [dict(zip(("runs", "new", "litres"), row, strict=True)) for row in found.runs]
         findings = [finding_record(one) for one in found.findings]
-        answer = {"explored": rows, "contacts": found.contacts, "chart": _record(found.occupancy)}
+        answer = {
+            "explored": rows,
+            "contacts": found.contacts,
+            "chart": _chart_record(found.occupancy),
+        }
         written = [str(path) for path in done.written]
         print_json(answer | {"findings": findings, "written": written})
         return 0
@@ -159,13 +165,13 @@ def report(done: Done, format: Format) -> int:
     if found.contacts:
         where = f", {found.placeless} of them nobody knows where" if found.placeless else ""
         say(f"contacts: {found.contacts}{where}")
-    for line in _lines(found.occupancy):
+    for line in _chart_lines(found.occupancy):
         say(line)
     say(f"wrote {', '.join(str(path) for path in done.written)}")
     return 0
 
 
-def _record(occupancy: Occupancy) -> dict[str, Any]:
+def _chart_record(occupancy: Occupancy) -> dict[str, Any]:
     from assistant.cell.exploration.occupancy import CellState
 
     counts = occupancy.counts()
@@ -176,11 +182,11 @@ def _record(occupancy: Occupancy) -> dict[str, Any]:
         "free": counts[CellState.FREE],
         "occupied": counts[CellState.OCCUPIED],
         "litres": occupancy.litres,
-        "box_mm": [low_high.tolist() for low_high in _box(occupancy)],
+        "box_mm": [low_high.tolist() for low_high in _free_box(occupancy)],
     }
 
 
-def _box(occupancy: Occupancy) -> Sequence[Any]:
+def _free_box(occupancy: Occupancy) -> Sequence[Any]:
     """Lowest and highest corner (3,) of the free cells in mm of the base; none without any."""
     from assistant.cell.exploration.occupancy import CellState
 
@@ -190,8 +196,8 @@ def _box(occupancy: Occupancy) -> Sequence[Any]:
     return cells.min(axis=0) * occupancy.size, (cells.max(axis=0) + 1) * occupancy.size
 
 
-def _lines(occupancy: Occupancy) -> list[str]:
-    record = _record(occupancy)
+def _chart_lines(occupancy: Occupancy) -> list[str]:
+    record = _chart_record(occupancy)
     out = [
         f"robot    {record['robot']}",
         f"cells    {record['cell_mm']:g} mm",
@@ -219,9 +225,9 @@ def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
         keep_sources([str(path)], [output])
         written = [str(one) for one in write_all({output: explored_picture(occupancy, kind)})]
     if format is Format.JSON:
-        print_json({"chart": str(path), **_record(occupancy), "written": written})
+        print_json({"chart": str(path), **_chart_record(occupancy), "written": written})
         return 0
-    for line in [*_lines(occupancy), *(f"wrote {one}" for one in written)]:
+    for line in [*_chart_lines(occupancy), *(f"wrote {one}" for one in written)]:
         say(line)
     return 0
 
@@ -229,18 +235,18 @@ def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
 def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> int:
     from assistant.cell.exploration.occupancy import load_map, save_map
 
-    _check_name(output)
+    _check_chart_name(output)
     keep_sources([str(path) for path in paths], [output])
     merged = load_map(paths[0])
     for path in paths[1:]:
         other = load_map(path)
-        with _placed(path):
+        with _at_chart(path):
             merged = merged.merged(other)
     save_map(merged, output)
     if format is Format.JSON:
-        print_json({"chart": _record(merged), "written": [str(output)]})
+        print_json({"chart": _chart_record(merged), "written": [str(output)]})
         return 0
-    for line in _lines(merged):
+    for line in _chart_lines(merged):
         say(line)
     say(f"wrote {output}")
     return 0
@@ -251,7 +257,7 @@ def run_charts_compared(old: Path, new: Path, format: Format) -> int:
     from assistant.cell.exploration.occupancy import load_map
 
     before, after = load_map(old), load_map(new)
-    with _placed(new):
+    with _at_chart(new):
         found = before.compared(after)
     if format is Format.JSON:
         print_json({"old": str(old), "new": str(new), **asdict(found)})
@@ -269,7 +275,7 @@ def run_charts_compared(old: Path, new: Path, format: Format) -> int:
 
 
 @contextmanager
-def _placed(path: Path) -> Iterator[None]:
+def _at_chart(path: Path) -> Iterator[None]:
     """What is refused of a chart is told at its file."""
     try:
         yield

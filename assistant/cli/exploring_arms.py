@@ -14,14 +14,14 @@ import numpy as np
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.cells import reached, robot_of_cell
+from assistant.cli.cells import connected, robot_of_cell
 from assistant.cli.compiling import keep_sources
-from assistant.cli.confirming import confirmed
-from assistant.cli.exploring import Done, prepared, report
+from assistant.cli.confirming import confirm
+from assistant.cli.exploring import ExplorationSummary, prepare_chart, report_chart
 from assistant.cli.learning_words import box_of, range_of
-from assistant.cli.moving import BEGINNING, moving
+from assistant.cli.moving import START_TIME, moving
 from assistant.cli.presentation import Format, print_findings, say
-from assistant.cli.teaching import ENDS, keys
+from assistant.cli.teaching import END_KEYS, terminal_keys
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
@@ -65,20 +65,20 @@ NO_RANGE: Final = error(
     "{most:g}",
     "write a lower and a higher value inside these limits",
 )
-FASTEST: Final = 250.0
+FASTEST_FLANGE: Final = 250.0
 """Highest speed of the flange in mm/s: the manual reduced speed of ISO 10218-1."""
-PART: Final = 0.1
+LARGEST_SPEED_SHARE: Final = 0.1
 """Largest part of the full speed of each axis."""
-TURNING: Final = 30.0
+FASTEST_TURN: Final = 30.0
 """Highest turning speed of the flange in degrees/s."""
-UNMOVED: Final = frozenset({"VS221", "CK456"})
+REFUSED_BEFORE_MOTION: Final = frozenset({"VS221", "CK456"})
 """Codes of what is refused before the first move."""
-LOOKS: Final = 0.05
+LOOK_PERIOD: Final = 0.05
 """Seconds between two looks at an arm that others move."""
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class ContactOptions:
     """Sources of contacts. signal: an input of the controller. key: keys of the operator. cameras:
     file of cameras whose pictures change. region: of the pictures, as it was typed.
     """
@@ -95,10 +95,10 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
-class Live:
+class WatchOptions:
     """How an arm is watched and recorded. seconds: None for no limit. yes: without a question."""
 
-    contact: Contact
+    contact: ContactOptions
     seconds: float | None
     log: Path | None
     yes: bool
@@ -106,7 +106,7 @@ class Live:
 
 
 @dataclass(frozen=True, slots=True)
-class Bounds:
+class MotionBounds:
     """ranges, box: the words of --range and --box. speed: mm/s of the flange. by, wishes: the mode
     that leads the arm, and its options.
     """
@@ -119,29 +119,34 @@ class Bounds:
 
 
 def run_wander_arm(
-    cell: str, asked: ExplorationRequest, bounds: Bounds, live: Live, runs: int, seed: int | None
+    cell: str,
+    asked: ExplorationRequest,
+    bounds: MotionBounds,
+    live: WatchOptions,
+    runs: int,
+    seed: int | None,
 ) -> int:
     """Move an arm at random; the chart and the log are written however it ends."""
-    from assistant.cli.servoing import near, way
+    from assistant.cli.servoing import joints_nearby, setpoint_mode
     from assistant.vision.exploring.moving import Wanderer, log_of
     from assistant.vision.exploring.rules import NO_LONGER
     from assistant.vision.servoing.bounds import Bounds as Limits
     from assistant.vision.servoing.bounds import Guard
 
-    mode = way(bounds.by)
+    mode = setpoint_mode(bounds.by)
     if not bounds.ranges and bounds.box is None:
         raise Refused(NO_BOUNDS(), exit_status=2)
     if not live.contact.is_given:
         raise Refused(NO_CONTACT(), exit_status=2)
-    if not 0.1 <= bounds.speed <= FASTEST:
-        raise Refused(NO_SPEED(value=bounds.speed, most=FASTEST), exit_status=2)
-    begun = _prepared(asked, live)
+    if not 0.1 <= bounds.speed <= FASTEST_FLANGE:
+        raise Refused(NO_SPEED(value=bounds.speed, most=FASTEST_FLANGE), exit_status=2)
+    begun = _prepare_explorer(asked, live)
     explorer, robot = begun.explorer, begun.explorer.placed.robot
-    ranges, box = _ranges(bounds.ranges, robot), None
+    ranges, box = _joint_ranges(bounds.ranges, robot), None
     if bounds.box is not None:
         sides = box_of(bounds.box)
         box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
-    guard = Guard(robot, Limits(bounds.speed, TURNING, PART, box=box))
+    guard = Guard(robot, Limits(bounds.speed, FASTEST_TURN, LARGEST_SPEED_SHARE, box=box))
     log, done = log_of(guard), None
     try:
         with moving(cell, "explore") as motion, ExitStack() as open_:
@@ -149,20 +154,20 @@ def run_wander_arm(
             _check_arm(begun, there.one.name, robot_of_cell(there.one))
             session = there.controller if mode.operates else there.session
             mode.check(session, bounds.wishes)
-            carrier = mode.make(session, guard.arm(), bounds.wishes, near(session, robot))
+            carrier = mode.make(session, guard.arm(), bounds.wishes, joints_nearby(session, robot))
             contacts, ended = open_.enter_context(
-                _contacts(
+                _open_contacts(
                     live.contact,
                     begun,
                     lambda: there.controller,
-                    lambda: carrier.joints() if motion.began else near(session, robot),
+                    lambda: carrier.joints() if motion.began else joints_nearby(session, robot),
                 )
             )
             faster = [*mode.faster(guard.arm(), str(there.one.address))]
             print_findings(faster)
-            what = f"moves the arm at random, {runs} times, {_bounds(bounds)}"
+            what = f"moves the arm at random, {runs} times, {_bounds_text(bounds)}"
             most = "" if faster else f", at {bounds.speed:g} mm/s at most"
-            confirmed(there.one, f"{what}{most}, {mode.title}", live.yes)
+            confirm(there.one, f"{what}{most}, {mode.title}", live.yes)
             wanderer = Wanderer(
                 explorer,
                 carrier,
@@ -173,7 +178,7 @@ def run_wander_arm(
                 np.inf if live.seconds is None else live.seconds,
                 explorer.occupancy.runs if seed is None else seed,
                 ended,
-                _progress(live, runs),
+                _progress_display(live, runs),
             )
             motion.began = True
             try:
@@ -182,7 +187,7 @@ def run_wander_arm(
                 wanderer.wander(runs)
             except Refused as refused:
                 codes = {finding.code for finding in refused.findings}
-                motion.began = not codes <= UNMOVED | mode.unbegun
+                motion.began = not codes <= REFUSED_BEFORE_MOTION | mode.unbegun
                 raise
     finally:  # once the arm stands: learning takes its time
         if log.rows:
@@ -190,19 +195,19 @@ def run_wander_arm(
     assert done is not None
     if wanderer.moves < runs and not ended():
         print_findings([NO_LONGER(moves=wanderer.moves)])
-    return report(done, live.format)
+    return report_chart(done, live.format)
 
 
-def run_manual(cell: str, asked: ExplorationRequest, live: Live) -> int:
+def run_manual(cell: str, asked: ExplorationRequest, live: WatchOptions) -> int:
     """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
-    begun = _prepared(asked, live)
-    with reached(cell, "explore") as there, ExitStack() as open_:
+    begun = _prepare_explorer(asked, live)
+    with connected(cell, "explore") as there, ExitStack() as open_:
         controller = there.controller
         _check_arm(begun, there.one.name, robot_of_cell(there.one))
-        watched = _Watched(begun)
+        watched = _WatchedArm(begun)
         watched.controller = controller
         contacts, ended = open_.enter_context(
-            _contacts(live.contact, begun, lambda: controller, watched.joints)
+            _open_contacts(live.contact, begun, lambda: controller, watched.joints)
         )
         if live.format is Format.TEXT:
             ends = "q or Ctrl-C ends it" if live.contact.key else "Ctrl-C ends it"
@@ -216,11 +221,11 @@ def run_manual(cell: str, asked: ExplorationRequest, live: Live) -> int:
                 raise
         finally:
             done = _saved(begun, watched.log, live)
-    return report(done, live.format)
+    return report_chart(done, live.format)
 
 
 def run_running(
-    cell: str, program: str | None, asked: ExplorationRequest, live: Live, override: int
+    cell: str, program: str | None, asked: ExplorationRequest, live: WatchOptions, override: int
 ) -> int:
     """Record an arm while a program moves it; a contact stops the program, and gives status 1."""
     from assistant.cli.moving import NO_OVERRIDE
@@ -229,41 +234,41 @@ def run_running(
         raise Refused(NO_OVERRIDE(value=override), exit_status=2)
     if not live.contact.is_given:
         raise Refused(NO_CONTACT(), exit_status=2)
-    begun = _prepared(asked, live)
-    watched, done = _Watched(begun), None
+    begun = _prepare_explorer(asked, live)
+    watched, done = _WatchedArm(begun), None
     try:
         with moving(cell, "explore") as motion, ExitStack() as open_:
             there = motion.cell
             controller = watched.controller = there.controller
             _check_arm(begun, there.one.name, robot_of_cell(there.one))
             contacts, ended = open_.enter_context(
-                _contacts(live.contact, begun, lambda: controller, watched.joints)
+                _open_contacts(live.contact, begun, lambda: controller, watched.joints)
             )
             what = f"starts `{program}`" if program else "starts what is loaded"
             what = f"{what} at {override} %: the arm moves as the program says"
-            confirmed(there.one, what, live.yes)
+            confirm(there.one, what, live.yes)
             if program:
                 controller.load(program)
             motion.began = True
-            with _slowed(controller, override):
+            with _slow_override(controller, override):
                 if not watched.look(contacts):
                     controller.start()
                     began, stops = time.monotonic(), False
                     while not stops and not watched.is_over(live.seconds):
                         stops = watched.look(contacts, controller.stop) or ended()
-                        late = time.monotonic() > began + BEGINNING
+                        late = time.monotonic() > began + START_TIME
                         if not stops and late and not controller.state().running:
                             break
     finally:  # once the arm stands: learning takes its time
         if watched.log.rows:
             done = _saved(begun, watched.log, live)
     assert done is not None
-    status = report(done, live.format)
+    status = report_chart(done, live.format)
     return 1 if watched.log.contacts else status
 
 
 @contextmanager
-def _slowed(controller: Controller, percent: int) -> Iterator[None]:
+def _slow_override(controller: Controller, percent: int) -> Iterator[None]:
     """Run at an override. In the end the program is stopped first, and the override set back then.
 
     A program that is not known to have stopped keeps the override.
@@ -285,7 +290,7 @@ def _slowed(controller: Controller, percent: int) -> Iterator[None]:
         controller.set_override(before)
 
 
-class _Watched:
+class _WatchedArm:
     """An arm that others move, looked at again and again; the time begins with the first look.
 
     controller: is set once it is connected.
@@ -317,7 +322,7 @@ class _Watched:
 
     def look(self, contacts: AnyContacts, halt: Callable[[], None] = lambda: None) -> bool:
         """Add a row to the log; True if the arm is in contact. halt: is called at once then."""
-        time.sleep(LOOKS)
+        time.sleep(LOOK_PERIOD)
         touching = contacts.touching()
         if touching:
             halt()
@@ -325,7 +330,7 @@ class _Watched:
         return touching
 
 
-def _prepared(asked: ExplorationRequest, live: Live) -> ExplorationStart:
+def _prepare_explorer(asked: ExplorationRequest, live: WatchOptions) -> ExplorationStart:
     """Return the explorer; raises Refused for a log that cannot be written, or over its sources."""
     from assistant.controllers.recording import check_place
 
@@ -335,7 +340,7 @@ def _prepared(asked: ExplorationRequest, live: Live) -> ExplorationStart:
         check_place(live.log)
         read = [asked.cell, *([live.contact.cameras] if live.contact.cameras else [])]
         keep_sources([str(path) for path in read], [live.log])
-    return prepared(asked, [])
+    return prepare_chart(asked, [])
 
 
 def _check_arm(begun: ExplorationStart, name: str, robot: Robot | None) -> None:
@@ -352,7 +357,7 @@ def _check_arm(begun: ExplorationStart, name: str, robot: Robot | None) -> None:
         raise Refused(finding, exit_status=2)
 
 
-def _ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
+def _joint_ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
     """Ranges (a, 2) of --range, with the limits of the other joints; None without any."""
     from assistant.cell.exploration.explorer import ranges_of
     from assistant.learning.maps.rules import NO_AXIS
@@ -374,14 +379,14 @@ def _ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
     return ranges
 
 
-def _bounds(bounds: Bounds) -> str:
+def _bounds_text(bounds: MotionBounds) -> str:
     parts = [*bounds.ranges, *([] if bounds.box is None else [f"the flange in {bounds.box}"])]
     return f"within {', '.join(parts)}"
 
 
 @contextmanager
-def _contacts(
-    contact: Contact,
+def _open_contacts(
+    contact: ContactOptions,
     begun: ExplorationStart,
     controller: Callable[[], Controller],
     joints: Callable[[], Floats],
@@ -396,15 +401,15 @@ def _contacts(
             each[-1].touching()  # an input that is not there is refused before anybody is asked
         key: KeyContacts | None = None
         if contact.key:
-            key = KeyContacts(open_.enter_context(keys()), ENDS)
+            key = KeyContacts(open_.enter_context(terminal_keys()), END_KEYS)
             each.append(key)
         if contact.cameras is not None:
-            each += _cameras(contact, begun, joints, open_)
+            each += _open_cameras(contact, begun, joints, open_)
         yield AnyContacts(each), lambda: key is not None and key.ended
 
 
-def _cameras(
-    contact: Contact, begun: ExplorationStart, joints: Callable[[], Floats], open_: ExitStack
+def _open_cameras(
+    contact: ContactOptions, begun: ExplorationStart, joints: Callable[[], Floats], open_: ExitStack
 ) -> Iterator[Contacts]:
     """Open each camera of the file as a source; raises Refused for one without a source."""
     from assistant.vision.cameras.camera_file import read_cameras
@@ -418,11 +423,17 @@ def _cameras(
         if not source:
             raise Refused(NO_SOURCE(camera=camera.name), exit_status=2)
         yield open_.enter_context(
-            seen(camera, source, rig.folder, _region(contact.region), lambda: {name: joints()})
+            seen(
+                camera,
+                source,
+                rig.folder,
+                _picture_region(contact.region),
+                lambda: {name: joints()},
+            )
         )
 
 
-def _region(text: str | None) -> Region | None:
+def _picture_region(text: str | None) -> Region | None:
     if text is None:
         return None
     parts = [part.strip() for part in text.split(",")]
@@ -432,7 +443,7 @@ def _region(text: str | None) -> Region | None:
     return left, top, right, bottom
 
 
-def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
+def _progress_display(live: WatchOptions, runs: int) -> Callable[[int, int, float], None]:
     def show(move: int, contacts: int, litres: float) -> None:
         if live.format is Format.TEXT:
             say(f"move {move} of {runs}: {litres:.1f} l free, contacts: {contacts}")
@@ -441,7 +452,7 @@ def _progress(live: Live, runs: int) -> Callable[[int, int, float], None]:
     return show
 
 
-def _saved(begun: ExplorationStart, log: Log, live: Live) -> Done:
+def _saved(begun: ExplorationStart, log: Log, live: WatchOptions) -> ExplorationSummary:
     """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.occupancy import save_map
     from assistant.compiler.exploration import learn_from_runs, start_exploration
@@ -452,4 +463,4 @@ def _saved(begun: ExplorationStart, log: Log, live: Live) -> Done:
     if live.log is not None:
         log.recording.save(live.log)
         written.append(live.log)
-    return Done(found, "runs without contact", written)
+    return ExplorationSummary(found, "runs without contact", written)

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from assistant.compiler.formatter import Formatted
 
 
-STEPS: Final = error(
+BAD_NUMBERING: Final = error(
     "CL005",
     "`{text}` does not say how steps are numbered",
     "write the first number and the step, both from 1 on, as in --renumber 10,10",
 )
-_STEPS: Final = re.compile(r"[ ]*([0-9]{1,5})[ ]*(?:,[ ]*([0-9]{1,5})[ ]*)?")
+_NUMBERING: Final = re.compile(r"[ ]*([0-9]{1,5})[ ]*(?:,[ ]*([0-9]{1,5})[ ]*)?")
 
 
 def run_fmt(
@@ -37,7 +37,7 @@ def run_fmt(
     numbering = None if renumber is None else _numbering(renumber)
     status = files = changed = 0
     for path in dict.fromkeys(paths):
-        for name in _files(path, language):
+        for name in _files_to_format(path, language):
             try:
                 if isinstance(name, Refused):
                     raise name
@@ -69,7 +69,7 @@ def run_fmt(
             if has_errors(done.findings) or (check and done.changed):
                 status = max(status, 1)
             if diff:
-                sys.stdout.writelines(_difference(done, name))
+                sys.stdout.writelines(_unified_diff(done, name))
             elif done.changed and name != STANDARD:
                 say(f"would format {name}" if check else f"formatted {name}")
     if not diff and STANDARD not in paths:
@@ -79,14 +79,14 @@ def run_fmt(
 
 def _numbering(text: str) -> tuple[int, int]:
     """First number and step; one number is both. Raises Refused for anything else."""
-    found = _STEPS.fullmatch(text)
+    found = _NUMBERING.fullmatch(text)
     first, step = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
     if not (first and step):
-        raise Refused(STEPS(text=text), exit_status=2)
+        raise Refused(BAD_NUMBERING(text=text), exit_status=2)
     return first, step
 
 
-def _files(path: str, language: str | None) -> Iterator[str | Refused]:
+def _files_to_format(path: str, language: str | None) -> Iterator[str | Refused]:
     """The files that a path stands for, and why there is none or no more."""
     from assistant.compiler.program_files import programs_in
 
@@ -99,7 +99,7 @@ def _files(path: str, language: str | None) -> Iterator[str | Refused]:
         yield refused
 
 
-def _difference(done: Formatted, name: str) -> Iterator[str]:
+def _unified_diff(done: Formatted, name: str) -> Iterator[str]:
     """A unified difference; the ends of its lines are as they are, so that it can be applied."""
     before, after = (ended_lines(text) for text in (done.source.text, done.text))
     for line in unified_diff(before, after, name, f"{name} (formatted)"):

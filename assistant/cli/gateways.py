@@ -14,13 +14,13 @@ from assistant.cli.presentation import say
 if TYPE_CHECKING:
     from assistant.controllers.gateway import Gateway
 
-NO_PLACE: Final = error(
+NOT_AN_ADDRESS: Final = error(
     "CL291", "`{text}` is no address with a port", "write it as 192.168.0.20:10003"
 )
 NOT_STARTED: Final = error(
     "CL292", "the gateway cannot listen at port {port}: {reason}", "name another port"
 )
-NO_LINE: Final = error(
+NO_CONNECTION_LINE: Final = error(
     "CL293",
     "the gateway connects to one place, but {named}",
     "name the controller's line, or with `--to` the other end of a line that connects to here",
@@ -56,14 +56,14 @@ def gateway(
     """Hand bytes on between a socket and a controller whose lines carry texts alone."""
     if bool(line) == bool(to):
         named = f"`{line}` and `{to}` are named" if line else "none is named"
-        raise Refused(NO_LINE(named=named), exit_status=2)
-    raise typer.Exit(run_gateway((host, listen), _place(line or to), bool(to)))
+        raise Refused(NO_CONNECTION_LINE(named=named), exit_status=2)
+    raise typer.Exit(run_gateway((host, listen), _host_and_port(line or to), bool(to)))
 
 
-def _place(text: str) -> tuple[str, int]:
+def _host_and_port(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or int(port) not in PORTS:
-        raise Refused(NO_PLACE(text=text), exit_status=2)
+        raise Refused(NOT_AN_ADDRESS(text=text), exit_status=2)
     return host, int(port)
 
 
@@ -74,9 +74,9 @@ def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) 
     from assistant.controllers.gateway import Gateway
 
     gateway = Gateway(at, to, for_controller=for_controller)
-    gateway.report = _report
+    gateway.report = _print_flushed
     try:
-        asyncio.run(_served(gateway))
+        asyncio.run(_serve_gateway(gateway))
     except OSError as failed:
         reason = failed.strerror or str(failed)
         raise Refused(NOT_STARTED(port=at[1], reason=reason)) from None
@@ -87,13 +87,13 @@ def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) 
     return 0
 
 
-async def _served(gateway: Gateway) -> None:
+async def _serve_gateway(gateway: Gateway) -> None:
     server = await gateway.start()
-    _report(f"listens at port {gateway.at[1]}; end it with Ctrl-C")
+    _print_flushed(f"listens at port {gateway.at[1]}; end it with Ctrl-C")
     async with server:
         await server.serve_forever()
 
 
-def _report(line: str) -> None:
+def _print_flushed(line: str) -> None:
     say(line)
     sys.stdout.flush()

@@ -12,19 +12,19 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.blocks.fmu import Model
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
     from assistant.compiler.retarget import Solved
 
-NO_FMU: Final = error(
+NOT_AN_FMU_NAME: Final = error(
     "CL560", "`{name}` is no name of an FMU", "end it in .fmu, as tools that import one expect"
 )
-OF_ANOTHER: Final = error(
+OPTION_OF_OTHER_KIND: Final = error(
     "CL561", "{option} is for FMUs of kind {of}, and this one is of kind {kind}", "leave it out"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class FmuOptions:
     """Of `fmu`. kind: None for what the source tells. everywhere: for every platform there is a
     compiler for. options: of the simulation of a program; its robot also counts for an arm.
     """
@@ -35,7 +35,7 @@ class Wanted:
     lag: float
     cycle: float | None
     everywhere: bool
-    options: Options
+    options: SimulationOptions
 
 
 def run_kinematics(
@@ -58,29 +58,31 @@ def run_kinematics(
     return 0
 
 
-def run_fmu(wanted: Wanted, format: Format) -> int:
+def run_fmu(wanted: FmuOptions, format: Format) -> int:
     """0 when the FMU is written, 1 if the robot cannot run the program; raises Refused."""
     from assistant.base.file_sets import write_files
     from assistant.blocks.fmu import compiled
     from assistant.cli.compiling import keep_sources, working
-    from assistant.cli.simulating import refused, solved
-    from assistant.cli.stating import as_stated
+    from assistant.cli.simulating import report_errors, solved_source
+    from assistant.cli.stating import with_project_defaults
 
-    kind = wanted.kind or _kind(wanted)
+    kind = wanted.kind or _fmu_kind(wanted)
     output = wanted.output or Path("out") / f"{Path(wanted.source).stem}.fmu"
     if output.suffix.lower() != ".fmu" or output.is_dir():
-        raise Refused(NO_FMU(name=str(output)), exit_status=2)
+        raise Refused(NOT_AN_FMU_NAME(name=str(output)), exit_status=2)
     _check_options(wanted, kind)
     with working(f"writing {output}"):
         if kind != "program":
-            model, findings = _arm(wanted, kind)
+            model, findings = _arm_model(wanted, kind)
         else:
-            options = as_stated(wanted.source, wanted.options)
-            ready = solved(wanted.source, options)
+            options = with_project_defaults(wanted.source, wanted.options)
+            ready = solved_source(wanted.source, options)
             if has_errors(ready.findings):
                 robot = ready.solution.robot
-                return refused(wanted.source, robot, ready.findings, format, "written as an FMU")
-            model, unplayed = _program(wanted, options, ready)
+                return report_errors(
+                    wanted.source, robot, ready.findings, format, "written as an FMU"
+                )
+            model, unplayed = _program_model(wanted, options, ready)
             findings = [*ready.findings, *unplayed]
         data, more = compiled(model, everywhere=wanted.everywhere)
         findings = [*findings, *more]
@@ -94,12 +96,12 @@ def run_fmu(wanted: Wanted, format: Format) -> int:
         print_json({**answer, "guid": model.guid, "findings": told, "written": [str(written)]})
         return 0
     print_findings(findings, explained=True)
-    say(f"{model.title}: {_told(model)}")
+    say(f"{model.title}: {_summary(model)}")
     say(f"wrote {written}")
     return 0
 
 
-def _check_options(wanted: Wanted, kind: str) -> None:
+def _check_options(wanted: FmuOptions, kind: str) -> None:
     """Raises Refused for options that would do nothing."""
     given = (
         ("--lag", "arm", wanted.lag > 0.0),
@@ -108,10 +110,10 @@ def _check_options(wanted: Wanted, kind: str) -> None:
     )
     for option, of, said in given:
         if said and of != kind:
-            raise Refused(OF_ANOTHER(option=option, of=of, kind=kind), exit_status=2)
+            raise Refused(OPTION_OF_OTHER_KIND(option=option, of=of, kind=kind), exit_status=2)
 
 
-def _kind(wanted: Wanted) -> str:
+def _fmu_kind(wanted: FmuOptions) -> str:
     """What a source is of which nobody says it: the name or file of a robot is an arm."""
     from assistant import robots
     from assistant.compiler.arms import ROBOT_FILES
@@ -122,7 +124,7 @@ def _kind(wanted: Wanted) -> str:
     return "arm" if is_file and wanted.options.robot is None else "program"
 
 
-def _arm(wanted: Wanted, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
+def _arm_model(wanted: FmuOptions, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
     """Simulated, or live."""
     from assistant.blocks.fmu import arm_model, live_model
     from assistant.compiler.arms import robot_of
@@ -134,7 +136,9 @@ def _arm(wanted: Wanted, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
     return arm_model(robot, lag=wanted.lag), robot.findings
 
 
-def _program(wanted: Wanted, options: Options, ready: Solved) -> tuple[Model, Sequence[Diagnostic]]:
+def _program_model(
+    wanted: FmuOptions, options: SimulationOptions, ready: Solved
+) -> tuple[Model, Sequence[Diagnostic]]:
     """The motion of a program, and what of it only running it would tell."""
     from assistant.blocks.fmu import program_model, usual_period
     from assistant.blocks.fmu.rules import NOT_PLAYED
@@ -148,7 +152,7 @@ def _program(wanted: Wanted, options: Options, ready: Solved) -> tuple[Model, Se
     return program_model(Motion.of(done), done.robot, Path(wanted.source).stem), unplayed
 
 
-def _told(model: Model) -> str:
+def _summary(model: Model) -> str:
     counted = {
         what: sum(one.causality == what for one in model.variables)
         for what in ("parameter", "input", "output")

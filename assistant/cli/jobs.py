@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.cells import client_of, named_by
+from assistant.cli.cells import named_by, new_client
 
 if TYPE_CHECKING:
     from assistant.controllers import Named, Programs
@@ -33,7 +33,7 @@ SEVERAL: Final = error(
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class DeploymentOptions:
     """What was asked for beside the files; see `deploy.plan` and `deploy.deploy`."""
 
     task: str = ""
@@ -44,7 +44,7 @@ class Wishes:
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class DeploymentJob:
     """A controller with what it is to have.
 
     name: of the target, or of the controller. files: that were named. target: whose built files
@@ -53,7 +53,7 @@ class Job:
 
     name: str
     one: Named
-    wishes: Wishes
+    wishes: DeploymentOptions
     files: tuple[str, ...] = ()
     target: Target | None = None
 
@@ -68,12 +68,12 @@ class Job:
     def opened(self) -> Iterator[Programs]:
         """A client, not connected yet; a virtual controller of the project runs meanwhile."""
         if self.one.virtual is None:
-            yield client_of(self.one)
+            yield new_client(self.one)
             return
         from assistant.project import project_of
-        from assistant.project.virtual import running
+        from assistant.project.virtual import running_client
 
-        with running(self.one, project_of().kept) as client:
+        with running_client(self.one, project_of().kept) as client:
             yield client
 
     def programs(self, client: Programs) -> list[str]:
@@ -82,14 +82,14 @@ class Job:
 
         if self.files or self.target is None:
             return deploy.gathered(self.files, client)
-        return [_shown(file) for file in self.target.files()]
+        return [_path_text(file) for file in self.target.files()]
 
     def planned(self, client: Programs) -> Plan:
         """The plan, after all checks; raises Refused for programs that may not be deployed."""
-        from assistant.project.deploying import planned
+        from assistant.project.deploying import checked_plan
 
         wishes = self.wishes
-        return planned(
+        return checked_plan(
             self.programs(client),
             self.one,
             client,
@@ -101,8 +101,8 @@ class Job:
 
 
 def jobs_of(
-    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: Wishes
-) -> list[Job]:
+    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
     """What is meant for which controllers; raises Refused. targets: all of the project if empty."""
     if to is not None and targets:
         raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
@@ -110,22 +110,27 @@ def jobs_of(
     if to is not None:
         one = named_by(to)
         if named or not one.variables:
-            return [Job(to, one, wishes, named)]
+            return [DeploymentJob(to, one, wishes, named)]
     if to is None and not targets and named:
         raise Refused(NO_CONTROLLER(), exit_status=2)
     return [
-        Job(one.name, one.controller, _of(one, wishes), named, one) for one in _targets(to, targets)
+        DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
+        for one in _named_targets(to, targets)
     ]
 
 
-def controllers_of_jobs(to: str | None, targets: Sequence[str], wishes: Wishes) -> list[Job]:
+def controllers_of_jobs(
+    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
     """The controllers that are meant, whatever is to be on them; raises Refused."""
     if to is not None and not targets:
-        return [Job(to, named_by(to), wishes)]
+        return [DeploymentJob(to, named_by(to), wishes)]
     return jobs_of((), to, targets, wishes)
 
 
-def named_controllers(to: str | None, targets: Sequence[str], wishes: Wishes) -> list[Job]:
+def named_controllers(
+    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
     """Each controller once; raises Refused for several that nobody has named."""
     jobs = controllers_of_jobs(to, targets, wishes)
     apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
@@ -143,10 +148,10 @@ def history_here() -> Path | None:
     project = project_of(Path.cwd())
     if project is None:
         return None
-    return _relative(Path(project.source.path or "").absolute().parent / HISTORY)
+    return _relative_path(Path(project.source.path or "").absolute().parent / HISTORY)
 
 
-def _targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
+def _named_targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
     from assistant.project import targets_of
 
     there = targets_of()
@@ -163,13 +168,13 @@ def _targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
     return wanted
 
 
-def _of(target: Target, wishes: Wishes) -> Wishes:
+def _target_options(target: Target, wishes: DeploymentOptions) -> DeploymentOptions:
     return replace(wishes, task=wishes.task or target.task, load=wishes.load or target.load)
 
 
-def _relative(path: Path) -> Path:
+def _relative_path(path: Path) -> Path:
     return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
 
 
-def _shown(path: Path) -> str:
-    return str(_relative(path))
+def _path_text(path: Path) -> str:
+    return str(_relative_path(path))

@@ -14,21 +14,23 @@ from assistant.base.source_text import visible
 from assistant.deploy import CellState, FileState, Outcome, Rollout
 from assistant.findings.formats import junit_case, junit_document, mark_failed, mark_skipped
 
-NAME: Final = "robot-assistant deploy"
-WHOLE: Final = "deployment"
+SUITE_NAME: Final = "robot-assistant deploy"
+DEPLOYMENT_TEST: Final = "deployment"
 """The test that a deployment as a whole is."""
-THERE: Final = (FileState.SAME, FileState.INSTALLED)
+INSTALLED_STATES: Final = (FileState.SAME, FileState.INSTALLED)
 
 
-def junit(rollout: Rollout) -> bytes:
+def junit_report(rollout: Rollout) -> bytes:
     """The report, whole; well-formed whatever names and messages hold."""
     return junit_document(
-        NAME, [_suite(one) for one in rollout.outcomes], _seconds(rollout.outcomes)
+        SUITE_NAME,
+        [_controller_suite(one) for one in rollout.outcomes],
+        _total_seconds(rollout.outcomes),
     )
 
 
-def _suite(one: Outcome) -> ET.Element:
-    suite = ET.Element("testsuite", {"name": visible(one.name), "time": _seconds([one])})
+def _controller_suite(one: Outcome) -> ET.Element:
+    suite = ET.Element("testsuite", {"name": visible(one.name), "time": _total_seconds([one])})
     properties = ET.SubElement(suite, "properties")
     told = {"address": str(one.address), "state": str(one.state)}
     if one.deployment is not None and one.deployment.folder is not None:
@@ -40,23 +42,23 @@ def _suite(one: Outcome) -> ET.Element:
         test = junit_case(suite, program.name)
         if one.state is CellState.NOT_BEGUN or (state is None and one.deployment is None):
             mark_skipped(test, str(CellState.NOT_BEGUN))
-        elif state not in THERE:
+        elif state not in INSTALLED_STATES:
             about = [f for f in one.findings if f.place == program.name]
-            _failed(test, "failure", str(state), about)
-    test = junit_case(suite, WHOLE)
+            _add_failure(test, "failure", str(state), about)
+    test = junit_case(suite, DEPLOYMENT_TEST)
     if one.state is CellState.NOT_BEGUN:
         mark_skipped(test, "; ".join(finding.message for finding in one.findings))
     elif one.state is CellState.FAILED:
         errors = [f for f in one.findings if f.severity is Severity.ERROR]
         said = errors[0].message if errors else str(one.state)
-        _failed(test, "error" if one.status > 1 else "failure", said, one.findings)
+        _add_failure(test, "error" if one.status > 1 else "failure", said, one.findings)
     return suite
 
 
-def _failed(test: ET.Element, kind: str, said: str, findings: Sequence[Diagnostic]) -> None:
+def _add_failure(test: ET.Element, kind: str, said: str, findings: Sequence[Diagnostic]) -> None:
     codes = [f.code for f in findings if f.severity is Severity.ERROR]
     mark_failed(test, kind, codes[0] if codes else "deployment", said, findings)
 
 
-def _seconds(outcomes: Iterable[Outcome]) -> str:
+def _total_seconds(outcomes: Iterable[Outcome]) -> str:
     return f"{sum(one.seconds for one in outcomes):.3f}"

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.base.file_sets import write_all
-from assistant.cli.answering import Files, places
+from assistant.cli.answering import Files, files_by_path
 
 if TYPE_CHECKING:
     from assistant.compiler.merge_edits import Keeper
 
 
 @dataclass(slots=True)
-class Written:
+class WrittenFiles:
     """written: files, in order. findings: about edits. diffs: by file, of what was edited.
 
     refused: sources of which nothing is written.
@@ -28,19 +28,19 @@ class Written:
     refused: list[str] = field(default_factory=list)
 
 
-def write_kept(
+def write_with_edits(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str, keeper: Keeper
-) -> Written:
+) -> WrittenFiles:
     """Writes the files of all sources, with what was edited in those that are there."""
     from assistant.compiler.merge_edits import Kept, replaced, with_sources, written_in
 
-    done = Written()
+    done = WrittenFiles()
     wanted: dict[Path, bytes] = {}
     compiled: dict[Path, bytes] = {}
     made: dict[Path, dict[str | Path, list[str]]] = {}
     for source in sorted(files, key=lambda source: source in folders):
         memory = written_in(Path(output) / folders.get(source, ""))
-        wished = places(source, files[source], folders, output)
+        wished = files_by_path(source, files[source], folders, output)
         others = [] if keeper.wishes.overwrite else replaced(wished, source, memory)
         kept = Kept({}, {}, findings=tuple(others)) if others else keeper.kept(wished, memory)
         done.findings += kept.findings

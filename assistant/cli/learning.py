@@ -15,40 +15,40 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
-    from assistant.cli.learning_words import Options
+    from assistant.cli.learning_words import LearnOptions
     from assistant.learning.maps.asked import Asked
     from assistant.learning.maps.experiments import Experiment
     from assistant.learning.maps.extended_map import ExtendedMap
     from assistant.learning.maps.goals import Goals
     from assistant.learning.maps.seen_arm import SeenArm
     from assistant.learning.maps.training import Errors, Plan
-    from assistant.report.learned_map import Stage
+    from assistant.report.learned_map import LatticeStage
 
-NO_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
-NO_CURVE_NAME: Final = error(
+NOT_A_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
+NOT_A_CURVE_NAME: Final = error(
     "CL529",
     "a curve is not written as `{name}`",
     "end its name in .csv, .png or .svg, and not in that of the picture",
 )
-NO_BOX: Final = error(
+BOX_TWICE: Final = error(
     "CL299",
     "--box and --recorded both state where the targets are",
     "leave one of them out",
 )
-HELD_WITHIN: Final = 0.5
+HOLD_TOLERANCE: Final = 0.5
 """Most degrees (mm) that a held joint may be off in a recording."""
-WIDER: Final = 0.5
+RANGE_MARGIN: Final = 0.5
 """Degrees (mm) by which the learnt ranges are wider than the recorded ones."""
-STAGES: Final = 4
+PICTURED_STAGES: Final = 4
 """Columns of the picture of the lattice."""
-MOST_LEFT: Final = 0.02
+LARGEST_UNUSED_SHARE: Final = 0.02
 """Share of units that may never have won."""
-NOISE: Final = 0.2
+TEST_NOISE: Final = 0.2
 """Pixels with which a map is measured as well that has learnt without."""
 
 
 @dataclass(frozen=True, slots=True)
-class Outputs:
+class LearnOutputs:
     """Files to write."""
 
     map: Path
@@ -56,62 +56,62 @@ class Outputs:
     curve: Path | None
 
 
-def run_learn(options: Options, outputs: Outputs) -> int:
-    from assistant.cli.learning_words import asked, longer
+def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
+    from assistant.cli.learning_words import learning_task, link_factors
     from assistant.learning.maps.asked import experiment_of
     from assistant.learning.maps.map_file import load, save
     from assistant.learning.maps.recorded import split, train_recorded
     from assistant.learning.maps.training import errors, measured_goals, trained
 
-    _check_names(options, outputs)
+    _check_output_names(options, outputs)
     known = None if options.go_on is None else load(options.go_on)
-    wanted = asked(options)
-    rows = _recorded(wanted, options)
+    wanted = learning_task(options)
+    rows = _recorded_joints(wanted, options)
     if rows is not None:
-        wanted = _about(wanted, rows, known)
+        wanted = _task_in_recorded_ranges(wanted, rows, known)
     made = experiment_of(wanted, known)
     arm = made.arm
-    for name, factor in longer(options.longer):
+    for name, factor in link_factors(options.longer):
         arm = arm.longer(name, factor)
     arm = arm.noisy(options.noise, options.seed)
-    net = _begun(made, options) if known is None else known
+    net = _initial_map(made, options) if known is None else known
     if rows is None:
         tests = measured_goals(arm, made.space, options.seed)
     else:
         rows, tests = split(arm, rows[:, arm.columns])
     begun = net.steps
-    stages: list[Stage] = []
+    stages: list[LatticeStage] = []
     curve: list[Errors] = []
 
     def watch(found: Errors) -> None:
-        stages.append(_stage(net, found))
+        stages.append(_lattice_stage(net, found))
         curve.append(found)
         rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
-        _tell(options, _row(f"{found.steps:>9,} {rate:>9,.0f}", found))
+        _print_at_once(options, _error_row(f"{found.steps:>9,} {rate:>9,.0f}", found))
 
-    for line in _head(net, arm, tests, recorded=rows is not None):
-        _tell(options, line)
-    watch(_now(net, arm, tests))
+    for line in _table_head(net, arm, tests, recorded=rows is not None):
+        _print_at_once(options, line)
+    watch(_current_errors(net, arm, tests))
     if rows is None:
-        trained(net, arm, made.space, _plan(net, options), tests, watch)
+        trained(net, arm, made.space, _learning_plan(net, options), tests, watch)
     else:
         train_recorded(
             net,
             rows,
             arm(rows),
-            _plan(net, options),
+            _learning_plan(net, options),
             lambda seconds: watch(errors(net, arm, tests, seconds)),
         )
-    beside = dict(_beside(made, net, arm, tests, options))
+    beside = dict(_rival_results(made, net, arm, tests, options))
     for name, found in beside.items():
-        _tell(options, _row(f"{name:>19}", found))
-    files = _files(net, arm.task.cameras, curve, stages, tests, outputs)
+        _print_at_once(options, _error_row(f"{name:>19}", found))
+    files = _output_data(net, arm.task.cameras, curve, stages, tests, outputs)
     save(net, outputs.map, files)
-    _end(net, arm, curve, beside, tests, [outputs.map, *files], options)
+    _print_result(net, arm, curve, beside, tests, [outputs.map, *files], options)
     return 0
 
 
-def _recorded(asked: Asked, options: Options) -> Floats | None:
+def _recorded_joints(asked: Asked, options: LearnOptions) -> Floats | None:
     """Return the joints (n, a) of recordings with held joints in place; None without recordings."""
     import numpy as np
 
@@ -120,7 +120,7 @@ def _recorded(asked: Asked, options: Options) -> Floats | None:
     if not options.recorded:
         return None
     if options.box is not None:
-        raise Refused(NO_BOX(), exit_status=2)
+        raise Refused(BOX_TWICE(), exit_status=2)
     robot = asked.robot
     runs: list[Floats] = []
     for path in options.recorded:
@@ -130,17 +130,17 @@ def _recorded(asked: Asked, options: Options) -> Floats | None:
     rows = np.concatenate([np.zeros((0, len(robot.axes))), *runs])
     for axis, value in asked.held.items():
         if axis in robot.axes:
-            rows = rows[np.abs(rows[:, robot.axes.index(axis)] - value) <= HELD_WITHIN]
+            rows = rows[np.abs(rows[:, robot.axes.index(axis)] - value) <= HOLD_TOLERANCE]
     return np.asarray(rows)
 
 
-def _about(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
+def _task_in_recorded_ranges(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
     """Return the task in the recorded ranges, where none are stated or learnt already."""
     import numpy as np
 
     if net is not None or not len(rows):
         return asked
-    low, high = rows.min(axis=0) - WIDER, rows.max(axis=0) + WIDER
+    low, high = rows.min(axis=0) - RANGE_MARGIN, rows.max(axis=0) + RANGE_MARGIN
     ends = np.clip(np.stack([low, high]), *asked.robot.limits.T)
     found = {
         axis: (float(ends[0, i]), float(ends[1, i]))
@@ -150,20 +150,20 @@ def _about(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
     return replace(asked, ranges=found | dict(asked.ranges))
 
 
-def _now(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Errors:
+def _current_errors(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Errors:
     from assistant.learning.maps.training import errors
 
     return errors(net, arm, tests)
 
 
-def _tell(options: Options, line: str) -> None:
+def _print_at_once(options: LearnOptions, line: str) -> None:
     """At once, as it takes its time."""
     if options.format is Format.TEXT:
         say(line)
         sys.stdout.flush()
 
 
-def _head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> Iterator[str]:
+def _table_head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> Iterator[str]:
     from assistant.learning.maps.training import TESTS
 
     share = 0.0 if recorded else 1.0 - len(tests.pixels) / TESTS
@@ -176,21 +176,21 @@ def _head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> It
     yield " ".join(f"{column:>9}" for column in columns)
 
 
-def _end(
+def _print_result(
     net: ExtendedMap,
     arm: SeenArm,
     curve: Sequence[Errors],
     beside: Mapping[str, Errors],
     tests: Goals,
     written: Sequence[Path],
-    options: Options,
+    options: LearnOptions,
 ) -> None:
     from assistant.findings.formats import finding_record
     from assistant.learning.maps.rules import BEYOND_RANGES, NOT_LEARNT
     from assistant.learning.maps.training import beyond_ranges
 
     left, path = float((net.wins == 0.0).mean()), str(written[0])
-    findings = [NOT_LEARNT(share=left, path=path)] if left > MOST_LEFT else []
+    findings = [NOT_LEARNT(share=left, path=path)] if left > LARGEST_UNUSED_SHARE else []
     if net.task.free:
         found = beyond_ranges(net, arm, tests)
         if found.share:
@@ -205,8 +205,8 @@ def _end(
             )
     if options.format is Format.JSON:
         answer: dict[str, object] = {"units": net.units, "workspace_mm": tests.diagonal}
-        answer |= {"curve": [_record(one) for one in curve]}
-        answer |= {"beside": {name: _record(found) for name, found in beside.items()}}
+        answer |= {"curve": [_error_record(one) for one in curve]}
+        answer |= {"beside": {name: _error_record(found) for name, found in beside.items()}}
         answer |= {"written": [str(one) for one in written]}
         print_json(answer | {"findings": [finding_record(one) for one in findings]})
         return
@@ -214,23 +214,23 @@ def _end(
     say(f"wrote {', '.join(str(one) for one in written)}")
 
 
-def _check_names(options: Options, outputs: Outputs) -> None:
+def _check_output_names(options: LearnOptions, outputs: LearnOutputs) -> None:
     from assistant.report.figures import format_of
 
     if outputs.map.suffix.lower() != ".npz" or not outputs.map.stem:
-        raise Refused(NO_MAP_NAME(name=outputs.map), exit_status=2)
+        raise Refused(NOT_A_MAP_NAME(name=outputs.map), exit_status=2)
     if outputs.picture is not None:
         format_of(outputs.picture.name)
     curve, picture = outputs.curve, outputs.picture
     same = curve is not None and picture is not None and curve.resolve() == picture.resolve()
     if curve is not None and (same or curve.suffix.lower() not in {".csv", ".png", ".svg"}):
-        raise Refused(NO_CURVE_NAME(name=outputs.curve), exit_status=2)
+        raise Refused(NOT_A_CURVE_NAME(name=outputs.curve), exit_status=2)
     read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
     read += [str(one) for one in options.recorded]
     keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
 
 
-def _begun(made: Experiment, options: Options) -> ExtendedMap:
+def _initial_map(made: Experiment, options: LearnOptions) -> ExtendedMap:
     from assistant.cli.learning_words import lattice_of
     from assistant.learning.maps.training import start_with
 
@@ -240,7 +240,7 @@ def _begun(made: Experiment, options: Options) -> ExtendedMap:
     return start_with(shape, made.arm, made.space, made.ranges, options.seed)
 
 
-def _plan(net: ExtendedMap, options: Options) -> Plan:
+def _learning_plan(net: ExtendedMap, options: LearnOptions) -> Plan:
     from assistant.learning.maps.cooling import learning, learning_again
     from assistant.learning.maps.training import MARKS, Plan
 
@@ -250,14 +250,14 @@ def _plan(net: ExtendedMap, options: Options) -> Plan:
     return Plan(options.steps, cooling, marks=marks, seed=options.seed + net.steps)
 
 
-def _beside(
-    made: Experiment, net: ExtendedMap, arm: SeenArm, tests: Goals, options: Options
+def _rival_results(
+    made: Experiment, net: ExtendedMap, arm: SeenArm, tests: Goals, options: LearnOptions
 ) -> Iterable[tuple[str, Errors]]:
     """The map with noise, and the rivals without and with it."""
     from assistant.learning.maps.rivals import Calibrated, errors_of, pictures_of
     from assistant.learning.maps.training import errors, with_noise
 
-    noise = options.noise or NOISE
+    noise = options.noise or TEST_NOISE
     blurred, seen = arm.noisy(noise, options.seed + 5), with_noise(tests, noise, options.seed)
     yield f"{noise:g} px of noise", errors(net, blurred, seen)
     if not options.rivals:
@@ -270,18 +270,18 @@ def _beside(
         yield f"{name[:10]}, noise", errors_of(rival, blurred, seen)
 
 
-def _row(head: str, found: Errors) -> str:
-    mm = f"{_small(found.mm):>9} {_small(found.worst_mm):>9}"
+def _error_row(head: str, found: Errors) -> str:
+    mm = f"{_short_number(found.mm):>9} {_short_number(found.worst_mm):>9}"
     if math.isnan(found.degrees):
         return f"{head} {mm}"
-    return f"{head} {mm} {_small(found.degrees):>9} {_small(found.worst_degrees):>9}"
+    return f"{head} {mm} {_short_number(found.degrees):>9} {_short_number(found.worst_degrees):>9}"
 
 
-def _small(value: float) -> str:
+def _short_number(value: float) -> str:
     return f"{value:.3f}" if value < 100.0 else f"{value:.1f}"
 
 
-def _record(found: Errors) -> dict[str, float | int | None]:
+def _error_record(found: Errors) -> dict[str, float | int | None]:
     return {
         "steps": found.steps,
         "seconds": found.seconds,
@@ -293,19 +293,19 @@ def _record(found: Errors) -> dict[str, float | int | None]:
     }
 
 
-def _stage(net: ExtendedMap, found: Errors) -> Stage:
-    from assistant.report.learned_map import Stage
+def _lattice_stage(net: ExtendedMap, found: Errors) -> LatticeStage:
+    from assistant.report.learned_map import LatticeStage
 
-    return Stage(found.steps, net.scale.pixels(net.places), found.mm)
+    return LatticeStage(found.steps, net.scale.pixels(net.places), found.mm)
 
 
-def _files(
+def _output_data(
     net: ExtendedMap,
     cameras: Sequence[str],
     curve: Sequence[Errors],
-    stages: Sequence[Stage],
+    stages: Sequence[LatticeStage],
     tests: Goals,
-    outputs: Outputs,
+    outputs: LearnOutputs,
 ) -> dict[Path, bytes]:
     """What is wanted beside the map."""
     import numpy as np
@@ -316,7 +316,7 @@ def _files(
 
     files: dict[Path, bytes] = {}
     if outputs.picture is not None:
-        chosen = evenly_spaced(len(stages), STAGES)
+        chosen = evenly_spaced(len(stages), PICTURED_STAGES)
         some, kind = [stages[at] for at in chosen], format_of(outputs.picture.name)
         drawn = report.lattice_picture(some, net.shape, tests.pixels, cameras, kind)
         files[outputs.picture] = drawn

@@ -12,7 +12,7 @@ from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format
 
 
-class Held(StrEnum):
+class ToolHold(StrEnum):
     """How the tool is held in a box; `free` leaves its orientation open."""
 
     DOWN = "down"
@@ -49,7 +49,7 @@ def learn(
         ),
     ] = None,
     tool: Annotated[
-        Held | None,
+        ToolHold | None,
         typer.Option(
             help="How the tool is held in the box; free: only its place is learnt, and the "
             "posture nearest to the middle of the ranges."
@@ -105,12 +105,12 @@ def learn(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
-    from assistant.cli.learning import Outputs, run_learn
-    from assistant.cli.learning_words import Options
+    from assistant.cli.learning import LearnOutputs, run_learn
+    from assistant.cli.learning_words import LearnOptions
 
     held = "any" if tool is None else tool.value
-    options = Options(
+    options = LearnOptions(
         *(robot, steps, hold or (), range or (), box, held, turn, point or (), cameras),
         *(lattice, noise, seed, go_on, longer or (), rivals, format, recorded or ()),
     )
-    raise typer.Exit(run_learn(options, Outputs(output, picture, curve)))
+    raise typer.Exit(run_learn(options, LearnOutputs(output, picture, curve)))

@@ -37,18 +37,18 @@ FEW_CAMERAS: Final = error(
 BAD_TURN: Final = error(
     "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
 )
-FARTHEST: Final = 100_000.0
+FARTHEST_COORDINATE: Final = 100_000.0
 """mm that a coordinate has at most: beyond, it is no place about a robot."""
-FREE: Final = "free"
+FREE_TOOL: Final = "free"
 """Value of --tool for a tool of which only the position is learnt."""
-SHORTEST: Final = 0.5
-LONGEST: Final = 2.0
+SHORTEST_LINK_FACTOR: Final = 0.5
+LONGEST_LINK_FACTOR: Final = 2.0
 """Times the length of a link."""
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class LearnOptions:
     """The words of the command."""
 
     robot: str
@@ -70,7 +70,7 @@ class Options:
     recorded: Sequence[Path] = ()
 
 
-def asked(options: Options) -> Asked:
+def learning_task(options: LearnOptions) -> Asked:
     import numpy as np
 
     from assistant.compiler.arms import robot_of
@@ -78,23 +78,23 @@ def asked(options: Options) -> Asked:
 
     robot = robot_of(options.robot)
     assert robot is not None
-    points = [_numbers(text, ",", 3, BAD_POINT) for text in options.point]
+    points = [_numbers_of(text, ",", 3, BAD_POINT) for text in options.point]
     box = None
     if options.box is not None:
         box = box_of(options.box)
-    low, high = _numbers(options.turn, ":", 2, BAD_TURN)
+    low, high = _numbers_of(options.turn, ":", 2, BAD_TURN)
     if not -360.0 <= low <= high <= 360.0:
         raise Refused(BAD_TURN(given=options.turn), exit_status=2)
     return Asked(
         robot,
-        dict(_named(text, _factor, BAD_HOLD) for text in options.hold),
+        dict(_name_and_value(text, _number_or_none, BAD_HOLD) for text in options.hold),
         np.array(points) if points else None,
         dict(map(range_of, options.range)),
         box,
-        cast("Held", "any" if options.tool == FREE else options.tool),
+        cast("Held", "any" if options.tool == FREE_TOOL else options.tool),
         (low, high),
-        () if options.cameras is None else _cameras(options.cameras),
-        options.tool == FREE,
+        () if options.cameras is None else _fixed_cameras(options.cameras),
+        options.tool == FREE_TOOL,
     )
 
 
@@ -105,15 +105,15 @@ def box_of(text: str) -> Floats:
     sides = text.split(",")
     if len(sides) != 3:
         raise Refused(BAD_BOX(given=text), exit_status=2)
-    return np.array([_numbers(side, ":", 2, BAD_BOX, text) for side in sides])
+    return np.array([_numbers_of(side, ":", 2, BAD_BOX, text) for side in sides])
 
 
 def range_of(text: str) -> tuple[str, tuple[float, float]]:
     """Return a joint with the ends of its range; raises Refused."""
-    return _named(text, _between, BAD_RANGE)
+    return _name_and_value(text, _low_and_high, BAD_RANGE)
 
 
-def _cameras(file: Path) -> tuple[Camera, ...]:
+def _fixed_cameras(file: Path) -> tuple[Camera, ...]:
     """Those that stand still, in the frame of the base."""
     from assistant.vision.cameras.camera import WORLD
     from assistant.vision.cameras.camera_file import read_cameras
@@ -132,16 +132,16 @@ def lattice_of(text: str) -> tuple[int, ...]:
     return tuple(int(count[:9]) for count in counts)
 
 
-def longer(texts: Sequence[str]) -> list[tuple[str, float]]:
+def link_factors(texts: Sequence[str]) -> list[tuple[str, float]]:
     """Names of lengths with their factors."""
-    found = [_named(text, _factor, BAD_FACTOR) for text in texts]
+    found = [_name_and_value(text, _number_or_none, BAD_FACTOR) for text in texts]
     for text, (_, factor) in zip(texts, found, strict=True):
-        if not SHORTEST <= factor <= LONGEST:
+        if not SHORTEST_LINK_FACTOR <= factor <= LONGEST_LINK_FACTOR:
             raise Refused(BAD_FACTOR(given=text), exit_status=2)
     return found
 
 
-def _named(text: str, value: Callable[[str], T | None], rule: Rule) -> tuple[str, T]:
+def _name_and_value(text: str, value: Callable[[str], T | None], rule: Rule) -> tuple[str, T]:
     """NAME=VALUE."""
     name, equals, said = text.partition("=")
     found = value(said) if equals and name else None
@@ -150,7 +150,7 @@ def _named(text: str, value: Callable[[str], T | None], rule: Rule) -> tuple[str
     return name, found
 
 
-def _factor(text: str) -> float | None:
+def _number_or_none(text: str) -> float | None:
     try:
         value = float(text)
     except ValueError:
@@ -158,14 +158,16 @@ def _factor(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _between(text: str) -> tuple[float, float] | None:
+def _low_and_high(text: str) -> tuple[float, float] | None:
     low, _, high = text.partition(":")
-    found = _factor(low), _factor(high)
+    found = _number_or_none(low), _number_or_none(high)
     return None if found[0] is None or found[1] is None else (found[0], found[1])
 
 
-def _numbers(text: str, mark: str, count: int, rule: Rule, whole: str = "") -> list[float]:
-    parts = [_factor(part) for part in text.split(mark)]
-    if len(parts) != count or any(part is None or abs(part) > FARTHEST for part in parts):
+def _numbers_of(text: str, mark: str, count: int, rule: Rule, whole: str = "") -> list[float]:
+    parts = [_number_or_none(part) for part in text.split(mark)]
+    if len(parts) != count or any(
+        part is None or abs(part) > FARTHEST_COORDINATE for part in parts
+    ):
         raise Refused(rule(given=whole or text), exit_status=2)
     return [part for part in parts if part is not None]

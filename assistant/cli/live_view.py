@@ -12,7 +12,7 @@ import numpy as np
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.cells import Cell, reached, robot_of_cell, state_lines
+from assistant.cli.cells import Session, connected, robot_of_cell, state_lines
 from assistant.cli.presentation import Format, print_json, say
 
 if TYPE_CHECKING:
@@ -33,9 +33,9 @@ OTHER_AXES: Final = error(
 NOT_SERVED: Final = error(
     "CL049", "the page cannot be served on this computer: {reason}", "try it again"
 )
-INTERVAL: Final = 0.1
+LIVE_PERIOD: Final = 0.1
 """Seconds between two looks at the controller."""
-ARM: Final = 6
+ARM_AXES: Final = 6
 """Axes that a controller counts to the arm; those behind them are additional ones."""
 
 
@@ -49,10 +49,10 @@ def run_live(
     """
     from assistant.view.live import LivePage
 
-    with reached(address, "view --live") as there:
+    with connected(address, "view --live") as there:
         name = there.one.name
-        _same_robot(there, robot)
-        _same_axes(name, robot, there.controller.position())
+        _check_robot(there, robot)
+        _check_axes(name, robot, there.controller.position())
         served = LivePage(page(name))
         try:
             served.__enter__()
@@ -60,8 +60,8 @@ def run_live(
             reason = failed.strerror or str(failed)
             raise Refused(NOT_SERVED(reason=reason)) from None
         try:
-            _began(name, served, answer, format)
-            _told(there, robot, served)
+            _announce_page(name, served, answer, format)
+            _follow_controller(there, robot, served)
         except KeyboardInterrupt as caught:
             if not is_ctrl_c(caught):
                 raise
@@ -72,7 +72,7 @@ def run_live(
             served.__exit__(None, None, None)
 
 
-def _began(name: str, served: LivePage, answer: dict[str, Any], format: Format) -> None:
+def _announce_page(name: str, served: LivePage, answer: dict[str, Any], format: Format) -> None:
     if format is Format.JSON:
         print_json(answer | {"follows": name, "address": served.address})
     else:
@@ -82,17 +82,17 @@ def _began(name: str, served: LivePage, answer: dict[str, Any], format: Format) 
     Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
 
 
-def _told(there: Cell, robot: Robot, served: LivePage) -> None:
+def _follow_controller(there: Session, robot: Robot, served: LivePage) -> None:
     before = 0.0
-    for sample in there.controller.watch(INTERVAL):
-        joints = _own(robot, sample.position)
+    for sample in there.controller.watch(LIVE_PERIOD):
+        joints = _arm_joints(robot, sample.position)
         if joints is not None:
-            interval = max(INTERVAL, sample.seconds - before)
-            served.tell("sample", _record(there.one.name, robot, joints, sample, interval))
+            interval = max(LIVE_PERIOD, sample.seconds - before)
+            served.tell("sample", _state_record(there.one.name, robot, joints, sample, interval))
             before = sample.seconds
 
 
-def _record(
+def _state_record(
     name: str, robot: Robot, joints: list[float], sample: Sample, interval: float
 ) -> dict[str, Any]:
     from assistant.base.source_text import visible
@@ -104,23 +104,23 @@ def _record(
     }
 
 
-def _same_robot(there: Cell, robot: Robot) -> None:
+def _check_robot(there: Session, robot: Robot) -> None:
     said = robot_of_cell(there.one)
     if said is not None and said.name != robot.name:
         finding = OTHER_ROBOT(name=there.one.name, there=said.title, robot=robot.title)
         raise Refused(finding, exit_status=2)
 
 
-def _same_axes(name: str, robot: Robot, position: Position) -> None:
+def _check_axes(name: str, robot: Robot, position: Position) -> None:
     there = [i for i, joint in enumerate(position.joints) if joint is not None]
-    if [i for i in there if i < max(ARM, len(robot.axes))] != list(robot.places):
+    if [i for i in there if i < max(ARM_AXES, len(robot.axes))] != list(robot.places):
         told = ", ".join(f"J{i + 1}" for i in there) or "none"
         own = ", ".join(robot.axes)
         finding = OTHER_AXES(name=name, there=told, robot=robot.title, own=own)
         raise Refused(finding, exit_status=2)
 
 
-def _own(robot: Robot, position: Position) -> list[float] | None:
+def _arm_joints(robot: Robot, position: Position) -> list[float] | None:
     """The joints of the arm's axes, None if one is not told at the moment."""
     joints = [position.joints[i] for i in robot.places if i < len(position.joints)]
     known = [joint for joint in joints if joint is not None and np.isfinite(joint)]

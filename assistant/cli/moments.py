@@ -12,15 +12,15 @@ from assistant.base.source_text import SourceText
 if TYPE_CHECKING:
     from assistant.virtual.events import Place
 
-NO_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
-NO_PLACE: Final = error(
+NOT_A_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
+NOT_A_LINE_OF_PROGRAM: Final = error(
     "CL027",
     "`{given}` is no place in the programs",
     "write FILE:LINE, the file one of {names}, and one of its lines",
 )
 
 
-def moment(given: str | None, sources: Sequence[SourceText]) -> float | Place | None:
+def time_or_line(given: str | None, sources: Sequence[SourceText]) -> float | Place | None:
     """Seconds, or a file and a line."""
     if given is None:
         return None
@@ -29,7 +29,7 @@ def moment(given: str | None, sources: Sequence[SourceText]) -> float | Place | 
     except ValueError:
         return line_named(given, sources)
     if not 0.0 <= seconds < float("inf"):
-        raise Refused(NO_TIME(given=given), exit_status=2)
+        raise Refused(NOT_A_TIME(given=given), exit_status=2)
     return seconds
 
 
@@ -48,8 +48,8 @@ def line_named(given: str, sources: Sequence[SourceText]) -> Place:
             line = int(number)
             if 1 <= line <= found[0].text.count("\n") + 1:
                 return found[0].path or "", line
-    raise Refused(NO_PLACE(given=given, names=_names(sources)), exit_status=2)
+    raise Refused(NOT_A_LINE_OF_PROGRAM(given=given, names=_file_names(sources)), exit_status=2)
 
 
-def _names(sources: Sequence[SourceText]) -> str:
+def _file_names(sources: Sequence[SourceText]) -> str:
     return ", ".join(f"`{PurePath(source.path or '').name}`" for source in sources) or "none"

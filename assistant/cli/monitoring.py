@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.cells import joints_line, pose_line, reached, record, state_lines
+from assistant.cli.cells import connected, joints_line, pose_line, record, state_lines
 from assistant.cli.presentation import Format, say
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ MOST_JOINTS: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class MonitorOptions:
     """interval, seconds: s; None for as long as nobody ends it."""
 
     signals: Sequence[str]
@@ -40,22 +40,22 @@ class Options:
     format: Format
 
 
-Told = Callable[["Sample"], None]
+Watcher = Callable[["Sample"], None]
 
 
-def run_monitor(cell: str, options: Options) -> int:
+def run_monitor(cell: str, options: MonitorOptions) -> int:
     """Until the time is over or Ctrl-C, which is how it usually ends: no error."""
     for option, value in (("interval", options.interval), ("seconds", options.seconds)):
         if value is not None and not value > 0:
             raise Refused(NO_INTERVAL(option=option, value=value), exit_status=2)
     with ExitStack() as opened:
-        there = opened.enter_context(reached(cell, "monitor"))
+        there = opened.enter_context(connected(cell, "monitor"))
         identity = there.controller.identify()
         # Not before: a controller that is not reached leaves no empty log.
-        logged = opened.enter_context(_log(options)) if options.log is not None else None
+        logged = opened.enter_context(_csv_log(options)) if options.log is not None else None
         names = (identity.robot, identity.controller, identity.version)
         title = f"{there.one.name}  {' '.join(filter(None, names))}"
-        tell = opened.enter_context(_presented(title, options))
+        tell = opened.enter_context(_presentation(title, options))
         try:
             for sample in there.controller.watch(options.interval, options.signals):
                 if logged is not None:
@@ -70,35 +70,35 @@ def run_monitor(cell: str, options: Options) -> int:
 
 
 @contextmanager
-def _presented(title: str, options: Options) -> Iterator[Told]:
+def _presentation(title: str, options: MonitorOptions) -> Iterator[Watcher]:
     """A live table on a terminal, plain lines elsewhere, a line of JSON each for programs."""
     if options.format is Format.JSON:
-        yield _json_line
+        yield _print_json_sample
     elif not sys.stdout.isatty():
         say(title)
-        yield _plain_lines
+        yield _print_plain_sample
     else:
         from rich.console import Console
         from rich.live import Live
 
         screen = Console(highlight=False, emoji=False, markup=False)
         with Live(console=screen, auto_refresh=False) as live:
-            yield lambda sample: live.update(_table(title, sample), refresh=True)
+            yield lambda sample: live.update(_sample_table(title, sample), refresh=True)
 
 
-def _json_line(sample: Sample) -> None:
+def _print_json_sample(sample: Sample) -> None:
     say(json.dumps(record(sample), ensure_ascii=False))
     sys.stdout.flush()
 
 
-def _plain_lines(sample: Sample) -> None:
+def _print_plain_sample(sample: Sample) -> None:
     lines = [*state_lines(sample.state), joints_line(sample.position), pose_line(sample.position)]
     lines += [f"{name} = {value:g}" for name, value in sample.signals.items()]
     say(f"{sample.seconds:>10.3f}  " + "; ".join(lines))
     sys.stdout.flush()
 
 
-def _table(title: str, sample: Sample) -> Table:
+def _sample_table(title: str, sample: Sample) -> Table:
     """Two columns: what, and how it is."""
     from rich.table import Table
     from rich.text import Text
@@ -118,7 +118,7 @@ def _table(title: str, sample: Sample) -> Table:
 
 
 @contextmanager
-def _log(options: Options) -> Iterator[Told]:
+def _csv_log(options: MonitorOptions) -> Iterator[Watcher]:
     """A CSV file that gets a row each; none that is there is written over."""
     assert options.log is not None
     try:
@@ -130,17 +130,17 @@ def _log(options: Options) -> Iterator[Told]:
         raise Refused(finding, exit_status=2) from None
     with file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(_header(options.signals))
+        writer.writerow(_log_header(options.signals))
         file.flush()
 
         def logged(sample: Sample) -> None:
-            writer.writerow(_row(sample, options.signals))
+            writer.writerow(_log_row(sample, options.signals))
             file.flush()
 
         yield logged
 
 
-def _header(signals: Sequence[str]) -> list[str]:
+def _log_header(signals: Sequence[str]) -> list[str]:
     """Columns as tables of targets name them, so that a log can be read as one."""
     return [
         *("_seconds", "_mode", "_motors", "_running", "_emergency", "_override"),
@@ -151,7 +151,7 @@ def _header(signals: Sequence[str]) -> list[str]:
     ]
 
 
-def _row(sample: Sample, signals: Sequence[str]) -> list[object]:
+def _log_row(sample: Sample, signals: Sequence[str]) -> list[object]:
     state, position = sample.state, sample.position
     programs = (f"{t.program}:{t.line or ''}" for t in state.tasks if t.program)
     joints = (*position.joints, *[None] * MOST_JOINTS)[:MOST_JOINTS]

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.cli.cells import (
-    Cell,
-    client_of,
+    Session,
+    connected,
     joints_line,
+    new_client,
     pose_line,
-    reached,
     record,
     robot_of_cell,
     state_lines,
 )
-from assistant.cli.confirming import confirmed
+from assistant.cli.confirming import confirm
 from assistant.cli.presentation import Format, console, print_findings, print_json, say
 
 if TYPE_CHECKING:
@@ -36,15 +36,19 @@ MAY_MOVE: Final = error(
     "broken off, and it is not known whether the arm stands: {why}",
     "press the emergency stop, and look at the arm before anything else",
 )
-BROKEN_OFF_SAYS: Final = warning("CL245", "broken off: {what}", "look at the arm before it goes on")
+BROKEN_OFF_BECAUSE: Final = warning(
+    "CL245", "broken off: {what}", "look at the arm before it goes on"
+)
 NO_OVERRIDE: Final = error("CL242", "an override is 1 to 100 percent, not {value}", "write one")
 NO_SPEED: Final = error(
     "CL243", "a speed is over 0 and up to 100 percent, not {value:g}", "write one"
 )
-NO_WAY: Final = error("CL244", "{axis} by {by:g} is no motion", "write a number other than 0")
-LOOKS: Final = 0.2
+NO_JOG_DISTANCE: Final = error(
+    "CL244", "{axis} by {by:g} is no motion", "write a number other than 0"
+)
+LOOK_PERIOD: Final = 0.2
 """Seconds between two looks at a program that runs."""
-BEGINNING: Final = 0.5
+START_TIME: Final = 0.5
 """Seconds in which a program that was started may not run yet."""
 
 
@@ -55,7 +59,7 @@ class Moving:
     caught: what broke the motion off.
     """
 
-    cell: Cell
+    cell: Session
     began: bool = False
     caught: BaseException | None = None
 
@@ -78,12 +82,12 @@ def moving(text: str, command: str) -> Iterator[Moving]:
 
     motion: Moving | None = None
     try:
-        with raise_on_termination(), reached(text, command) as there:
+        with raise_on_termination(), connected(text, command) as there:
             motion = Moving(there)
-            with _stopped(motion):
+            with _stop_on_exit(motion):
                 yield motion
     except BaseException as caught:
-        if motion is None or not motion.began or _did_nothing(caught):
+        if motion is None or not motion.began or _nothing_began(caught):
             raise
         one = motion.cell.one
         given_up = MAY_MOVE(place=str(one.address), why="it was given up")
@@ -92,19 +96,19 @@ def moving(text: str, command: str) -> Iterator[Moving]:
             raise
         notes = "; ".join(getattr(motion.caught, "__notes__", ()))
         if notes and not isinstance(motion.cell.session, Controller):
-            print_findings([BROKEN_OFF_SAYS(place=str(one.address), what=notes)])
+            print_findings([BROKEN_OFF_BECAUSE(place=str(one.address), what=notes)])
             raise
         try:
-            rest = brought_to_rest(lambda: client_of(one, timeout=PATIENCE))
+            rest = brought_to_rest(lambda: new_client(one, timeout=PATIENCE))
         except KeyboardInterrupt:
             print_findings([given_up])
             raise
-        print_findings([_told(one, rest)])
+        print_findings([_broken_off_finding(one, rest)])
         raise
 
 
 @contextmanager
-def _stopped(motion: Moving) -> Iterator[None]:
+def _stop_on_exit(motion: Moving) -> Iterator[None]:
     """Sends the stop on the session of the motion, before that is closed."""
     from assistant.controllers.arm_stop import stop_at_once
 
@@ -112,7 +116,7 @@ def _stopped(motion: Moving) -> Iterator[None]:
         yield
     except BaseException as caught:
         motion.caught = caught
-        if motion.began and not _did_nothing(caught):
+        if motion.began and not _nothing_began(caught):
             sys.stdout.flush()
             if isinstance(caught, KeyboardInterrupt):
                 console().print("stopping the arm; Ctrl-C again gives up")
@@ -120,7 +124,7 @@ def _stopped(motion: Moving) -> Iterator[None]:
         raise
 
 
-def _did_nothing(caught: BaseException) -> bool:
+def _nothing_began(caught: BaseException) -> bool:
     """Whether it is known that nothing was begun: this controller cannot do it at all."""
     from assistant.controllers import rules
 
@@ -128,7 +132,7 @@ def _did_nothing(caught: BaseException) -> bool:
     return codes == {rules.NOT_HERE.code}
 
 
-def _told(one: Named, rest: Rest) -> Diagnostic:
+def _broken_off_finding(one: Named, rest: Rest) -> Diagnostic:
     place = str(one.address)
     if rest.stands and rest.position is not None and rest.state is not None:
         first = next(iter(state_lines(rest.state)))
@@ -141,13 +145,13 @@ def _told(one: Named, rest: Rest) -> Diagnostic:
 
 
 def run_motors(cell: str, on: bool, yes: bool, format: Format) -> int:
-    with reached(cell, "motors") as there:
+    with connected(cell, "motors") as there:
         controller = there.controller
         if on:
-            confirmed(there.one, "switches the motors on: the arm can move from then on", yes)
+            confirm(there.one, "switches the motors on: the arm can move from then on", yes)
         controller.motors(on)
         state = controller.state()
-    return _tell_state(there, state, f"motors {'on' if on else 'off'}", format)
+    return _print_end_state(there, state, f"motors {'on' if on else 'off'}", format)
 
 
 def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
@@ -157,13 +161,13 @@ def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
     if not 0.0 < jog.speed <= 100.0:
         raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
     if jog.by == 0.0 or not abs(jog.by) < float("inf"):
-        raise Refused(NO_WAY(axis=jog.axis, by=jog.by), exit_status=2)
+        raise Refused(NO_JOG_DISTANCE(axis=jog.axis, by=jog.by), exit_status=2)
     with moving(cell, "jog") as motion:
         there = motion.cell
         controller, robot = there.controller, robot_of_cell(there.one)
         print_findings(check_jog(jog, controller.position(), robot))
         unit = "mm" if jog.axis in ("X", "Y", "Z") else "degrees (mm of an axis that slides)"
-        confirmed(there.one, f"moves the arm: {jog.axis} by {jog.by:g} {unit}", yes)
+        confirm(there.one, f"moves the arm: {jog.axis} by {jog.by:g} {unit}", yes)
         motion.began = True
         controller.jog(jog)
         position = controller.position()
@@ -176,10 +180,10 @@ def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
 
 
 def run_hand(cell: str, open: bool, number: int, yes: bool, format: Format) -> int:
-    with reached(cell, "hand") as there:
+    with connected(cell, "hand") as there:
         controller = there.controller
         does = "opens" if open else "closes"
-        confirmed(there.one, f"{does} hand {number}: what it holds may fall", yes)
+        confirm(there.one, f"{does} hand {number}: what it holds may fall", yes)
         controller.hand(number, open=open)
     done = f"hand {number} {'open' if open else 'closed'}"
     if format is Format.JSON:
@@ -211,30 +215,30 @@ def run_start(
         print_findings(check_position(controller.position(), robot_of_cell(there.one)))
         what = f"starts `{program}`" if program else "starts what is loaded"
         lasts = " again and again" if forever else ""
-        confirmed(there.one, f"{what}{lasts}: the arm moves as the program says", yes)
+        confirm(there.one, f"{what}{lasts}: the arm moves as the program says", yes)
         if override is not None:
             controller.set_override(override)
         if program:
             controller.load(program, task)
         motion.began = True
         controller.start(task, forever=forever)
-        state = _until_it_stands(controller, there, format) if wait else controller.state()
-    _tell_state(there, state, "the program has ended" if wait else "started", format)
+        state = _wait_for_end(controller, there, format) if wait else controller.state()
+    _print_end_state(there, state, "the program has ended" if wait else "started", format)
     return 1 if state.faults or state.emergency else 0
 
 
-def _until_it_stands(controller: Controller, there: Cell, format: Format) -> State:
+def _wait_for_end(controller: Controller, there: Session, format: Format) -> State:
     shown = format is Format.TEXT
     if shown:
         say(f"{there.one.name}: started; Ctrl-C stops it")
         sys.stdout.flush()
     began = time.monotonic()
-    while (state := controller.state()).running or time.monotonic() < began + BEGINNING:
-        time.sleep(LOOKS)
+    while (state := controller.state()).running or time.monotonic() < began + START_TIME:
+        time.sleep(LOOK_PERIOD)
     return state
 
 
-def _tell_state(there: Cell, state: State, done: str, format: Format) -> int:
+def _print_end_state(there: Session, state: State, done: str, format: Format) -> int:
     if format is Format.JSON:
         print_json({"address": str(there.one.address), "state": record(state)})
         return 0

@@ -23,7 +23,7 @@ CamerasOption = Annotated[
 PlaneOption = Annotated[
     float, typer.Option("--plane", help="Height of what objects lie on, mm in the world.")
 ]
-NamedOption = Annotated[
+RobotOfCellOption = Annotated[
     str | None, typer.Option("--robot", "-r", help="Its name in the cell, if there are several.")
 ]
 
@@ -58,9 +58,9 @@ def add(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
-    from assistant.cli.objects import Learning, run_add
+    from assistant.cli.objects import AddOptions, run_add
 
-    asked = Learning(
+    asked = AddOptions(
         *(library, name, tuple(files), contour, tuple(line or ()), width, height),
         *(cameras, plane, solid, unit, again),
     )
@@ -98,7 +98,7 @@ def see(
         float, typer.Option(help="mm, one sigma, that the plane may be off.", min=0.001)
     ] = 0.05,
     cell: CellOption = None,
-    robot: NamedOption = None,
+    robot: RobotOfCellOption = None,
     joints: Annotated[
         str | None,
         typer.Option(help="Where the arm was that carries a camera: degrees with commas."),
@@ -115,9 +115,9 @@ def see(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
-    from assistant.cli.objects import Looking, run_see
+    from assistant.cli.objects import SeeOptions, run_see
 
-    asked = Looking(
+    asked = SeeOptions(
         *(cameras, library, tuple(images or ()), to, found, picture, plane, plane_sigma),
         *(cell, robot, joints, tuple(expect or ()), most_mm, most_deg),
     )

@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from assistant.vision.recognition.objects import KnownObject
     from assistant.vision.recognition.seeing import Found, Sight
 
-NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
-NOT_PNG: Final = error("CL551", "a picture is not written as `{name}`", "end its name in .png")
+TARGETS_NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
+PICTURE_NOT_PNG: Final = error(
+    "CL551", "a picture is not written as `{name}`", "end its name in .png"
+)
 BAD_JOINTS: Final = error(
     "CL552",
     "`{given}` are no joints of `{robot}`",
@@ -35,11 +37,11 @@ NO_PICTURES: Final = error(
     "the file does not say where pictures of camera `{name}` come from",
     "name a picture, or write source = … under the camera",
 )
-DRAWING: Final = ".dxf"
+DRAWING_SUFFIX: Final = ".dxf"
 
 
 @dataclass(frozen=True, slots=True)
-class Learning:
+class AddOptions:
     """As `objects add` was asked."""
 
     library: Path
@@ -56,25 +58,25 @@ class Learning:
     again: bool
 
 
-def run_add(asked: Learning, format: Format) -> int:
+def run_add(asked: AddOptions, format: Format) -> int:
     from assistant.vision.recognition.library import add_objects, check_name
 
     check_name(asked.name)
-    one, findings = _learnt(asked)
+    one, findings = _learn_object(asked)
     add_objects(asked.library, [one], again=asked.again)
     print_findings(findings)
     if format is Format.JSON:
-        print_json({"library": str(asked.library), **_record(one)})
+        print_json({"library": str(asked.library), **_object_record(one)})
     else:
-        say(_line(one))
+        say(_object_line(one))
         say(f"wrote {asked.library / one.name}.toml")
     return 0
 
 
-def _learnt(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision.recognition import rules
 
-    drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING]
+    drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING_SUFFIX]
     if drawings:
         if len(asked.files) > 1:
             raise Refused(rules.ONE_WAY(cure="name one drawing alone"), exit_status=2)
@@ -91,10 +93,10 @@ def _learnt(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     if asked.contour is not None or asked.lines:
         cure = "leave out --contour and --line, which are of drawings"
         raise Refused(rules.ONE_WAY(cure=cure), exit_status=2)
-    return _shown(asked)
+    return _learn_from_pictures(asked)
 
 
-def _shown(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_from_pictures(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import read_picture
     from assistant.vision.opencv import opencv
@@ -115,17 +117,19 @@ def _shown(asked: Learning) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     for given in asked.files:
         name, file = camera_of(given, cameras, alone=True)
         views.append(View(file, picture_of(file, cameras[name]), cameras[name]))
-    plane, findings = _plane(asked.plane), list[Diagnostic]()
+    plane, findings = _plane_at(asked.plane), list[Diagnostic]()
     if asked.solid:
         learnt = learn_solid(cv, asked.name, views, plane)
         return learnt.object, learnt.findings
     if asked.height is None and len({view.camera.name for view in views if view.camera}) > 1:
-        height = _height(asked.name, views, plane, findings)
+        height = _height_by_depth(asked.name, views, plane, findings)
     learnt = learn_lying(cv, asked.name, views, plane, height)
     return learnt.object, (*findings, *learnt.findings)
 
 
-def _height(name: str, views: list[Any], plane: Plane, findings: list[Diagnostic]) -> float:
+def _height_by_depth(
+    name: str, views: list[Any], plane: Plane, findings: list[Diagnostic]
+) -> float:
     """By depth from the first two pictures of two cameras."""
     from assistant.vision.opencv import opencv
     from assistant.vision.recognition.depth import face_height
@@ -146,15 +150,15 @@ def run_list(library: Path, format: Format) -> int:
     read = read_library(library)
     print_findings(read.findings)
     if format is Format.JSON:
-        records = [_record(one) for one in read.objects.values()]
+        records = [_object_record(one) for one in read.objects.values()]
         print_json({"library": str(library), "objects": records})
         return 0
     for one in read.objects.values():
-        say(_line(one))
+        say(_object_line(one))
     return 0
 
 
-def _record(one: KnownObject) -> dict[str, Any]:
+def _object_record(one: KnownObject) -> dict[str, Any]:
     return {
         "name": one.name,
         "height": one.height,
@@ -166,7 +170,7 @@ def _record(one: KnownObject) -> dict[str, Any]:
     }
 
 
-def _line(one: KnownObject) -> str:
+def _object_line(one: KnownObject) -> str:
     known = []
     if one.outline is not None:
         known.append(f"an outline {one.outline.diameter:.1f} mm long")
@@ -177,7 +181,7 @@ def _line(one: KnownObject) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Looking:
+class SeeOptions:
     """As `see` was asked."""
 
     cameras: Path
@@ -196,51 +200,51 @@ class Looking:
     most_deg: float
 
 
-def run_see(asked: Looking, format: Format) -> int:
+def run_see(asked: SeeOptions, format: Format) -> int:
     """0 if what was found may be acted on, else 1, and no file is written."""
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.opencv import opencv
     from assistant.vision.recognition.library import read_library
     from assistant.vision.recognition.seeing import Recogniser
 
-    _check_names(asked)
+    _check_see_options(asked)
     rig = read_cameras(asked.cameras)
     library = read_library(asked.library)
-    placed = _placed(asked)
-    pictures = _pictures(asked, rig)
-    cameras = {name: _standing(rig.cameras[name], placed, asked) for name in pictures}
+    placed = _robot_in_cell(asked)
+    pictures = _take_pictures(asked, rig)
+    cameras = {name: _camera_in_world(rig.cameras[name], placed, asked) for name in pictures}
     recogniser = Recogniser(opencv(), library)
     when = datetime.datetime.now(datetime.UTC)
-    sight = recogniser.see(pictures, cameras, _plane(asked.plane, asked.plane_sigma))
-    findings = [*library.findings, *sight.findings, *_wanted(asked, sight)]
-    written = _write(asked, sight, placed, when, findings)
+    sight = recogniser.see(pictures, cameras, _plane_at(asked.plane, asked.plane_sigma))
+    findings = [*library.findings, *sight.findings, *_doubtful_findings(asked, sight)]
+    written = _write_found(asked, sight, placed, when, findings)
     if asked.picture is not None:
         from assistant.vision.recognition.overlay import with_found
 
         name = next(iter(pictures))
-        _write_picture(asked.picture, with_found(opencv(), cameras[name], pictures[name], sight))
+        _write_png(asked.picture, with_found(opencv(), cameras[name], pictures[name], sight))
         written.append(asked.picture)
     print_findings(findings)
-    _tell(sight, _base(placed), written, format)
+    _print_found(sight, _robot_base(placed), written, format)
     return int(has_errors(findings))
 
 
-def _check_names(asked: Looking) -> None:
+def _check_see_options(asked: SeeOptions) -> None:
     for path in (asked.to, asked.found):
         if path is not None and path.suffix.lower() != ".toml":
-            raise Refused(NOT_TOML(name=path), exit_status=2)
+            raise Refused(TARGETS_NOT_TOML(name=path), exit_status=2)
     if asked.picture is not None and asked.picture.suffix.lower() != ".png":
-        raise Refused(NOT_PNG(name=asked.picture), exit_status=2)
+        raise Refused(PICTURE_NOT_PNG(name=asked.picture), exit_status=2)
 
 
-def _plane(height: float, sigma: float = 0.05) -> Plane:
+def _plane_at(height: float, sigma: float = 0.05) -> Plane:
     from assistant.program.geometry import Pose
     from assistant.vision.recognition.estimating import Plane
 
     return Plane(Pose((0.0, 0.0, height)), sigma)
 
 
-def _placed(asked: Looking) -> PlacedRobot | None:
+def _robot_in_cell(asked: SeeOptions) -> PlacedRobot | None:
     """The robot of the cell whose base poses are told in."""
     if asked.cell is None:
         return None
@@ -255,7 +259,7 @@ def _placed(asked: Looking) -> PlacedRobot | None:
     return robots[0]
 
 
-def _standing(camera: Camera, placed: PlacedRobot | None, asked: Looking) -> Camera:
+def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptions) -> Camera:
     """The camera in the world; raises Refused for one that hangs on nobody knows where."""
     import numpy as np
 
@@ -281,7 +285,7 @@ def _standing(camera: Camera, placed: PlacedRobot | None, asked: Looking) -> Cam
     return camera.carried(placed.base @ Pose.of(position[0], quaternion[0]))
 
 
-def _pictures(asked: Looking, rig: Rig) -> dict[str, Picture]:
+def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
     from assistant.vision.cameras.capture import opened
     from assistant.vision.recognition.pictures import pictures_of, sound
 
@@ -296,7 +300,7 @@ def _pictures(asked: Looking, rig: Rig) -> dict[str, Picture]:
     return found
 
 
-def _wanted(asked: Looking, sight: Sight) -> list[Diagnostic]:
+def _doubtful_findings(asked: SeeOptions, sight: Sight) -> list[Diagnostic]:
     """What is missing, and what is not known well enough."""
     from assistant.vision.recognition import rules
 
@@ -320,7 +324,7 @@ def _wanted(asked: Looking, sight: Sight) -> list[Diagnostic]:
     return findings
 
 
-def _base(placed: PlacedRobot | None) -> Base:
+def _robot_base(placed: PlacedRobot | None) -> Base:
     """The robot's base, which is the world of the cameras where no cell says another."""
     from assistant.program.geometry import IDENTITY
     from assistant.vision.recognition.attached import Base
@@ -328,8 +332,8 @@ def _base(placed: PlacedRobot | None) -> Base:
     return Base("base", IDENTITY if placed is None else placed.base)
 
 
-def _write(
-    asked: Looking,
+def _write_found(
+    asked: SeeOptions,
     sight: Sight,
     placed: PlacedRobot | None,
     when: datetime.datetime,
@@ -339,7 +343,7 @@ def _write(
 
     if has_errors(findings):
         return []
-    base, files = _base(placed), dict[Path, str]()
+    base, files = _robot_base(placed), dict[Path, str]()
     robot = None if placed is None else placed.robot.name
     if asked.to is not None and any(one.object.places or one.object.lines for one in sight.found):
         files[asked.to] = targets_text(sight.found, base, when, robot)
@@ -348,7 +352,7 @@ def _write(
     return list(put(files)) if files else []
 
 
-def _write_picture(file: Path, picture: object) -> None:
+def _write_png(file: Path, picture: object) -> None:
     from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv
 
@@ -357,7 +361,7 @@ def _write_picture(file: Path, picture: object) -> None:
     write_files({file.name: bytes(data)}, file.parent)
 
 
-def _tell(sight: Sight, base: Base, written: list[Path], format: Format) -> None:
+def _print_found(sight: Sight, base: Base, written: list[Path], format: Format) -> None:
     if format is Format.JSON:
         found = [_found_record(one, base) for one in sight.found]
         unknown = [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown]
@@ -366,7 +370,7 @@ def _tell(sight: Sight, base: Base, written: list[Path], format: Format) -> None
     for one in sight.found:
         x, y, z = base.of(one.pose).position
         say(
-            f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_turn(one, base):.2f} "
+            f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_z_turn(one, base):.2f} "
             f"degrees; ± {one.estimate.sigma_mm:.2f} mm, {one.estimate.sigma_deg:.2f} degrees, "
             f"confidence {one.confidence:.2f}"
         )
@@ -374,7 +378,7 @@ def _tell(sight: Sight, base: Base, written: list[Path], format: Format) -> None
         say(f"wrote {path}")
 
 
-def _turn(one: Found, base: Base) -> float:
+def _z_turn(one: Found, base: Base) -> float:
     """Degrees about the z axis of the base."""
     import numpy as np
 

@@ -138,15 +138,15 @@ def follow(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
-    from assistant.cli.following import Options, run_follow
+    from assistant.cli.following import FollowOptions, run_follow
     from assistant.controllers.trajectory_execution import LinkOptions
 
     wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
-    options = Options(by, speed, interval, log, wishes, yes, format)
+    options = FollowOptions(by, speed, interval, log, wishes, yes, format)
     raise typer.Exit(run_follow(cell, trajectory, options))
 
 
-def complete_leading(incomplete: str) -> list[str]:
+def complete_servo_mode(incomplete: str) -> list[str]:
     from assistant.controllers.setpoint_streams import MODES
 
     return [name for name in MODES if name.startswith(incomplete)]
@@ -157,7 +157,7 @@ def servo(
     task: Annotated[Path, typer.Argument(help="File of what is led where.", metavar="SERVO.toml")],
     cameras: Annotated[Path, typer.Option(help="File of the cameras.", metavar="CAMERAS.toml")],
     by: Annotated[
-        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_leading)
+        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_servo_mode)
     ],
     log: Annotated[
         Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
@@ -179,8 +179,8 @@ def servo(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
-    from assistant.cli.servoing import Options, run_servo
+    from assistant.cli.servoing import ServoOptions, run_servo
     from assistant.controllers.trajectory_execution import LinkOptions
 
     wishes = LinkOptions(port, tuple(lines or ()), cycle, replace)
-    raise typer.Exit(run_servo(cell, task, Options(cameras, by, log, wishes, yes, format)))
+    raise typer.Exit(run_servo(cell, task, ServoOptions(cameras, by, log, wishes, yes, format)))

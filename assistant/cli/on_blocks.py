@@ -99,10 +99,10 @@ def fmu(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Write an arm, a program's motion or a live controller as an FMU for Simulink and others."""
-    from assistant.cli.generating import Wanted, run_fmu
-    from assistant.cli.simulating import Options
+    from assistant.cli.generating import FmuOptions, run_fmu
+    from assistant.cli.simulating import SimulationOptions
 
     given = (robot, process, unit, from_language, from_robot, acceleration, period, entry, cell)
     named = None if kind is None else kind.value
-    wanted = Wanted(source, output, named, lag, cycle, all_platforms, Options(*given))
+    wanted = FmuOptions(source, output, named, lag, cycle, all_platforms, SimulationOptions(*given))
     raise typer.Exit(run_fmu(wanted, format))

@@ -24,11 +24,9 @@ from assistant.cli.options import (
     SeenOption,
     Source,
     UnitOption,
-    placing,
+    placement_of,
 )
-from assistant.cli.presentation import (
-    Format,
-)
+from assistant.cli.presentation import Format
 
 
 def simulate(
@@ -61,12 +59,12 @@ def simulate(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
-    from assistant.cli.pages import Asked
+    from assistant.cli.pages import PageRequest
     from assistant.cli.sheets import simulated_page
-    from assistant.cli.simulating import Options, run_simulate
+    from assistant.cli.simulating import SimulationOptions, run_simulate
     from assistant.sources.sights import seeing
 
-    options = Options(
+    options = SimulationOptions(
         robot,
         process,
         unit,
@@ -76,10 +74,10 @@ def simulate(
         period,
         entry,
         cell,
-        placing(place, marks),
+        placement_of(place, marks),
         seeing(seen, ask_at),
     )
-    page = simulated_page(Asked(report, opened))
+    page = simulated_page(PageRequest(report, opened))
     raise typer.Exit(run_simulate(program, options, output or (), format, page))
 
 
@@ -109,10 +107,10 @@ def view(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
     from assistant.cli.viewing import run_view
 
-    options = Options(
+    options = SimulationOptions(
         robot,
         process,
         unit,
@@ -122,7 +120,7 @@ def view(
         None,
         entry,
         cell,
-        placing(place, marks),
+        placement_of(place, marks),
     )
     raise typer.Exit(run_view(program, options, html, format, live))
 

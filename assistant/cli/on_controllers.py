@@ -120,10 +120,10 @@ def monitor(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Show again and again what a controller does and where its arm is. Changes nothing."""
-    from assistant.cli.monitoring import Options, run_monitor
+    from assistant.cli.monitoring import MonitorOptions, run_monitor
 
     names = [name for given in signals or () for name in given.split(",") if name]
-    raise typer.Exit(run_monitor(cell, Options(names, interval, seconds, log, format)))
+    raise typer.Exit(run_monitor(cell, MonitorOptions(names, interval, seconds, log, format)))
 
 
 def log(
@@ -281,7 +281,7 @@ def teach(
     wanted = TargetOptions(joints, tool, frame, replace)
     if point is not None:
         from assistant.cli.pointing import run_point
-        from assistant.cli.shown import Options as Pointing
+        from assistant.cli.shown import PointingOptions as Pointing
         from assistant.controllers.trajectory_execution import LinkOptions
 
         words = [cell, *(names or ())] if cell is not None else []
@@ -309,7 +309,7 @@ def teach(
             format=format,
         )
         raise typer.Exit(run_point(words, on, now, pointing))
-    from assistant.cli.teaching import Options, run_teach
+    from assistant.cli.teaching import TeachOptions, run_teach
 
-    options = Options(into, on, now, wanted, format)
+    options = TeachOptions(into, on, now, wanted, format)
     raise typer.Exit(run_teach(cell, names or (), options, {"--go": go, "--stroke": stroke}))

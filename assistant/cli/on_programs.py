@@ -47,15 +47,9 @@ from assistant.cli.options import (
     UnitOption,
     complete_language,
     complete_robot,
-    placing,
+    placement_of,
 )
-from assistant.cli.presentation import (
-    FindingFormat,
-    Format,
-    FramesAs,
-    GrammarAs,
-    TranslationFormat,
-)
+from assistant.cli.presentation import FindingFormat, Format, FramesAs, GrammarAs, TranslationFormat
 
 
 def compile(
@@ -97,8 +91,8 @@ def compile(
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
     from assistant.cli.compiling import run_compile
-    from assistant.cli.pages import Asked
-    from assistant.cli.proving import proving
+    from assistant.cli.pages import PageRequest
+    from assistant.cli.proving import proof_settings
     from assistant.cli.sheets import compiled_page
     from assistant.compiler.merge_edits import MergeChoices
     from assistant.sources.sights import seeing
@@ -110,7 +104,7 @@ def compile(
             robot=robot,
             process=process,
             unit=unit,
-            placement=placing(place, marks),
+            placement=placement_of(place, marks),
             cell=cell,
             output=output,
             most_targets=most_targets,
@@ -123,9 +117,11 @@ def compile(
             main=False if no_main else None,
             together=together,
             seeing=seeing(seen, ask_at),
-            proving=proving(prove, signals, seed),
+            proving=proof_settings(prove, signals, seed),
             wishes=MergeChoices.of(overwrite, keep_edit or (), drop_edit or ()),
-            page=compiled_page(Asked(report, opened, plot), process, unit, placing(place, marks)),
+            page=compiled_page(
+                PageRequest(report, opened, plot), process, unit, placement_of(place, marks)
+            ),
             format=format,
         )
     )
@@ -170,11 +166,11 @@ def translate(
     format: TranslationFormatOption = TranslationFormat.TEXT,
 ) -> None:
     """Write robot programs in another language; tell of every statement what becomes of it."""
-    from assistant.cli.proving import proving
-    from assistant.cli.translating import Options, run_translate
+    from assistant.cli.proving import proof_settings
+    from assistant.cli.translating import TranslateOptions, run_translate
     from assistant.sources.sights import seeing
 
-    options = Options(
+    options = TranslateOptions(
         to=to,
         robot=robot,
         from_robot=from_robot,
@@ -185,7 +181,7 @@ def translate(
         from_language=from_language,
         draft=draft,
         entry=entry,
-        proving=proving(prove, signals, seed),
+        proving=proof_settings(prove, signals, seed),
         seeing=seeing(seen, ask_at),
     )
     run = run_translate(
@@ -246,11 +242,11 @@ def compare(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
-    from assistant.cli.comparing import Options, run_compare
-    from assistant.cli.pages import Asked
+    from assistant.cli.comparing import CompareOptions, run_compare
+    from assistant.cli.pages import PageRequest
     from assistant.compiler.motion_proof import Proving
 
-    options = Options(
+    options = CompareOptions(
         robot=robot,
         from_robot=from_robot,
         process=tuple(process or ()),
@@ -261,7 +257,7 @@ def compare(
         proving=Proving(script=signals, seed=seed, seconds=seconds),
         text=text,
     )
-    raise typer.Exit(run_compare(first, second, options, format, Asked(report, opened)))
+    raise typer.Exit(run_compare(first, second, options, format, PageRequest(report, opened)))
 
 
 def show(
@@ -286,9 +282,11 @@ def show(
     ] = None,
 ) -> None:
     """Print the pseudo-program of any source or robot program."""
-    from assistant.cli.showing import Wanted, run_show
+    from assistant.cli.showing import ShowOptions, run_show
 
-    wanted = Wanted(robot, process, unit, from_language, entry, to, after, placing(place, marks))
+    wanted = ShowOptions(
+        robot, process, unit, from_language, entry, to, after, placement_of(place, marks)
+    )
     raise typer.Exit(run_show(source, wanted, output))
 
 
@@ -313,12 +311,12 @@ def check(
     fail_on: FailOnOption = FailOn.WARNING,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
-    from assistant.cli.checking import Options, run_check
-    from assistant.cli.pages import Asked
+    from assistant.cli.checking import CheckOptions, run_check
+    from assistant.cli.pages import PageRequest
     from assistant.sources.sights import seeing
 
     if not sources:
-        from assistant.cli.building import run_project_check
+        from assistant.cli.building import check_project
 
         given = {
             "--robot": robot,
@@ -334,10 +332,12 @@ def check(
             "--open": opened or None,
             "--plot": plot,
         }
-        raise typer.Exit(run_project_check(given, format, fail_on))
-    placed, sights = placing(place, marks), seeing(seen, ask_at)
-    options = Options(robot, process, unit, cell, from_language, placed, sights)
-    raise typer.Exit(run_check(sources, options, format, fail_on, Asked(report, opened, plot)))
+        raise typer.Exit(check_project(given, format, fail_on))
+    placed, sights = placement_of(place, marks), seeing(seen, ask_at)
+    options = CheckOptions(robot, process, unit, cell, from_language, placed, sights)
+    raise typer.Exit(
+        run_check(sources, options, format, fail_on, PageRequest(report, opened, plot))
+    )
 
 
 def explain(

@@ -195,7 +195,7 @@ DropEditOption = Annotated[
 ]  # fmt: skip
 
 
-def placing(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement | None:
+def placement_of(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement | None:
     """What --place or --mark say, None for neither; raises Refused."""
     if place is None and not marks:
         return None

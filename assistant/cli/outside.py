@@ -13,41 +13,41 @@ from assistant.base.source_text import visible
 if TYPE_CHECKING:
     from assistant.virtual.kernel import Kernel
 
-NO_HOST: Final = error(
+NOT_A_HOST: Final = error(
     "CL030",
     "`{given}` names no host for an address",
     "write ADDRESS=HOST, as 192.168.125.1=127.0.0.1",
 )
 NO_FOLDER: Final = error("CL031", "there is no folder `{folder}`", "make it, or name another one")
-NO_ASKING: Final = error(
+INPUT_IS_PROGRAM: Final = error(
     "CL032", "the program itself is read from standard input", "name its file, or leave --ask out"
 )
 
 
-NO_LINE: Final = error(
+NOT_A_LINE: Final = error(
     "CL033",
     "`{given}` leads no line anywhere",
     "write NAME=PORT, NAME=HOST:PORT or NAME=PATH, as COM1=10003",
 )
-TWICE: Final = error("CL043", "`{name}` is led to two places", "name it once")
+NAMED_TWICE: Final = error("CL043", "`{name}` is led to two places", "name it once")
 
 
-def check_disk(folder: Path | None) -> None:
+def check_disk_folder(folder: Path | None) -> None:
     if folder is not None and not folder.is_dir():
         raise Refused(NO_FOLDER(folder=folder), exit_status=2)
 
 
 def hosts_of(given: Sequence[str]) -> dict[str, str]:
     """Hosts by address; raises Refused for what names none."""
-    return _pairs(given, NO_HOST)
+    return _named_values(given, NOT_A_HOST)
 
 
-def lines_of(given: Sequence[str]) -> dict[str, str]:
+def line_targets(given: Sequence[str]) -> dict[str, str]:
     """What lines lead to by their names; raises Refused for what names none."""
-    return _pairs(given, NO_LINE)
+    return _named_values(given, NOT_A_LINE)
 
 
-def _pairs(given: Sequence[str], wrong: Rule) -> dict[str, str]:
+def _named_values(given: Sequence[str], wrong: Rule) -> dict[str, str]:
     pairs: dict[str, str] = {}
     named: set[str] = set()
     for pair in given:
@@ -56,13 +56,13 @@ def _pairs(given: Sequence[str], wrong: Rule) -> dict[str, str]:
             raise Refused(wrong(given=pair), exit_status=2)
         known = name.rstrip(":").upper()
         if known in named:
-            raise Refused(TWICE(name=name), exit_status=2)
+            raise Refused(NAMED_TWICE(name=name), exit_status=2)
         named.add(known)
         pairs[name] = value
     return pairs
 
 
-def ask_here(kernel: Kernel, flush: Callable[[], None]) -> None:
+def answer_from_input(kernel: Kernel, flush: Callable[[], None]) -> None:
     """Has what programs ask answered on standard input, as long as there is more of it.
 
     flush: prints what happened until then.

@@ -21,7 +21,7 @@ NOT_OPENED: Final = warning(
     "no browser could be opened here; the page is written",
     "open `{name}` by hand, or leave out --open",
 )
-TOO_MANY: Final = warning(
+TOO_MANY_PROGRAMS: Final = warning(
     "CL061",
     "the page shows {most} of {count} programs",
     "name the files that are to be shown; the findings of all of them are listed here",
@@ -32,7 +32,7 @@ SUFFIXES: Final = (".html", ".htm")
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PageRequest:
     """The page that is asked for: a file for it, and whether it is opened; a file for a picture."""
 
     report: Path | None = None
@@ -56,23 +56,23 @@ class Asked:
         """Whether the report is a page."""
         return self.report is not None and self.report.suffix.lower() in SUFFIXES
 
-    def page(self) -> Asked:
+    def page(self) -> PageRequest:
         """The same without a report that is no page."""
-        return self if self.html else Asked(None, self.opened, self.plot)
+        return self if self.html else PageRequest(None, self.opened, self.plot)
 
-    def only_page(self) -> Asked:
+    def only_page(self) -> PageRequest:
         """The same; raises Refused (exit status 2) for a report that is no page."""
         if self.report is not None and not self.html:
             raise Refused(NO_PAGE(name=self.report), exit_status=2)
         return self
 
 
-NOBODY: Final = Asked()
+NO_PAGE_WANTED: Final = PageRequest()
 """No page is asked for."""
 
 
 def write_page(
-    asked: Asked, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
+    asked: PageRequest, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
 ) -> tuple[list[Path], list[Diagnostic]]:
     """Writes page and picture, opens the page if that is asked for; tells files and findings.
 
@@ -84,11 +84,11 @@ def write_page(
 
     told: list[Diagnostic] = []
     if len(sheets) > MOST_PROGRAMS:
-        told.append(TOO_MANY(most=MOST_PROGRAMS, count=len(sheets)))
+        told.append(TOO_MANY_PROGRAMS(most=MOST_PROGRAMS, count=len(sheets)))
     shown = sheets[:MOST_PROGRAMS] or [Sheet(stem, ())]
     files = dict[Path, bytes]()
     if asked.plot is not None:
-        files[asked.plot] = _plot(shown, asked.plot)
+        files[asked.plot] = _write_plot(shown, asked.plot)
     if asked.report is not None:
         files[asked.report] = page(*map(shown_sheet, shown)).encode()
     keep_sources(list(sources), list(files))
@@ -102,7 +102,7 @@ def write_page(
     return written, told
 
 
-def _plot(sheets: Sequence[Sheet], file: Path) -> bytes:
+def _write_plot(sheets: Sequence[Sheet], file: Path) -> bytes:
     from assistant.report.contour_plot import Drawing, contour_plot
     from assistant.report.figures import format_of
 
@@ -110,6 +110,6 @@ def _plot(sheets: Sequence[Sheet], file: Path) -> bytes:
     return contour_plot(drawings, format_of(file.name))
 
 
-def stem_of(source: str) -> str:
+def page_name(source: str) -> str:
     """What a page is called that nobody gave a name to."""
     return "program" if source == STANDARD else Path(source).stem or "program"

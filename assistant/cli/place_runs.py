@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Final
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.cli.compiling import working
 from assistant.cli.presentation import Format, print_findings, say
-from assistant.cli.reach_runs import Standing, Tool, print_answer, put, standing, wanted
+from assistant.cli.reach_runs import (
+    PlacedArm,
+    ReachTool,
+    output_files,
+    placed_arm,
+    print_reach,
+    write_reach,
+)
 
 if TYPE_CHECKING:
     from assistant.cell import placement
@@ -22,17 +29,17 @@ NO_CELL = error(
 TIP_TWICE = error(
     "CL041", "the program says the tips of its tools", "leave --tip out, or the program"
 )
-UNKNOWN = info(
+UNKNOWN_TARGETS = info(
     "CL042",
     "{count} moves go to what only running the program tells; they are left out",
     "nothing; look at these places by themselves",
 )
-STEPS: Final = "-200:200:50"
+DEFAULT_PLACE_RANGE: Final = "-200:200:50"
 """Of x and y if nothing is stated."""
 
 
 @dataclass(frozen=True, slots=True)
-class Goals:
+class PlaceGoals:
     """The program whose targets are to be reached, None for locations, and how it is read."""
 
     program: str | None
@@ -43,8 +50,8 @@ class Goals:
 
 def run_places(
     body: str | None,
-    tool: Tool,
-    goals: Goals,
+    tool: ReachTool,
+    goals: PlaceGoals,
     ranges: Mapping[str, str | None],
     outputs: Sequence[str],
     format: Format,
@@ -55,12 +62,12 @@ def run_places(
     from assistant.cell.reach_map import grid, parse_range
     from assistant.report import places as report
 
-    files = wanted(outputs, PLACES)
-    offsets = grid([parse_range(text, axis) for axis, text in _ranges(ranges).items()])
+    files = output_files(outputs, PLACE_WRITERS)
+    offsets = grid([parse_range(text, axis) for axis, text in _place_ranges(ranges).items()])
     if body is not None and tool.cell is None:
         raise Refused(NO_CELL(name=body), exit_status=2)
     with working("looking at places"):
-        there, targets, findings = _targets(body, tool, goals)
+        there, targets, findings = _place_targets(body, tool, goals)
         given = there.scene, there.placed
         if body is None:
             name, of = there.placed.name, "robots"
@@ -72,15 +79,17 @@ def run_places(
             found = placement.best_place(*given, body, offsets, targets, margin=tool.margin)
         title = f"{name}, for {there.placed.robot.title}"
         sources = () if goals.program is None else (goals.program,)
-        drawn = {path: PLACES[path.suffix.lower()](found, title) for path in files if found.places}
-        written = put(tool, drawn, *sources)
+        drawn = {
+            path: PLACE_WRITERS[path.suffix.lower()](found, title) for path in files if found.places
+        }
+        written = write_reach(tool, drawn, *sources)
     findings += found.findings
     if found.best is None and found.places:
         first = found.places[0]
         findings.append(
             NO_PLACE(
                 count=len(offsets),
-                best=report.named(first),
+                best=report.place_text(first),
                 reached=first.reached,
                 total=found.total,
                 first=first.worst,
@@ -88,72 +97,76 @@ def run_places(
         )
     status = 1 if has_errors(findings) or found.best is None else 0
     if format is Format.JSON:
-        answer = {"robot": there.placed.robot.name, "moved": name, **report.record(found)}
-        print_answer(answer, findings, written)
+        answer = {"robot": there.placed.robot.name, "moved": name, **report.places_record(found)}
+        print_reach(answer, findings, written)
         return status
     print_findings(findings, explained=True)
     say(f"{title}; places: {len(offsets):,}; targets: {found.total:,}")
     say("")
-    for line in report.lines(found):
+    for line in report.place_lines(found):
         say(line)
     if found.best is not None and there.bodies:
         say("")
         say(f"[{of}.{name}]")
-        for line in report.stated(found.best.pose):
+        for line in report.pose_text(found.best.pose):
             say(line)
     for path in written:
         say(f"wrote {path}")
     return status
 
 
-def _ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
+def _place_ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
     stated = {axis: text for axis, text in ranges.items() if text is not None}
-    return dict.fromkeys(ranges, "0") | (stated or {"x": STEPS, "y": STEPS})
+    return dict.fromkeys(ranges, "0") | (
+        stated or {"x": DEFAULT_PLACE_RANGE, "y": DEFAULT_PLACE_RANGE}
+    )
 
 
-def _targets(
-    body: str | None, tool: Tool, goals: Goals
-) -> tuple[Standing, Sequence[placement.Goals], list[Diagnostic]]:
+def _place_targets(
+    body: str | None, tool: ReachTool, goals: PlaceGoals
+) -> tuple[PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
     from assistant.cell.placement import locations, standing_body
     from assistant.cell.reach_map import check_turns
 
     check_turns(tool.turns)
     if goals.program is not None:
-        return _of_program(body, tool, goals, goals.program)
-    there = standing(tool)
+        return _program_targets(body, tool, goals, goals.program)
+    there = placed_arm(tool)
     if body is not None:
         standing_body(there.scene, body)
     targets = locations(there.scene, body, there.tip, tool.turns)
     return there, (targets,), list(there.findings)
 
 
-def _of_program(
-    body: str | None, tool: Tool, goals: Goals, program: str
-) -> tuple[Standing, Sequence[placement.Goals], list[Diagnostic]]:
+def _program_targets(
+    body: str | None, tool: ReachTool, goals: PlaceGoals, program: str
+) -> tuple[PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
     """What its arm cannot reach now is no finding here."""
     from assistant.cell.placement import targets_of
-    from assistant.cli.simulating import Options, solved
+    from assistant.cli.simulating import SimulationOptions, solved_source
 
     if tool.tip is not None:
         raise Refused(TIP_TWICE(), exit_status=2)
     given = (goals.process, goals.unit, goals.from_language, None)
-    ready = solved(program, Options(tool.robot, *given, None, None, cell=tool.cell))
+    ready = solved_source(
+        program, SimulationOptions(tool.robot, *given, None, None, cell=tool.cell)
+    )
     solution = ready.solution
-    there = standing(tool, solution.robot)
+    there = placed_arm(tool, solution.robot)
     found = targets_of(solution, there.placed, tool.turns, carried=body is None)
     findings = list(there.findings)
     if found.unknown:
-        findings.append(UNKNOWN(count=found.unknown))
+        findings.append(UNKNOWN_TARGETS(count=found.unknown))
     return there, found.goals, findings
 
 
-def _csv(found: Places, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
+def _places_csv(found: Places, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
     from assistant.report.places import places_csv
 
     return places_csv(found)
 
 
-def _picture(format: str) -> Callable[[Places, str], bytes]:
+def _places_picture(format: str) -> Callable[[Places, str], bytes]:
     def draw(found: Places, title: str) -> bytes:
         from assistant.report.places import places_picture
 
@@ -162,8 +175,8 @@ def _picture(format: str) -> Callable[[Places, str], bytes]:
     return draw
 
 
-PLACES: Final[dict[str, Callable[[Places, str], bytes]]] = {
-    ".csv": _csv,
-    ".png": _picture("png"),
-    ".svg": _picture("svg"),
+PLACE_WRITERS: Final[dict[str, Callable[[Places, str], bytes]]] = {
+    ".csv": _places_csv,
+    ".png": _places_picture("png"),
+    ".svg": _places_picture("svg"),
 }

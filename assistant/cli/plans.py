@@ -13,18 +13,18 @@ from assistant.report.markdown import cell, code, findings_markdown, folded, pla
 if TYPE_CHECKING:
     from assistant.deploy import Deployment, Plan, PlannedFile
 
-PROMISE: Final = "nothing has been changed"
+NOTHING_CHANGED: Final = "nothing has been changed"
 
 
 def print_plan(plan: Plan) -> None:
     for file in plan.files:
         say(f"{file.name}: {file.change}" + (f" ({file.reason})" if file.reason else ""))
-        for text in _differences(file).values():
+        for text in _what_differs(file).values():
             sys.stdout.write(text)
     for word, names in (("foreign", plan.foreign), ("left", plan.left)):
         if names:
             say(f"{word}: {', '.join(names)}")
-    say(f"{plan.address}: {PROMISE}")
+    say(f"{plan.address}: {NOTHING_CHANGED}")
 
 
 def plan_markdown(
@@ -44,16 +44,16 @@ def plan_markdown(
     if plan.foreign:
         lines += ["", f"Foreign, never touched: {', '.join(map(code, plan.foreign))}"]
     for file in plan.files:
-        for title, text in _differences(file).items():
+        for title, text in _what_differs(file).items():
             lines += ["", *folded(f"{plain(file.name)}: {title}", text)]
     if findings:
         lines.append("")
         lines += findings_markdown(findings)
-    lines += ["", code(done.summary) if done else f"{PROMISE.capitalize()}."]
+    lines += ["", code(done.summary) if done else f"{NOTHING_CHANGED.capitalize()}."]
     return "\n".join(lines)
 
 
-def _differences(file: PlannedFile) -> dict[str, str]:
+def _what_differs(file: PlannedFile) -> dict[str, str]:
     """What differs, by what it tells; the taught points are told only once."""
     found = {
         "changed on the controller since the last deployment": file.since,

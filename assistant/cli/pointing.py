@@ -11,7 +11,14 @@ from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import named_by, robot_of_cell
 from assistant.cli.moving import NO_SPEED
 from assistant.cli.presentation import Format, print_json, say
-from assistant.cli.shown import Options, Shown, next_place, place_line, recorded, sureness
+from assistant.cli.shown import (
+    PointingOptions,
+    ShownPlaces,
+    certainty,
+    next_place,
+    place_line,
+    pointing_record,
+)
 
 if TYPE_CHECKING:
     from assistant.controllers import Named
@@ -27,11 +34,13 @@ NOT_CSV: Final = error(
     "CL513", "a stroke is written as a table, and `{name}` is none", "end its name in .csv"
 )
 NO_ARM: Final = error("CL519", "--servo says how an arm is led, and none is", "add --go")
-THERE: Final = error("CL514", "`{name}` is there already", "name another file, or add --replace")
+FILE_EXISTS: Final = error(
+    "CL514", "`{name}` is there already", "name another file, or add --replace"
+)
 NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
 
 
-def run_point(words: Sequence[str], on: str | None, now: bool, options: Options) -> int:
+def run_point(words: Sequence[str], on: str | None, now: bool, options: PointingOptions) -> int:
     """words: perhaps a controller, and names; without names p1, p2 … until the pictures end."""
     other = "--on" if on is not None else "--now" if now else None
     if other is not None:
@@ -39,24 +48,24 @@ def run_point(words: Sequence[str], on: str | None, now: bool, options: Options)
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.pointing.device_file import device_of
 
-    _check(options)
-    one, names = _controller(words)
+    _check_options(options)
+    one, names = _split_controller(words)
     rig = read_cameras(options.cameras)
     cameras = tuple(rig[name] for name in options.use or rig.cameras)
-    shown = Shown(rig, cameras, device_of(options.device), options)
+    shown = ShownPlaces(rig, cameras, device_of(options.device), options)
     if options.go:
         if one is None:
             raise Refused(NO_CONTROLLER(), exit_status=2)
-        from assistant.cli.pointing_arms import run_led
+        from assistant.cli.pointing_arms import run_pointed_arm
 
-        return run_led(words[0], names, shown)
-    robot = _robot(one, options)
+        return run_pointed_arm(words[0], names, shown)
+    robot = _robot_of(one, options)
     if options.stroke:
-        return _stroke(shown, robot)
-    return _places(names, shown, robot)
+        return _store_stroke(shown, robot)
+    return _store_places(names, shown, robot)
 
 
-def _check(options: Options) -> None:
+def _check_options(options: PointingOptions) -> None:
     """Raises Refused for options that mean nothing."""
     least = (
         (options.frames, "--frames", 2, "a whole number from 2"),
@@ -81,14 +90,14 @@ def _check(options: Options) -> None:
         if options.into.suffix.lower() != ".csv":
             raise Refused(NOT_CSV(name=options.into), exit_status=2)
         if options.into.exists() and not options.wanted.again:
-            raise Refused(THERE(name=options.into))
+            raise Refused(FILE_EXISTS(name=options.into))
     if options.go and options.robot is not None:
         raise Refused(NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
     if options.servo is not None and not options.go:
         raise Refused(NO_ARM(), exit_status=2)
 
 
-def _controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:
+def _split_controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:
     """The first word is a controller if the project has one of that name, or it is an address."""
     if not words:
         return None, ()
@@ -98,7 +107,7 @@ def _controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:
     return (named_by(words[0]), words[1:]) if known else (None, words)
 
 
-def _robot(one: Named | None, options: Options) -> Robot | None:
+def _robot_of(one: Named | None, options: PointingOptions) -> Robot | None:
     from assistant.compiler.arms import robot_of
 
     if options.robot is not None:
@@ -106,7 +115,7 @@ def _robot(one: Named | None, options: Options) -> Robot | None:
     return None if one is None else robot_of_cell(one)
 
 
-def _places(names: Sequence[str], shown: Shown, robot: Robot | None) -> int:
+def _store_places(names: Sequence[str], shown: ShownPlaces, robot: Robot | None) -> int:
     """Each place that is shown, as a target, until there are no names or no pictures any more."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names, store_target
@@ -123,16 +132,16 @@ def _places(names: Sequence[str], shown: Shown, robot: Robot | None) -> int:
                 break
             held, place = found
             store_target(options.into, place, options.wanted)
-            stored.append(recorded(held, place))
+            stored.append(pointing_record(held, place))
             if options.format is Format.TEXT:
-                say(f"{name}: {place_line(place)}, {sureness(held)}, stored in {options.into}")
+                say(f"{name}: {place_line(place)}, {certainty(held)}, stored in {options.into}")
                 sys.stdout.flush()
     if options.format is Format.JSON:
         print_json({"file": str(options.into), "device": shown.device.name, "stored": stored})
     return 0
 
 
-def _stroke(shown: Shown, robot: Robot | None) -> int:
+def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
     """The way between two holds, as a table of waypoints."""
     from dataclasses import replace
 

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import joints_line, pose_line, record, robot_of_cell
-from assistant.cli.confirming import confirmed
+from assistant.cli.confirming import confirm
 from assistant.cli.moving import Moving, moving
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.shown import Shown, next_place, place_line, recorded, sureness
+from assistant.cli.shown import ShownPlaces, certainty, next_place, place_line, pointing_record
 
 if TYPE_CHECKING:
     from assistant.compiler.taught_targets import ShownTarget
@@ -34,16 +34,18 @@ NO_ROBOT: Final = error(
     "no project says which robot `{name}` moves, so it is led nowhere",
     "write robot = NAME into its table in assistant.toml",
 )
-NO_MODE: Final = error("CL517", "no arm is led to a place by `{by}`", "choose one of {known}")
+NO_POINTING_MODE: Final = error(
+    "CL517", "no arm is led to a place by `{by}`", "choose one of {known}"
+)
 
 
 @dataclass(frozen=True, slots=True)
-class _Leader:
+class _ArmLeader:
     """mode: by which the arm is led. pictures: and file, by which from `above` on, None for not."""
 
     motion: Moving
     robot: Robot
-    shown: Shown
+    shown: ShownPlaces
     mode: Mode
     wishes: LinkOptions
     pictures: tuple[ByPictures, ServoFile] | None
@@ -68,8 +70,8 @@ class _Leader:
         print_findings(led.findings)
         seen = self._set_up(place)
         how = self.mode.title if seen is None else f"{self.mode.title}, then {seen.title}"
-        what = f"leads the arm to `{place.name}` at {place_line(place)}, {sureness(held)}, {how}"
-        confirmed(self.motion.cell.one, what, options.yes)
+        what = f"leads the arm to `{place.name}` at {place_line(place)}, {certainty(held)}, {how}"
+        confirm(self.motion.cell.one, what, options.yes)
         self.motion.began = True
         self.mode.run(controller, led, self.wishes, lambda _: None)
         if seen is None:
@@ -108,7 +110,7 @@ class _Leader:
         return done.distance, done.turn
 
 
-def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
+def run_pointed_arm(cell: str, names: Sequence[str], shown: ShownPlaces) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names
@@ -117,9 +119,9 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     options = shown.options
     if options.by not in MODES:
         known = ", ".join(MODES)
-        raise Refused(NO_MODE(by=options.by, known=known), exit_status=2)
+        raise Refused(NO_POINTING_MODE(by=options.by, known=known), exit_status=2)
     mode, wishes = MODES[options.by], options.wishes or LinkOptions()
-    pictures = _pictures(options.servo, options.by)
+    pictures = _servo_pictures(options.servo, options.by)
     stored: list[dict[str, object]] = []
     with moving(cell, "teach --go") as motion:
         there = motion.cell
@@ -128,12 +130,12 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
             raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
         mode.check(controller, wishes)
         check_names(options.into, names, robot, options.wanted)
-        leader = _Leader(motion, robot, shown, mode, wishes, pictures)
+        leader = _ArmLeader(motion, robot, shown, mode, wishes, pictures)
         with ExitStack() as looking:
             # Cameras by which the arm is led are let go of in between.
             holds = None if pictures else looking.enter_context(shown.holds())
             for name in names or free_names(options.into):
-                done = _one_led(name, holds, leader)
+                done = _store_next(name, holds, leader)
                 if done is None:
                     if names or not stored:
                         raise shown.ended(name)
@@ -145,7 +147,7 @@ def run_led(cell: str, names: Sequence[str], shown: Shown) -> int:
     return 0
 
 
-def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None:
+def _servo_pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None:
     if file is None:
         return None
     from assistant.controllers.setpoint_streams import MODES
@@ -154,7 +156,9 @@ def _pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None
     return MODES[by], read_servo(file, led_elsewhere=True)
 
 
-def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[str, object] | None:
+def _store_next(
+    name: str, holds: Iterator[Held] | None, leader: _ArmLeader
+) -> dict[str, object] | None:
     """Leads the arm to the next place and stores where it is then; None without a place."""
     from assistant.compiler.taught_targets import own_joints, teach_target
 
@@ -177,4 +181,4 @@ def _one_led(name: str, holds: Iterator[Held] | None, leader: _Leader) -> dict[s
             f"{off['off_degrees']:.2f} degrees from what was shown, stored in {options.into}"
         )
         sys.stdout.flush()
-    return {**recorded(held, place), "reached": position, **off}
+    return {**pointing_record(held, place), "reached": position, **off}

@@ -69,11 +69,11 @@ Answer = TypeVar("Answer", Format, FindingFormat, PlanFormat)
 
 def answer_as(format: Answer) -> Answer:
     """Remembers how the command is asked to answer, for what it refuses as well."""
-    _asked.set(format)
+    _answer_format.set(format)
     return format
 
 
-_asked: Final[ContextVar[Format | FindingFormat | PlanFormat]] = ContextVar(
+_answer_format: Final[ContextVar[Format | FindingFormat | PlanFormat]] = ContextVar(
     "format", default=Format.TEXT
 )
 
@@ -121,18 +121,18 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         head = Text(finding.code, style=STYLES[finding.severity])
         head.append(f" {finding.severity}", style=STYLES[finding.severity])
         if where := finding.where():
-            head.append(f" {visible(where)}", style="bold")
-        head.append(f": {visible(finding.message)}", style="default")
+            head.append(f" {visible_on_one_line(where)}", style="bold")
+        head.append(f": {visible_on_one_line(finding.message)}", style="default")
         screen.print(head)
         if finding.excerpt is not None and finding.line is not None:
             number = f"{finding.line:>6} | "
-            excerpt, column = _window(finding.excerpt, finding.column)
-            screen.print(Text(number + visible(excerpt), style="dim"))
+            excerpt, column = _excerpt(finding.excerpt, finding.column)
+            screen.print(Text(number + visible_on_one_line(excerpt), style="dim"))
             if column is not None:
-                width = _width(finding, len(excerpt) - column + 1)
+                width = _excerpt_width(finding, len(excerpt) - column + 1)
                 screen.print(" " * (len(number) + column - 1) + "^" * width)
         if finding.cure:
-            screen.print(Text(f"       = {visible(finding.cure)}", style="green"))
+            screen.print(Text(f"       = {visible_on_one_line(finding.cure)}", style="green"))
     if explained:
         some = sorted(codes)[:MOST_EXPLAINED]
         screen.print(
@@ -141,13 +141,13 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         )
 
 
-def _width(finding: Diagnostic, rest: int) -> int:
+def _excerpt_width(finding: Diagnostic, rest: int) -> int:
     """Characters of the finding's span that are shown. rest: of the line, from its column on."""
     span = finding.span
     return 1 if span is None else max(1, min(span.end - span.start, rest))
 
 
-def _window(line: str, column: int | None) -> tuple[str, int | None]:
+def _excerpt(line: str, column: int | None) -> tuple[str, int | None]:
     """The line around a column and where the column is in it: files of one line are shown too."""
     if len(line) <= LONGEST_EXCERPT:
         return line, column
@@ -158,7 +158,7 @@ def _window(line: str, column: int | None) -> tuple[str, int | None]:
     return f"{before}{shown}{after}", None if column is None else column - start + len(before)
 
 
-def visible(text: str) -> str:
+def visible_on_one_line(text: str) -> str:
     """The same for where a tab would be more than one character wide."""
     return visible_text(text.replace("\t", " "))
 
@@ -196,7 +196,7 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
     """What keeps a command from answering, in the form that the answer was asked for."""
     from assistant.findings.formats import finding_record
 
-    asked = _asked.get()
+    asked = _answer_format.get()
     if asked == Format.TEXT:
         print_findings(findings)
     elif asked == PlanFormat.MARKDOWN:
@@ -214,16 +214,16 @@ _NO_CHARACTER: Final = re.compile(f"[{STEERING}]")
 """Printed as JSON escapes it."""
 
 
-_noted: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("noted", default=())
+_notes: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("noted", default=())
 """Addresses of controllers, each with what is said of the way there."""
 
 
 def note(address: str, finding: Diagnostic) -> None:
     """Says something of the way to a controller, once: at once, or in the JSON of the answer."""
-    if (address, finding) in _noted.get():
+    if (address, finding) in _notes.get():
         return
-    _noted.set((*_noted.get(), (address, finding)))
-    if _asked.get() != Format.JSON:
+    _notes.set((*_notes.get(), (address, finding)))
+    if _answer_format.get() != Format.JSON:
         print_findings([finding])
 
 
@@ -239,7 +239,7 @@ def _with_notes(answer: object) -> object:
         return answer
     if "controllers" in answer:
         return {**answer, "controllers": _with_notes(answer["controllers"])}
-    noted = [finding for address, finding in _noted.get() if address == answer.get("address")]
+    noted = [finding for address, finding in _notes.get() if address == answer.get("address")]
     if not noted:
         return answer
     from assistant.findings.formats import finding_record

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from assistant.base.diagnostics import Refused
 from assistant.cli.compiling import working
-from assistant.cli.jobs import NOT_BOTH, Job, Wishes, jobs_of
+from assistant.cli.jobs import NOT_BOTH, DeploymentJob, DeploymentOptions, jobs_of
 from assistant.cli.presentation import PlanFormat, print_findings, print_json, say
 
 
@@ -16,7 +16,7 @@ def run_pull(
     to: str | None,
     targets: Sequence[str],
     source: Path | None,
-    wishes: Wishes,
+    wishes: DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     """source: what the one program that is named was compiled from, None for itself."""
@@ -31,7 +31,7 @@ def run_pull(
     for job in jobs_of(files, to, targets, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
-        made_of = _sources(job, source)
+        made_of = _sources_by_path(job, source)
         sources = {f.path: made_of.get(Path(f.path).absolute(), Path(f.path)) for f in plan.files}
         done = pull(plan, sources, robot_of(job.one.robot))
         findings = (*plan.unseen, *done.findings)
@@ -56,7 +56,7 @@ def run_pull(
     return status
 
 
-def _sources(job: Job, source: Path | None) -> dict[Path, Path]:
+def _sources_by_path(job: DeploymentJob, source: Path | None) -> dict[Path, Path]:
     """What each program was made of, by its absolute path."""
     if source is not None:
         return {Path(file).absolute(): source for file in job.files}

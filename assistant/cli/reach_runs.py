@@ -23,15 +23,17 @@ NO_ARM = error(
     "name one with --robot, as the cell file does or of the catalogue; `robot-assistant robots` "
     "lists these",
 )
-NO_RESULT = error("CL037", "this is not written as `{name}`", "end the name in {known}")
-BAD_TIP = error("CL038", "`{given}` is no tip", "write x,y,z or x,y,z,w,x,y,z: mm and a quaternion")
+UNKNOWN_RESULT = error("CL037", "this is not written as `{name}`", "end the name in {known}")
+NOT_A_TIP = error(
+    "CL038", "`{given}` is no tip", "write x,y,z or x,y,z,w,x,y,z: mm and a quaternion"
+)
 BAD_MARGIN = error("CL039", "{given:g} is no margin", "write mm, 0 or more")
-STEP: Final = 100.0
+DEFAULT_STEP: Final = 100.0
 """mm of a region that nobody states."""
 
 
 @dataclass(frozen=True, slots=True)
-class Tool:
+class ReachTool:
     """The arm, and what it holds. turns: about the tool that are tried. margin: mm."""
 
     robot: str | None
@@ -42,7 +44,7 @@ class Tool:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class PlacedArm:
     """The arm in its scene. bodies: whether anything may be touched there."""
 
     scene: Scene
@@ -53,7 +55,7 @@ class Standing:
 
 
 def run_map(
-    tool: Tool,
+    tool: ReachTool,
     ranges: Mapping[str, str | None],
     directions: Sequence[str],
     outputs: Sequence[str],
@@ -64,11 +66,11 @@ def run_map(
     from assistant.cell.reach_map import grid, parse_directions, reach_map
     from assistant.report import reach_map as report
 
-    files = wanted(outputs, MAPS)
+    files = output_files(outputs, MAP_WRITERS)
     turned = parse_directions(directions, tool.turns)
     with working("looking at what is reached"):
-        there = standing(tool)
-        points = grid([_range(there, axis, text) for axis, text in ranges.items()])
+        there = placed_arm(tool)
+        points = grid([_axis_range(there, axis, text) for axis, text in ranges.items()])
         found = reach_map(
             there.scene,
             there.placed,
@@ -79,24 +81,28 @@ def run_map(
             margin=tool.margin,
         )
         title = f"{there.placed.robot.title}, {', '.join(directions)}"
-        written = put(tool, {path: MAPS[path.suffix.lower()](found, title) for path in files})
+        written = write_reach(
+            tool, {path: MAP_WRITERS[path.suffix.lower()](found, title) for path in files}
+        )
     findings = list(there.findings)
     if not found.reached.any():
-        findings.append(NOTHING_REACHED(why=_why(there, found)))
+        findings.append(NOTHING_REACHED(why=_likely_obstacles(there, found)))
     if format is Format.JSON:
-        print_answer({"robot": there.placed.robot.name, **report.record(found)}, findings, written)
+        print_reach(
+            {"robot": there.placed.robot.name, **report.map_record(found)}, findings, written
+        )
         return 1 if has_errors(findings) else 0
     print_findings(findings, explained=True)
     say(f"{there.placed.robot.title}: {len(points):,} points")
     say("")
-    for line in report.lines(found):
+    for line in report.map_lines(found):
         say(line)
     for path in written:
         say(f"wrote {path}")
     return 1 if has_errors(findings) else 0
 
 
-def print_answer(
+def print_reach(
     answer: Mapping[str, Any], findings: Sequence[Diagnostic], written: Sequence[Path]
 ) -> None:
     from assistant.findings.formats import finding_record
@@ -105,7 +111,7 @@ def print_answer(
     print_json({**answer, "findings": found, "written": [str(path) for path in written]})
 
 
-def standing(tool: Tool, known: Robot | None = None) -> Standing:
+def placed_arm(tool: ReachTool, known: Robot | None = None) -> PlacedArm:
     """The arm, alone in the world if no cell is told. known: that of a program.
 
     Raises Refused if no arm is named, or none that stands in the cell.
@@ -116,7 +122,7 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
     from assistant.checks.clearances import no_robot
     from assistant.compiler.arms import open_cell
 
-    tip = _tip(tool.tip)
+    tip = _tip_pose(tool.tip)
     if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):
         raise Refused(BAD_MARGIN(given=tool.margin), exit_status=2)
     found = open_cell(tool.cell, tool.robot)
@@ -125,18 +131,18 @@ def standing(tool: Tool, known: Robot | None = None) -> Standing:
         if robot is None:
             raise Refused(NO_ARM(), exit_status=2)
         alone = link_bodies.place_robot("robot", robot)
-        return Standing(Scene(robots=(alone,)), alone, tip, False, found.findings)
+        return PlacedArm(Scene(robots=(alone,)), alone, tip, False, found.findings)
     if robot is None and len(scene.robots) == 1:
-        return Standing(scene, scene.robots[0], tip, True, found.findings)
+        return PlacedArm(scene, scene.robots[0], tip, True, found.findings)
     if robot is None:
         raise Refused(NO_ARM(), exit_status=2)
     try:
-        return Standing(scene, robot_of(scene, robot), tip, True, found.findings)
+        return PlacedArm(scene, robot_of(scene, robot), tip, True, found.findings)
     except LookupError:
         raise Refused(no_robot(robot, scene), exit_status=2) from None
 
 
-def _tip(given: str | None) -> Pose:
+def _tip_pose(given: str | None) -> Pose:
     import numpy as np
 
     from assistant.base import rotations
@@ -149,14 +155,14 @@ def _tip(given: str | None) -> Pose:
     except ValueError:
         numbers = np.zeros(0)
     if len(numbers) not in (3, 7) or not np.isfinite(numbers).all():
-        raise Refused(BAD_TIP(given=given), exit_status=2)
+        raise Refused(NOT_A_TIP(given=given), exit_status=2)
     turn = numbers[3:] if len(numbers) == 7 else np.array([1.0, 0.0, 0.0, 0.0])
     if not np.linalg.norm(turn) > 0.0:
-        raise Refused(BAD_TIP(given=given), exit_status=2)
+        raise Refused(NOT_A_TIP(given=given), exit_status=2)
     return Pose.of(numbers[:3], rotations.canonical(turn))
 
 
-def _range(there: Standing, axis: str, text: str | None) -> NumberRange:
+def _axis_range(there: PlacedArm, axis: str, text: str | None) -> NumberRange:
     """What is stated, or all that the arm could reach."""
     import numpy as np
 
@@ -168,11 +174,11 @@ def _range(there: Standing, axis: str, text: str | None) -> NumberRange:
     lengths = np.linalg.norm(there.placed.robot.arm.whole_chain.along(
         there.placed.robot.chained(there.placed.robot.home)).origins[0, 0])  # fmt: skip
     most = there.placed.robot.reach + float(lengths) + float(np.linalg.norm(there.tip.position))
-    steps = np.ceil(most / STEP)
-    return NumberRange(middle - steps * STEP, middle + steps * STEP, STEP)
+    steps = np.ceil(most / DEFAULT_STEP)
+    return NumberRange(middle - steps * DEFAULT_STEP, middle + steps * DEFAULT_STEP, DEFAULT_STEP)
 
 
-def _why(there: Standing, found: ReachMap) -> str:
+def _likely_obstacles(there: PlacedArm, found: ReachMap) -> str:
     """What keeps an arm from everything, as far as it is plain."""
     from assistant.base import rotations
 
@@ -184,18 +190,18 @@ def _why(there: Standing, found: ReachMap) -> str:
     return f"; at home the flange of the arm points to {tuple(z.tolist())} of its base"
 
 
-def wanted(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
+def output_files(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
     """The files that are to be written; raises Refused for a name that tells no kind."""
     for output in outputs:
         if Path(output).suffix.lower() not in writers:
             known = ", ".join(writers)
-            raise Refused(NO_RESULT(name=output, known=known), exit_status=2)
+            raise Refused(UNKNOWN_RESULT(name=output, known=known), exit_status=2)
         if not Path(output).stem:
             raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
     return list(dict.fromkeys(map(Path, outputs)))
 
 
-def put(tool: Tool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
+def write_reach(tool: ReachTool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
     from assistant.base.file_sets import write_all
 
     keep_sources([*sources, *([] if tool.cell is None else [str(tool.cell)])], list(files))
@@ -223,7 +229,7 @@ def _map_picture(format: str) -> Callable[[ReachMap, str], bytes]:
     return draw
 
 
-MAPS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
+MAP_WRITERS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
     ".csv": _map_csv,
     ".npz": _map_npz,
     ".png": _map_picture("png"),

@@ -24,7 +24,7 @@ reach: Final = typer.Typer(
     rich_markup_mode=None,
     add_completion=False,
 )
-RANGE: Final = "LOW:HIGH:STEP"
+RANGE_FORM: Final = "LOW:HIGH:STEP"
 TipOption = Annotated[
     str | None,
     typer.Option(help="x,y,z[,w,x,y,z] of the tip on the flange, mm; default the flange itself."),
@@ -59,12 +59,12 @@ SweptOption = Annotated[
 
 
 @reach.command()
-def map(
+def map_reach(
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE, help="mm of the world.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE, help="mm of the world.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE, help="mm of the world.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
     direction: Annotated[
         list[str] | None,
         typer.Option(
@@ -78,10 +78,10 @@ def map(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell which part of a region an arm reaches, with which directions of its tool."""
-    from assistant.cli.reach_runs import Tool, run_map
+    from assistant.cli.reach_runs import ReachTool, run_map
 
     ranges = {"x": x, "y": y, "z": z}
-    tool = Tool(robot, cell, tip, turns, margin)
+    tool = ReachTool(robot, cell, tip, turns, margin)
     raise typer.Exit(run_map(tool, ranges, direction or ["down"], output or (), format))
 
 
@@ -90,10 +90,10 @@ def base(
     program: GoalsArgument = None,
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=RANGE, help="Degrees about z.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="Degrees about z.")] = None,
     turns: FewTurnsOption = 1,
     tip: TipOption = None,
     margin: MarginOption = None,
@@ -104,11 +104,11 @@ def base(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find where the base of a robot stands best, for targets that stay where they are."""
-    from assistant.cli.place_runs import Goals, run_places
-    from assistant.cli.reach_runs import Tool
+    from assistant.cli.place_runs import PlaceGoals, run_places
+    from assistant.cli.reach_runs import ReachTool
 
-    tool = Tool(robot, cell, tip, turns, margin)
-    goals = Goals(program, process, unit, from_language)
+    tool = ReachTool(robot, cell, tip, turns, margin)
+    goals = PlaceGoals(program, process, unit, from_language)
     ranges = {"x": x, "y": y, "z": z, "turn": turn}
     raise typer.Exit(run_places(None, tool, goals, ranges, output or (), format))
 
@@ -119,10 +119,10 @@ def place(
     program: GoalsArgument = None,
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=RANGE, help="Degrees about z.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="Degrees about z.")] = None,
     turns: FewTurnsOption = 1,
     tip: TipOption = None,
     margin: MarginOption = None,
@@ -133,11 +133,11 @@ def place(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find where a work piece stands best, for targets that move with it."""
-    from assistant.cli.place_runs import Goals, run_places
-    from assistant.cli.reach_runs import Tool
+    from assistant.cli.place_runs import PlaceGoals, run_places
+    from assistant.cli.reach_runs import ReachTool
 
-    tool = Tool(robot, cell, tip, turns, margin)
-    goals = Goals(program, process, unit, from_language)
+    tool = ReachTool(robot, cell, tip, turns, margin)
+    goals = PlaceGoals(program, process, unit, from_language)
     ranges = {"x": x, "y": y, "z": z, "turn": turn}
     raise typer.Exit(run_places(body, tool, goals, ranges, output or (), format))
 
@@ -156,8 +156,10 @@ def swept(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell which space the arm sweeps in a program, with its tool and what it carries."""
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
     from assistant.cli.swept_runs import run_swept
 
-    options = Options(robot, process, unit, from_language, None, None, None, entry=entry, cell=cell)
+    options = SimulationOptions(
+        robot, process, unit, from_language, None, None, None, entry=entry, cell=cell
+    )
     raise typer.Exit(run_swept(program, options, size, output or (), format))

@@ -22,10 +22,10 @@ robots: Final = typer.Typer(
 @robots.callback()
 def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
     """List the robots of the catalogue; `robots show NAME` tells all of one."""
-    from assistant.cli.robots import run_list
+    from assistant.cli.robots import list_robots
 
     if context.invoked_subcommand is None:
-        raise typer.Exit(run_list(format))
+        raise typer.Exit(list_robots(format))
 
 
 robots.command("calibrate")(calibrate)
@@ -52,8 +52,8 @@ def robots_show(
     ] = None,
 ) -> None:
     """Print the data of a robot with their source, and draw it."""
-    from assistant.cli.robots import run_show
+    from assistant.cli.robots import show_robot
 
     before = context.parent.params["format"] if context.parent else Format.TEXT
     asked = answer_as(format or Format(before))
-    raise typer.Exit(run_show(robot, draw, Format(asked)))
+    raise typer.Exit(show_robot(robot, draw, Format(asked)))

@@ -7,20 +7,20 @@ from pathlib import Path
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 
-def run_list(format: Format) -> int:
+def list_robots(format: Format) -> int:
     from assistant import robots
     from assistant.report import robots as report
 
     known = [robots.get(name) for name in robots.names()]
     if format is Format.JSON:
-        print_json([report.brief(robot) for robot in known])
+        print_json([report.brief_record(robot) for robot in known])
         return 0
-    for line in report.table(known):
+    for line in report.robot_table(known):
         say(line)
     return 0
 
 
-def run_show(name: str, draw: Path | None, format: Format) -> int:
+def show_robot(name: str, draw: Path | None, format: Format) -> int:
     """draw: the picture that is written before anything is said; None for none."""
     from assistant.compiler.arms import robot_of
     from assistant.report import robots as report
@@ -37,9 +37,9 @@ def run_show(name: str, draw: Path | None, format: Format) -> int:
         picture = arm_drawing(robot, format_of(draw.name))
         (drawn,) = write_files({draw.name: picture}, draw.parent)
     if format is Format.JSON:
-        print_json(report.record(robot) | ({} if drawn is None else {"drawing": str(drawn)}))
+        print_json(report.robot_record(robot) | ({} if drawn is None else {"drawing": str(drawn)}))
         return 0
-    for line in report.lines(robot):
+    for line in report.robot_lines(robot):
         say(line)
     if drawn is not None:
         say(f"drawing: {drawn}")

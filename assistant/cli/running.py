@@ -18,8 +18,14 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
-from assistant.cli.moments import line_named, moment
-from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of, lines_of
+from assistant.cli.moments import line_named, time_or_line
+from assistant.cli.outside import (
+    INPUT_IS_PROGRAM,
+    answer_from_input,
+    check_disk_folder,
+    hosts_of,
+    line_targets,
+)
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
@@ -31,14 +37,14 @@ if TYPE_CHECKING:
     from assistant.virtual.kernel.script import Script
     from assistant.virtual.tasks import Programs
 
-NO_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
-NOT_FOR_PROGRAMS: Final = error(
+NOT_A_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
+STEPPED_AS_JSON: Final = error(
     "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
 )
-NOT_DRAWN: Final = error(
+PLOT_WITHOUT_ROBOT: Final = error(
     "CL029", "without a robot there is no motion to draw", "name one with --robot"
 )
-NO_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
+BAD_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
 NOT_REACHED: Final = warning(
     "CL024", "the run never came to {where}", "name a line with a statement that is run"
 )
@@ -51,7 +57,7 @@ NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class RunOptions:
     """How programs are run. until, breaks: times and places as they are written."""
 
     robot: str | None
@@ -77,32 +83,32 @@ class Options:
     seeing: Seeing
 
 
-def run_run(named: Sequence[str], options: Options, format: Format) -> int:
+def run_run(named: Sequence[str], options: RunOptions, format: Format) -> int:
     """0 if the programs came to their end, 1 if they did not."""
     from assistant.compiler.arms import known_robot, robot_of
     from assistant.compiler.simulated_run import read_script
     from assistant.virtual.kernel.script import Script
 
-    _check(options)
+    _check_options(options)
     if format is Format.JSON and (options.step or options.breaks):
-        raise Refused(NOT_FOR_PROGRAMS(), exit_status=2)
+        raise Refused(STEPPED_AS_JSON(), exit_status=2)
     arm = robot_of(options.robot)
     script = read_script(options.signals) if options.signals is not None else Script()
-    programs = _programs(named, options, arm)
+    programs = _load_programs(named, options, arm)
     if arm is None and programs.program is not None:
         arm = known_robot(programs.program.robot)
     if options.plot is not None and arm is None:
-        raise Refused(NOT_DRAWN(), exit_status=2)
+        raise Refused(PLOT_WITHOUT_ROBOT(), exit_status=2)
     files = [path for path in (options.trace, options.plot) if path is not None]
     keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
-    return _Running(programs, options, arm, script, format).run()
+    return _PrintedRun(programs, options, arm, script, format).run()
 
 
-def _check(options: Options) -> None:
+def _check_options(options: RunOptions) -> None:
     """Raises Refused for what no program could be run with."""
     if options.trace is not None and options.trace.suffix.lower() != ".npz":
-        raise Refused(NO_TRACE(name=options.trace), exit_status=2)
-    check_disk(options.disk)
+        raise Refused(NOT_A_TRACE(name=options.trace), exit_status=2)
+    check_disk_folder(options.disk)
     if options.plot is not None:
         from assistant.report.figures import format_of
 
@@ -115,16 +121,16 @@ def _check(options: Options) -> None:
         limits["period"] = options.period
     for option, value in limits.items():
         if not value > 0:
-            raise Refused(NO_LIMIT(option=option, value=value), exit_status=2)
+            raise Refused(BAD_LIMIT(option=option, value=value), exit_status=2)
 
 
-def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Programs:
+def _load_programs(named: Sequence[str], options: RunOptions, arm: Robot | None) -> Programs:
     from assistant.compiler.simulated_run import programs, programs_of_text
 
     if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
         raise Refused(TWICE(), exit_status=2)
     if STANDARD in named and options.ask:
-        raise Refused(NO_ASKING(), exit_status=2)
+        raise Refused(INPUT_IS_PROGRAM(), exit_status=2)
     if STANDARD in named:
         text, spoken = standard_input(options.from_language)
         return programs_of_text(
@@ -142,13 +148,13 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
     )
 
 
-class _Running:
+class _PrintedRun:
     """One run, with what is printed of it."""
 
     def __init__(
         self,
         programs: Programs,
-        options: Options,
+        options: RunOptions,
         arm: Robot | None,
         script: Script,
         format: Format,
@@ -163,7 +169,7 @@ class _Running:
         self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
         self.findings = [
             *self.read,
-            *_unused(programs, script),
+            *_unused_signals(programs, script),
             *unknown_visits(script, self.sources),
         ]
         settings = Settings(
@@ -175,7 +181,7 @@ class _Running:
             pace=1.0 if options.real_time else None,
             disk=options.disk,
             hosts=hosts_of(options.hosts),
-            lines=lines_of(options.lines),
+            lines=line_targets(options.lines),
             options=script.options,
         )
         self.kernel = prepared(programs, settings)
@@ -185,14 +191,14 @@ class _Running:
         self.tasks = [task.name for task in self.kernel.tasks]
         self.columns = ColumnWidths.of(self.tasks, self.sources)
         self.printed = self.changed = 0
-        self.until = moment(options.until, self.sources)
+        self.until = time_or_line(options.until, self.sources)
         self.points = [line_named(point, self.sources) for point in options.breaks]
         self.reached: set[Place] = set()
         self.interrupted = False
         if self.live:
             self.kernel.told.append(lambda _: self.flush())
         if options.ask:
-            ask_here(self.kernel, self.flush if self.live else lambda: None)
+            answer_from_input(self.kernel, self.flush if self.live else lambda: None)
 
     @property
     def live(self) -> bool:
@@ -217,7 +223,7 @@ class _Running:
             print_json(self._answer(run, findings, written))
         else:
             self.flush()
-            say(f"{self.programs.title}: {_ENDED[run.ended]}: {summary(run)}")
+            say(f"{self.programs.title}: {_ENDINGS[run.ended]}: {summary(run)}")
             sys.stdout.flush()
             print_findings(findings, explained=True)
             for path in written:
@@ -253,12 +259,12 @@ class _Running:
 
     def _prepare_stops(self) -> None:
         """Has the run end or be held where the options say."""
-        from assistant.cli.stepping import Stepping
+        from assistant.cli.stepping import StepConsole
         from assistant.virtual.kernel import Ending
 
         stepping = None
         if self.options.step or self.points:
-            stepping = Stepping(self.kernel, self.sources, self.flush)
+            stepping = StepConsole(self.kernel, self.sources, self.flush)
             stepping.begin(self.points, at_once=self.options.step)
         place = None
         if isinstance(self.until, float):
@@ -349,7 +355,7 @@ class _Running:
         return list(write_all(files))
 
 
-def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
+def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
     from assistant.program.settings_tables import nearest
     from assistant.virtual.kernel.script import When
@@ -367,7 +373,7 @@ def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
             yield NOT_USED(name=name, cure=cure)
 
 
-_ENDED: Final = {
+_ENDINGS: Final = {
     "end": "came to its end",
     "stopped": "stands and cannot go on",
     "steps": "was broken off",

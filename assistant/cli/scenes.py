@@ -17,8 +17,8 @@ NO_SCENE = error(
     "a scene is not written as `{name}`",
     "end the name in .toml for a cell file, or in .glb for glTF",
 )
-TEXT, GLTF = ".toml", ".glb"
-WORLD: Final = ("world", "robots", "bodies", "frames")
+SCENE_SUFFIXES, GLTF_SUFFIX = ".toml", ".glb"
+WORLD_TABLES: Final = ("world", "robots", "bodies", "frames")
 """Tables of a cell file that a scene holds."""
 
 
@@ -26,20 +26,22 @@ def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format)
     """0; unit: of a drawing, whatever that says."""
     from assistant.report import scenes as report
 
-    if output is not None and (output.suffix.lower() not in (TEXT, GLTF) or not output.stem):
+    if output is not None and (
+        output.suffix.lower() not in (SCENE_SUFFIXES, GLTF_SUFFIX) or not output.stem
+    ):
         raise Refused(NO_SCENE(name=output), exit_status=2)
-    as_text = output is not None and output.suffix.lower() == TEXT
+    as_text = output is not None and output.suffix.lower() == SCENE_SUFFIXES
     with working(f"reading {cell}"):
         try:
-            scene, found, others = _read(cell, unit, as_text)
+            scene, found, others = _read_scene(cell, unit, as_text)
             told = report.record(scene)  # refuses what stands in nothing
         except Refused as refused:
             at = (finding.within(str(cell)) for finding in refused.findings)
             raise Refused(*at, exit_status=refused.exit_status) from None
-        files = {} if output is None else _files(scene, output)
+        files = {} if output is None else _scene_files(scene, output)
         if as_text:
-            found += _left_out(others)
-        written = _put(cell, files)
+            found += _left_out_tables(others)
+        written = _write_scene(cell, files)
     findings = [finding.within(str(cell)) for finding in found]
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
@@ -56,7 +58,7 @@ def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format)
     return 0
 
 
-def _read(
+def _read_scene(
     cell: Path, unit: str | None, as_text: bool
 ) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
     """The scene of a cell file or of a drawing, what is said of it, and its other tables.
@@ -80,28 +82,28 @@ def _read(
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
     found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
     scene, said = parse_scene(source, cell.parent, explored=not as_text)
-    others = tuple(key for key in read_toml(source).content if key not in WORLD)
+    others = tuple(key for key in read_toml(source).content if key not in WORLD_TABLES)
     return scene, (*found, *said), others
 
 
-def _files(scene: Scene, output: Path) -> dict[Path, bytes]:
+def _scene_files(scene: Scene, output: Path) -> dict[Path, bytes]:
     from assistant.cell.scene_export import cell_files, gltf
 
-    if output.suffix.lower() == GLTF:
+    if output.suffix.lower() == GLTF_SUFFIX:
         return {output: gltf(scene)}
     files = cell_files(scene, output.stem, output.parent)
     text = files.pop(f"{output.stem}.toml")
     return {output: text, **{output.parent / name: data for name, data in files.items()}}
 
 
-def _left_out(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
+def _left_out_tables(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
     from assistant.cell.findings import TABLE_LEFT_OUT
     from assistant.program.settings_tables import shown
 
     return tuple(TABLE_LEFT_OUT(table=shown(name)) for name in others)
 
 
-def _put(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:
+def _write_scene(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:
     from assistant.base.file_sets import write_all
 
     keep_sources([str(cell)], list(files))

@@ -9,28 +9,28 @@ from typing import Final
 
 from assistant.base.diagnostics import Refused
 
-NO_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
+NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
 """What gives something a value, `text="a:b@c"`, and what stands on a drive of Windows."""
 
 
-def check_arguments(words: Sequence[str]) -> None:
+def refuse_passwords(words: Sequence[str]) -> None:
     """Raises Refused, of exit status 2, if one looks like an address that holds a password.
 
     Whichever command and option it belongs to: what takes no address would take it for a file.
     """
     for word in words:
-        if not ("@" in word or "%" in word) or NO_ADDRESS.match(word) or _is_there(word):
+        if not ("@" in word or "%" in word) or NOT_AN_ADDRESS.match(word) or _path_exists(word):
             continue
         from assistant.controllers import rules
         from assistant.controllers.address import holds_password, without_password
 
         if holds_password(word):
-            _answer_as_asked(words)
+            _adopt_format(words)
             finding = rules.PASSWORD_IN_ADDRESS(place=without_password(word))
             raise Refused(finding, exit_status=2)
 
 
-def _is_there(word: str) -> bool:
+def _path_exists(word: str) -> bool:
     """Whether it is the name of a file or a folder."""
     try:
         return Path(word).exists()
@@ -38,7 +38,7 @@ def _is_there(word: str) -> bool:
         return False
 
 
-def _answer_as_asked(words: Sequence[str]) -> None:
+def _adopt_format(words: Sequence[str]) -> None:
     """What reads the options has not been there yet."""
     from assistant.cli.presentation import FindingFormat, PlanFormat, answer_as
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from assistant.base.diagnostics import Refused, error
 from assistant.cli.cells import record, robot_of_cell
-from assistant.cli.confirming import confirmed
-from assistant.cli.following import NO_RECORDING, WRITERS, shown
+from assistant.cli.confirming import confirm
+from assistant.cli.following import NO_RECORDING, RECORDING_SUFFIXES, progress_bar
 from assistant.cli.moving import moving
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -24,18 +24,20 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.vision.servoing.loop import Served
 
-NO_WAY: Final = error("CL530", "no arm is led step by step by `{by}`", "choose one of {known}")
-NO_ROBOT: Final = error(
+NO_SERVO_MODE: Final = error(
+    "CL530", "no arm is led step by step by `{by}`", "choose one of {known}"
+)
+SERVO_WITHOUT_ROBOT: Final = error(
     "CL531",
     "no project says which robot `{name}` moves, so it cannot be led",
     "write robot = NAME into its table in assistant.toml",
 )
-UNMOVED: Final = frozenset({"VS201", "VS208"})
+ENDS_BEFORE_MOTION: Final = frozenset({"VS201", "VS208"})
 """What servoing ends with before the first step."""
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class ServoOptions:
     """cameras: their file. by: name of a mode. log: file of what was recorded, or None."""
 
     cameras: Path
@@ -46,69 +48,71 @@ class Options:
     format: Format
 
 
-def run_servo(cell: str, task: Path, options: Options) -> int:
+def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
     """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.servoing.loop import Broken, servo
     from assistant.vision.servoing.setting_up import eyes_of, set_up
     from assistant.vision.servoing.task_file import read_servo
 
-    mode = _mode(options)
+    mode = _servo_mode(options)
     file, rig = read_servo(task), read_cameras(options.cameras)
     with moving(cell, "servo") as motion:
         there = motion.cell
         robot = robot_of_cell(there.one)
         if robot is None:
-            raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
+            raise Refused(SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
         session: Programs = there.controller if mode.operates else there.session
         mode.check(session, options.wishes)
         setting = set_up(file, rig, robot)
-        begin = near(session, robot)
+        begin = joints_nearby(session, robot)
         carrier = mode.make(session, setting.guard.arm(), options.wishes, begin)
         with ExitStack() as open_:
             eyes = open_.enter_context(eyes_of(setting, carrier.joints))
             names = ", ".join(camera.name for camera in setting.cameras)
             what = f"leads the arm by what camera {names} sees"
             print_findings([*mode.faster(setting.guard.arm(), str(there.one.address))])
-            confirmed(there.one, f"{what}: {setting.title}, {mode.title}", options.yes)
+            confirm(there.one, f"{what}: {setting.title}, {mode.title}", options.yes)
             motion.began = True
             try:
                 open_.enter_context(carrier)
-                progress = open_.enter_context(shown(f"servoing {task}", options.format))
+                progress = open_.enter_context(progress_bar(f"servoing {task}", options.format))
                 parts = (eyes, setting.law, carrier, setting.guard, file.settings)
                 done = servo(*parts, progress=progress)
             except Broken as broken:
-                motion.began = not {finding.code for finding in broken.findings} <= UNMOVED
-                _save(broken.served, options)
+                motion.began = (
+                    not {finding.code for finding in broken.findings} <= ENDS_BEFORE_MOTION
+                )
+                _write_recording(broken.served, options)
                 raise
             except Refused as refused:
                 motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
                 raise
-    _save(done, options)
-    _tell(there.one.name, str(there.one.address), done, options)
+    _write_recording(done, options)
+    _print_result(there.one.name, str(there.one.address), done, options)
     return 0
 
 
-def _mode(options: Options) -> Mode:
+def _servo_mode(options: ServoOptions) -> Mode:
     from assistant.controllers.recording import check_place
 
-    if options.log is not None and options.log.suffix.lower() not in WRITERS:
+    if options.log is not None and options.log.suffix.lower() not in RECORDING_SUFFIXES:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
     if options.log is not None:
         check_place(options.log)
-    return way(options.by)
+    return setpoint_mode(options.by)
 
 
-def way(by: str) -> Mode:
+def setpoint_mode(by: str) -> Mode:
     """Return the mode of that name to lead an arm; raises Refused."""
     from assistant.controllers.setpoint_streams import MODES
 
     if by not in MODES:
-        raise Refused(NO_WAY(by=by, known=", ".join(MODES)), exit_status=2)
+        raise Refused(NO_SERVO_MODE(by=by, known=", ".join(MODES)), exit_status=2)
     return MODES[by]
 
 
-def near(session: Programs, robot: Robot) -> Floats:
+def joints_nearby(session: Programs, robot: Robot) -> Floats:
     """Return joints near those of the arm: its own, if the controller reports them."""
     from assistant.compiler.taught_targets import own_joints
     from assistant.controllers import Controller
@@ -118,14 +122,14 @@ def near(session: Programs, robot: Robot) -> Floats:
     return robot.home
 
 
-def _save(served: Served | None, options: Options) -> None:
+def _write_recording(served: Served | None, options: ServoOptions) -> None:
     if options.log is not None and served is not None:
         served.save(options.log)
 
 
-def _tell(name: str, address: str, done: Served, options: Options) -> None:
+def _print_result(name: str, address: str, done: Served, options: ServoOptions) -> None:
     if options.format is Format.JSON:
-        print_json(record(_answer(address, done)))
+        print_json(record(_result_record(address, done)))
         return
     x, y, z = done.pose.position
     say(f"{name}: at its goal, {done}")
@@ -134,7 +138,7 @@ def _tell(name: str, address: str, done: Served, options: Options) -> None:
         say(f"wrote {options.log}")
 
 
-def _answer(address: str, done: Served) -> dict[str, Any]:
+def _result_record(address: str, done: Served) -> dict[str, Any]:
     left = {"pixels": done.pixels, "mm": done.distance, "degrees": done.turn}
     return {
         "address": address,

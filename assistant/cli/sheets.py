@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, fold, warning
 from assistant.cli.compiling import STANDARD
-from assistant.cli.pages import Asked, stem_of, write_page
+from assistant.cli.pages import PageRequest, page_name, write_page
 from assistant.view.sheets import Sheet, compared_sheet
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.cli.compiling import DrawPage
-    from assistant.cli.simulating import Options
+    from assistant.cli.simulating import SimulationOptions
     from assistant.compiler import Compiled
     from assistant.compiler.arms import InCell
     from assistant.compiler.checker import CheckedProgram
     from assistant.compiler.comparison import Comparison
     from assistant.compiler.retarget import Solved
-    from assistant.report.drawn import Line
+    from assistant.report.drawn import DrawnLine
     from assistant.report.translation import Translated
     from assistant.robots import Robot
     from assistant.sources.process.placement import DrawingPlacement
 
-UNLIKE: Final = warning(
+OTHER_ON_DISK: Final = warning(
     "CL062",
     "the page shows what was compiled, and the files on disk are others: edits are kept in them",
     "look at the files themselves as well",
@@ -38,7 +38,7 @@ def compiled_sheet(
     compiled: Compiled,
     scene: Scene | None,
     robot: Robot | None,
-    drawn: Sequence[Line] = (),
+    drawn: Sequence[DrawnLine] = (),
 ) -> Sheet:
     """A compiled program as it is written; one that is not written as it was to be said."""
     from assistant.compiler.source_map import Places
@@ -46,9 +46,10 @@ def compiled_sheet(
 
     lifted = compiled.proof.lifted
     found = fold(apply_severities([finding.within(source) for finding in compiled.found]).left)
-    arm = robot or _arm(compiled.program.robot, scene)
+    arm = robot or _robot_in_cell(compiled.program.robot, scene)
     sheet = Sheet(
-        f"{named(source)} in {compiled.language}" + ("" if arm is None else f" for {arm.name}"),
+        f"{source_name(source)} in {compiled.language}"
+        + ("" if arm is None else f" for {arm.name}"),
         found,
         compiled.program,
         compiled.places,
@@ -65,12 +66,12 @@ def compiled_sheet(
 
 def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) -> Sheet:
     """A translated program beside what it was made of."""
-    from assistant.report.translation import share, totals
-    from assistant.view.beside import beside
+    from assistant.report.translation import level_totals, translated_share
+    from assistant.view.beside import translation_side_by_side
 
     translation = one.translation
     sheet = compiled_sheet(one.source, translation.written, scene, robot)
-    said = f"{share(translation):.1f} % said: {totals(translation)}"
+    said = f"{translated_share(translation):.1f} % said: {level_totals(translation)}"
     draft = ("the files are a draft: not all of it is said",) if translation.draft else ()
     found = [*translation.whole, *(f for row in translation.rows.noted for f in row.reasons)]
     placed = map(translation.compiled.places.finding, found)
@@ -78,15 +79,15 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
         sheet,
         found=tuple(dict.fromkeys(placed)),
         notes=(said, *draft, *sheet.notes),
-        beside=beside(translation),
+        beside=translation_side_by_side(translation),
     )
 
 
-def looked_sheet(
-    one: CheckedProgram, found: Sequence[Diagnostic], drawn: Sequence[Line] = ()
+def checked_sheet(
+    one: CheckedProgram, found: Sequence[Diagnostic], drawn: Sequence[DrawnLine] = ()
 ) -> Sheet:
     """A program that was checked."""
-    first, *others = map(named, one.files)
+    first, *others = map(source_name, one.files)
     return Sheet(
         first if not others else f"{first} and {len(others)} more",
         found,
@@ -100,24 +101,27 @@ def looked_sheet(
 
 
 def solved_sheet(
-    source: str, ready: Solved, options: Options, found: Sequence[Diagnostic] = ()
+    source: str, ready: Solved, options: SimulationOptions, found: Sequence[Diagnostic] = ()
 ) -> Sheet:
     """A program that an arm goes through. found: besides what was found while it was read."""
     return Sheet(
-        named(source),
+        source_name(source),
         (*ready.findings, *found),
         ready.solution.program,
         ready.places,
         ready.solution.robot,
         ready.scene,
-        lines_of_drawing(source, options.process, options.unit, options.placement),
+        drawing_lines(source, options.process, options.unit, options.placement),
         solution=ready.solution,
         acceleration=options.acceleration,
     )
 
 
 def compiled_page(
-    asked: Asked, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
+    asked: PageRequest,
+    process: Path | None,
+    unit: str | None,
+    placement: DrawingPlacement | None = None,
 ) -> DrawPage | None:
     """Writes the page of a compilation, if one is asked for; see `run_compile`.
 
@@ -131,21 +135,21 @@ def compiled_page(
         findings: list[Diagnostic],
         unlike: Sequence[str],
     ) -> Sequence[Path]:
-        def lines(source: str) -> Sequence[Line]:
-            return lines_of_drawing(source, process, unit, placement)
+        def lines(source: str) -> Sequence[DrawnLine]:
+            return drawing_lines(source, process, unit, placement)
 
         sheets = []
         for source, compiled in done:
             drawn = lines(source)
             sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
             if source in unlike:
-                findings.append(UNLIKE(path=source))
-                sheet = replace(sheet, found=(UNLIKE(path=source), *sheet.found))
+                findings.append(OTHER_ON_DISK(path=source))
+                sheet = replace(sheet, found=(OTHER_ON_DISK(path=source), *sheet.found))
             sheets.append(sheet)
         sources = [source for source, _ in done]
         known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
         sheets += refused_sheets((f for f in findings if f.path not in known), lines)
-        written, told = write_page(asked, sheets, sources, stem_of(*sources[:1] or ["program"]))
+        written, told = write_page(asked, sheets, sources, page_name(*sources[:1] or ["program"]))
         findings += told
         return written
 
@@ -153,8 +157,8 @@ def compiled_page(
 
 
 def simulated_page(
-    asked: Asked,
-) -> Callable[[str, Options, Solved, list[Diagnostic]], Sequence[Path]] | None:
+    asked: PageRequest,
+) -> Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]] | None:
     """Writes the page of a simulation, if one is asked for; see `run_simulate`.
 
     Raises Refused (exit status 2) for a report that is no page.
@@ -162,14 +166,14 @@ def simulated_page(
     asked.only_page()
 
     def write(
-        source: str, options: Options, ready: Solved, findings: list[Diagnostic]
+        source: str, options: SimulationOptions, ready: Solved, findings: list[Diagnostic]
     ) -> Sequence[Path]:
         from assistant.checks import robot_rules
 
         found = robot_rules.check(ready.solution)
         sheet = solved_sheet(source, ready, options, found)
         read = [source, *map(str, filter(None, (options.cell, options.process)))]
-        written, told = write_page(asked, [sheet], read, stem_of(source))
+        written, told = write_page(asked, [sheet], read, page_name(source))
         findings += told
         return written
 
@@ -177,7 +181,7 @@ def simulated_page(
 
 
 def compared_page(
-    asked: Asked,
+    asked: PageRequest,
     done: Sequence[Comparison],
     refusals: Sequence[Diagnostic],
     sources: Iterable[str],
@@ -188,11 +192,11 @@ def compared_page(
     overwritten.
     """
     sheets = [*map(compared_sheet, done), *refused_sheets(refusals)]
-    stem = stem_of(done[0].names[0]) if done else "comparison"
+    stem = page_name(done[0].names[0]) if done else "comparison"
     return write_page(asked, sheets, sources, stem)
 
 
-def _arm(name: str | None, scene: Scene | None) -> Robot | None:
+def _robot_in_cell(name: str | None, scene: Scene | None) -> Robot | None:
     """The robot that a program names, as the cell has it if it does; None for an unknown one."""
     from assistant.compiler.arms import known_robot
 
@@ -206,21 +210,21 @@ def _arm(name: str | None, scene: Scene | None) -> Robot | None:
 
 
 def refused_sheets(
-    findings: Iterable[Diagnostic], lines: Callable[[str], Sequence[Line]] = lambda _: ()
+    findings: Iterable[Diagnostic], lines: Callable[[str], Sequence[DrawnLine]] = lambda _: ()
 ) -> list[Sheet]:
     """What could not be read at all, a file each, with why. lines: of a drawing, by its path."""
     by_file: dict[str, list[Diagnostic]] = {}
     for finding in findings:
         by_file.setdefault(finding.path or "findings", []).append(finding)
     return [
-        Sheet(named(path), found, drawn=lines(path), notes=("nothing could be done with it",))
+        Sheet(source_name(path), found, drawn=lines(path), notes=("nothing could be done with it",))
         for path, found in by_file.items()
     ]
 
 
-def lines_of_drawing(
+def drawing_lines(
     source: str, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
-) -> Sequence[Line]:
+) -> Sequence[DrawnLine]:
     """The lines of a drawing; none of another source, nor of one that cannot be read."""
     from assistant.report.drawn import drawn_lines
 
@@ -230,6 +234,6 @@ def lines_of_drawing(
         return ()
 
 
-def named(source: str) -> str:
+def source_name(source: str) -> str:
     """What a source is called on a page."""
     return "standard input" if source == STANDARD else Path(source).name

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.base.diagnostics import Refused, error, fold
 from assistant.cli.compiling import NO_FILE_NAME, SIDE_TABLES_ABOVE, load_given
 from assistant.cli.presentation import print_findings, say
-from assistant.cli.stating import as_stated
+from assistant.cli.stating import with_project_defaults
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
@@ -25,7 +25,7 @@ NO_LANGUAGE: Final = error(
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class ShowOptions:
     """What of a source is shown. to, after: as a language says it, after one of its passes."""
 
     robot: str | None
@@ -38,10 +38,10 @@ class Wanted:
     placement: DrawingPlacement | None = None
 
 
-def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
+def run_show(source: str, wanted: ShowOptions, output: Path | None) -> int:
     from assistant.program import pseudo
 
-    wanted = as_stated(source, wanted)
+    wanted = with_project_defaults(source, wanted)
     loaded = load_given(
         source,
         wanted.robot,
@@ -52,13 +52,13 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
         placement=wanted.placement,
     )
     print_findings(fold(f.within(source) for f in loaded.findings))
-    program = _on_the_way(loaded, wanted)
+    program = _lowered(loaded, wanted)
     if output is None:
-        sys.stdout.write(_printed(program, source, None).text)
+        sys.stdout.write(_pseudo_text(program, source, None).text)
         return 0
     from assistant.base.file_sets import write_files
 
-    printed = _printed(program, source, SIDE_TABLES_ABOVE)
+    printed = _pseudo_text(program, source, SIDE_TABLES_ABOVE)
     if not output.name or output.name in (".", ".."):
         raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
     name = output.with_suffix(pseudo.SUFFIX).name
@@ -67,7 +67,7 @@ def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
     return 0
 
 
-def _printed(program: Program, source: str, side_tables_above: int | None) -> Printed:
+def _pseudo_text(program: Program, source: str, side_tables_above: int | None) -> Printed:
     """The text of the program; what it cannot say is told at its line of the source."""
     from assistant.compiler.source_map import Places
     from assistant.program import pseudo
@@ -79,7 +79,7 @@ def _printed(program: Program, source: str, side_tables_above: int | None) -> Pr
         raise Refused(*(places.finding(f).within(source) for f in refused.findings)) from None
 
 
-def _on_the_way(loaded: Loaded, wanted: Wanted) -> Program:
+def _lowered(loaded: Loaded, wanted: ShowOptions) -> Program:
     """The program that was loaded, or what a pass on its way into a language makes of it."""
     if wanted.to is None:
         if wanted.after is not None:

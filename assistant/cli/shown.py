@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class PointingOptions:
     """cameras: file of cameras. use: names of those that look, () for all. device: name or file.
     frames: moments of a hold. rate: pictures a second of files. robot: named by hand. world: frame
     of the cameras in the file. stroke: a way instead of places, with waypoints each `step` mm.
@@ -58,13 +58,13 @@ class Options:
 
 
 @dataclass(slots=True)
-class Shown:
+class ShownPlaces:
     """Places that come from cameras, and what was told of them meanwhile."""
 
     rig: Rig
     cameras: tuple[Camera, ...]
     device: Device
-    options: Options
+    options: PointingOptions
     good: int = 0
     count: int = 0
     reasons: Counter[str] = field(default_factory=Counter)
@@ -133,7 +133,7 @@ class Shown:
 def next_place(
     name: str,
     holds: Iterator[Held],
-    shown: Shown,
+    shown: ShownPlaces,
     robot: Robot | None,
     near: Sequence[float] | None = None,
 ) -> tuple[Held, ShownTarget] | None:
@@ -168,11 +168,11 @@ def place_line(place: ShownTarget) -> str:
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
 
 
-def sureness(held: Held) -> str:
+def certainty(held: Held) -> str:
     return f"{held.frames} moments within {held.spread:.2f} mm, mean known to {held.sigma:.2f} mm"
 
 
-def recorded(held: Held, place: ShownTarget) -> dict[str, object]:
+def pointing_record(held: Held, place: ShownTarget) -> dict[str, object]:
     return {
         "name": place.name,
         "position": list(place.pose.position),

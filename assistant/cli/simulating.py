@@ -16,7 +16,7 @@ from assistant.cli.compiling import (
     working,
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.stating import as_stated
+from assistant.cli.stating import with_project_defaults
 
 if TYPE_CHECKING:
     from assistant.compiler.arms import InCell
@@ -31,12 +31,12 @@ NO_RESULT = error(
     "a simulation is not written as `{name}`",
     "end the name in .csv, .npz, .png or .svg, or name a folder",
 )
-FILES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
+FILE_SUFFIXES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
 """How the names of all files of a simulation end, behind the name of the program."""
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class SimulationOptions:
     """What is simulated, and how. acceleration: mm/s² of the tool. period: seconds."""
 
     robot: str | None
@@ -54,10 +54,11 @@ class Options:
 
 def run_simulate(
     source: str,
-    options: Options,
+    options: SimulationOptions,
     outputs: Sequence[str],
     format: Format,
-    page: Callable[[str, Options, Solved, list[Diagnostic]], Sequence[Path]] | None = None,
+    page: Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]]
+    | None = None,
 ) -> int:
     """0 if the program could be simulated, 1 if the robot cannot run it, or not without contact.
 
@@ -67,20 +68,20 @@ def run_simulate(
     from assistant.report import timing as report
     from assistant.robots.timing import simulate
 
-    options = as_stated(source, options)
+    options = with_project_defaults(source, options)
     with working(f"simulating {source}"):
-        wanted = _wanted(source, outputs)
-        ready = solved(source, options)
+        wanted = _output_files(source, outputs)
+        ready = solved_source(source, options)
         solution, findings = ready.solution, ready.findings
         pages = () if page is None else page(source, options, ready, findings)
         if has_errors(findings):
-            return refused(source, solution.robot, findings, format, pages=pages)
+            return report_errors(source, solution.robot, findings, format, pages=pages)
         done = simulate(solution, period=options.period, acceleration=options.acceleration)
         found = clearances(solution, ready.scene, done)
         near = fold(ready.places.finding(finding).within(source) for finding in found)
         findings += near
-        files = {path: _written(path.name, done, source) for path in wanted}
-        written = [*_put(source, files), *pages]
+        files = {path: _simulation_files(path.name, done, source) for path in wanted}
+        written = [*_write_simulation(source, files), *pages]
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 
@@ -98,7 +99,7 @@ def run_simulate(
     return 1 if has_errors(near) else 0
 
 
-def solved(source: str, options: Options, stands: InCell | None = None) -> Solved:
+def solved_source(source: str, options: SimulationOptions, stands: InCell | None = None) -> Solved:
     """The program of a file, for the arm that runs it. Raises Refused if nobody names one.
 
     stands: the cell, where it has been read already.
@@ -114,7 +115,7 @@ def solved(source: str, options: Options, stands: InCell | None = None) -> Solve
     return solve(loaded, stands, source, options.from_robot)
 
 
-def refused(
+def report_errors(
     source: str,
     robot: Robot,
     findings: Sequence[Diagnostic],
@@ -145,14 +146,14 @@ def refused(
     return 1
 
 
-def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
+def _output_files(source: str, outputs: Sequence[str]) -> list[Path]:
     """The files that are to be written; raises Refused for a name that tells no kind."""
     stem = "program" if source == STANDARD else Path(source).stem
     found = []
     for output in outputs:
         path = Path(output)
         if path.is_dir() or not path.suffix:
-            found += [path / f"{stem}{end}" for end in FILES]
+            found += [path / f"{stem}{end}" for end in FILE_SUFFIXES]
         elif path.suffix.lower() not in _WRITERS:
             raise Refused(NO_RESULT(name=output), exit_status=2)
         elif not path.stem:
@@ -162,14 +163,14 @@ def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def _put(source: str, files: Mapping[Path, bytes]) -> list[Path]:
+def _write_simulation(source: str, files: Mapping[Path, bytes]) -> list[Path]:
     from assistant.base.file_sets import write_all
 
     keep_sources([source], list(files))
     return list(write_all(files))
 
 
-def _written(name: str, done: Simulation, source: str) -> bytes:
+def _simulation_files(name: str, done: Simulation, source: str) -> bytes:
     if name.lower().endswith(".moves.csv"):
         from assistant.report.timing import moves_csv
 

@@ -9,18 +9,18 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 
-def as_stated(source: str, options: T) -> T:
+def with_project_defaults(source: str, options: T) -> T:
     """Options of a command, a record, with what the project of a source says of the rest.
 
     Raises Refused where it says several things.
     """
     if source == "-" or not Path(source).is_file():
         return options
-    from assistant.project.stated import OPTIONS, Stated, completed
+    from assistant.project.stated import OPTIONS, SourceOptions, completed_options
 
     assert is_dataclass(options) and not isinstance(options, type)
     names = [field.name for field in fields(options) if field.name in OPTIONS]
-    given = Stated(**{name: getattr(options, name) for name in names})
-    done = completed(source, given, names)
+    given = SourceOptions(**{name: getattr(options, name) for name in names})
+    done = completed_options(source, given, names)
     changed: dict[str, Any] = {name: getattr(done, name) for name in names}
     return replace(options, **changed)

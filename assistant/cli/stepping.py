@@ -27,12 +27,12 @@ HELP: Final = (
     ("help", "h", "print this"),
 )
 """Commands, their short names, and what they do."""
-STRIDES: Final[dict[str, Stride]] = {"next": "over", "step": "in", "out": "out"}
-WIDEST: Final = 200
+STEP_COMMANDS: Final[dict[str, Stride]] = {"next": "over", "step": "in", "out": "out"}
+WIDEST_VALUE: Final = 200
 """Characters of a value that are shown."""
 
 
-class Stepping:
+class StepConsole:
     """Holds a run and asks what to do. flush: prints what happened until now."""
 
     def __init__(
@@ -75,13 +75,13 @@ class Stepping:
             self.holding.go()
             return True
         word, *rest = line.split() or [self.last]
-        command = _command(word)
+        command = _full_command(word)
         if command is None:
             say(f"`{word}` is no command; h prints them")
             return False
         self.last = command
-        if command in STRIDES:
-            self.holding.go(Step(task, STRIDES[command], len(task.levels())))
+        if command in STEP_COMMANDS:
+            self.holding.go(Step(task, STEP_COMMANDS[command], len(task.levels())))
             return True
         if command == "continue":
             self.holding.go()
@@ -94,7 +94,7 @@ class Stepping:
 
     def _answer(self, command: str, rest: Sequence[str], task: Task) -> Iterator[str]:
         if command == "variables":
-            yield from _variables(task, {name.lower() for name in rest})
+            yield from _visible_variables(task, {name.lower() for name in rest})
         elif command == "signals":
             yield from self._signals(rest)
         elif command == "stack":
@@ -116,11 +116,11 @@ class Stepping:
             yield "name an input and its value, or nothing"
             return
         for title, signals in (("input", board.inputs), ("output", board.outputs)):
-            for name in sorted(_names(signals)):
+            for name in sorted(_call_names(signals)):
                 yield f"{title} {name} = {signals.read(name):g}"
 
 
-def _command(word: str) -> str | None:
+def _full_command(word: str) -> str | None:
     """The command that a word is, whole, cut short, or by its key."""
     given = word.lower()
     by_key = next((name for name, key, _ in HELP if given == key), None)
@@ -128,7 +128,7 @@ def _command(word: str) -> str | None:
     return by_key or (begun[0] if len(begun) == 1 else None)
 
 
-def _variables(task: Task, wanted: set[str]) -> Iterator[str]:
+def _visible_variables(task: Task, wanted: set[str]) -> Iterator[str]:
     """Of the innermost call: its own data, then those of its module and of all."""
     levels = task.levels()
     shown = False
@@ -137,13 +137,13 @@ def _variables(task: Task, wanted: set[str]) -> Iterator[str]:
             if not wanted or one.name.lower() in wanted:
                 shown = True
                 value = one.value if one.value else "no value"
-                cut = value if len(value) <= WIDEST else value[: WIDEST - 1] + "…"
+                cut = value if len(value) <= WIDEST_VALUE else value[: WIDEST_VALUE - 1] + "…"
                 kind = f"{one.type} " if one.type else ""
                 yield f"{title}: {kind}{one.name} = {cut}"
     if not shown:
         yield "there is no data of that name here" if wanted else "there is no data here"
 
 
-def _names(signals: Signals) -> set[str]:
+def _call_names(signals: Signals) -> set[str]:
     source = signals.source
     return set(signals.values) | (set() if callable(source) else set(source))

@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.cells import joints_line, pose_line, reached, record, robot_of_cell
+from assistant.cli.cells import connected, joints_line, pose_line, record, robot_of_cell
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.compiler.taught_targets import TargetOptions
     from assistant.controllers import Controller
 
-ONE_WAY: Final = error(
+SEVERAL_TRIGGERS: Final = error(
     "CL230", "a key, a signal or at once: targets are stored at one of them", "keep --on or --now"
 )
 NO_NAME: Final = error("CL231", "--now stores one target", "name it")
@@ -34,15 +34,15 @@ NO_CONTROLLER: Final = error(
 ONLY_POINTING: Final = error(
     "CL516", "{option} is for places that are shown", "add --point CAMERAS.toml"
 )
-LOOKS: Final = 0.1
+SIGNAL_PERIOD: Final = 0.1
 """Seconds between two looks at the signal."""
-STORES: Final = b"\r\n "
-ENDS: Final = b"q\x1b\x04"
+STORE_KEYS: Final = b"\r\n "
+END_KEYS: Final = b"q\x1b\x04"
 """Keys: q, Escape, and the end of the input."""
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class TeachOptions:
     """into: the file of targets. on: an input whose rise stores. now: without any key."""
 
     into: Path
@@ -53,7 +53,7 @@ class Options:
 
 
 def run_teach(
-    cell: str | None, names: Sequence[str], options: Options, pointing: Mapping[str, bool]
+    cell: str | None, names: Sequence[str], options: TeachOptions, pointing: Mapping[str, bool]
 ) -> int:
     """Names in their order; without any, p1, p2 … until somebody ends it.
 
@@ -67,13 +67,13 @@ def run_teach(
     if cell is None:
         raise Refused(NO_CONTROLLER(), exit_status=2)
     if options.now and options.on is not None:
-        raise Refused(ONE_WAY(), exit_status=2)
+        raise Refused(SEVERAL_TRIGGERS(), exit_status=2)
     if options.now and len(names) != 1:
         raise Refused(NO_NAME(), exit_status=2)
     stored: list[dict[str, object]] = []
-    with reached(cell, "teach") as there:
+    with connected(cell, "teach") as there:
         controller, robot = there.controller, robot_of_cell(there.one)
-        with _moments(controller, str(there.one.address), options) as comes:
+        with _store_triggers(controller, str(there.one.address), options) as comes:
             for name in names or free_names(options.into):
                 if options.format is Format.TEXT and not options.now:
                     keys = f"`{options.on}`" if options.on is not None else "Enter"
@@ -107,21 +107,21 @@ def free_names(file: Path) -> Iterator[str]:
 
 
 @contextmanager
-def _moments(
-    controller: Controller, address: str, options: Options
+def _store_triggers(
+    controller: Controller, address: str, options: TeachOptions
 ) -> Iterator[Callable[[], bool]]:
     """What waits for the moment to store: False when there is none any more."""
     if options.now:
         yield lambda: True
         return
-    with keys() as pressed:
+    with terminal_keys() as pressed:
         if options.on is None:
-            yield lambda: _key(pressed, None) is True
+            yield lambda: _store_key(pressed, None) is True
             return
-        yield _rises(controller, address, options.on, pressed)
+        yield _wait_for_rise(controller, address, options.on, pressed)
 
 
-def _rises(
+def _wait_for_rise(
     controller: Controller, address: str, signal: str, pressed: Callable[[float | None], bytes]
 ) -> Callable[[], bool]:
     """Waits until an input that was off is on; q ends it, where there are keys.
@@ -141,10 +141,10 @@ def _rises(
         nonlocal was
         while True:
             if sys.stdin.isatty():
-                if _key(pressed, LOOKS) is False:
+                if _store_key(pressed, SIGNAL_PERIOD) is False:
                     return False
             else:
-                time.sleep(LOOKS)
+                time.sleep(SIGNAL_PERIOD)
             before, was = was, is_on()
             if was and not before:
                 return True
@@ -152,7 +152,7 @@ def _rises(
     return comes
 
 
-def _key(pressed: Callable[[float | None], bytes], seconds: float | None) -> bool | None:
+def _store_key(pressed: Callable[[float | None], bytes], seconds: float | None) -> bool | None:
     """True for a key that stores, False for one that ends, None if the time is over."""
     end = None if seconds is None else time.monotonic() + seconds
     while True:
@@ -160,14 +160,14 @@ def _key(pressed: Callable[[float | None], bytes], seconds: float | None) -> boo
         key = pressed(rest)
         if key == b"":
             return None
-        if key in ENDS:
+        if key in END_KEYS:
             return False
-        if key in STORES:
+        if key in STORE_KEYS:
             return True
 
 
 @contextmanager
-def keys() -> Iterator[Callable[[float | None], bytes]]:
+def terminal_keys() -> Iterator[Callable[[float | None], bytes]]:
     """Single keys of the terminal, or characters of an input that is none; Ctrl-C stays Ctrl-C.
 
     They are waited for so many seconds, b"" if none came. The end of the input is a key, too.
@@ -176,13 +176,13 @@ def keys() -> Iterator[Callable[[float | None], bytes]]:
         import termios
         import tty
     except ImportError:  # another system: a line is what it gives
-        yield lambda _: b"\n" if sys.stdin.readline() else ENDS[-1:]
+        yield lambda _: b"\n" if sys.stdin.readline() else END_KEYS[-1:]
         return
     source = sys.stdin.fileno()
 
     def pressed(seconds: float | None) -> bytes:
         ready, _, _ = select.select([source], [], [], seconds)
-        return (os.read(source, 1) or ENDS[-1:]) if ready else b""
+        return (os.read(source, 1) or END_KEYS[-1:]) if ready else b""
 
     if not os.isatty(source):
         yield pressed

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.base.source_text import is_folder, lines_of, visible
-from assistant.cli.answering import Answers, paths_of, placed, write_each
+from assistant.cli.answering import Outcomes, output_folders, output_paths, write_outputs
 from assistant.cli.compiling import (
     NO_FILE_NAME,
     STANDARD,
@@ -20,7 +20,7 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
-from assistant.cli.pages import Asked, stem_of, write_page
+from assistant.cli.pages import PageRequest, page_name, write_page
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
@@ -39,16 +39,16 @@ if TYPE_CHECKING:
     from assistant.report.translation import Translated
     from assistant.sources.sights import Seeing
 
-NO_PRINTING: Final = error(
+REPORT_TO_OUTPUT: Final = error(
     "CL014",
     "the report of a translation goes to standard output, so programs cannot",
     "name a folder with --output",
 )
-STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
+LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class TranslateOptions:
     """What all programs of one command are translated with."""
 
     to: str
@@ -79,7 +79,7 @@ class Options:
 
 def run_translate(
     programs: Sequence[str],
-    options: Options,
+    options: TranslateOptions,
     *,
     output: str,
     report: Path | None,
@@ -99,55 +99,57 @@ def run_translate(
     from assistant.findings.formats import finding_record
     from assistant.report.markdown import findings_markdown
     from assistant.report.names import names_csv
-    from assistant.report.translation import markdown, record
-    from assistant.report.translation import written as report_written
+    from assistant.report.translation import report_bytes as report_written
+    from assistant.report.translation import report_markdown, report_record
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     if output == STANDARD:
-        raise Refused(NO_PRINTING(), exit_status=2)
+        raise Refused(REPORT_TO_OUTPUT(), exit_status=2)
     beside = [path for path in (report, names) if path is not None]
     for path in beside:
         if not path.name:
             raise Refused(NO_FILE_NAME(name=path), exit_status=2)
-    asked = Asked(report, opened)
+    asked = PageRequest(report, opened)
     options.check()
     options = replace(options, to=language_of(options.to).name)
-    answers = Answers()
-    tasks = _tasks(programs, options, output, answers)
-    done = _all_translated(tasks, options, answers)
-    if options.cell is not None and ask and _asked(options.cell, done):
-        answers = Answers()
-        done = _all_translated(tasks, options, answers)
+    answers = Outcomes()
+    tasks = _translation_tasks(programs, options, output, answers)
+    done = _translate_all(tasks, options, answers)
+    if options.cell is not None and ask and _ask_missing_values(options.cell, done):
+        answers = Outcomes()
+        done = _translate_all(tasks, options, answers)
     files = {one.source: one.translation.files for one in done if one.translation.files}
-    folders, told = placed(files)
+    folders, told = output_folders(files)
     refusals = [*answers.refusals, *told]
     reported = partial(report_written, refusals=refusals)
     whole = all(one.translation.ok for one in done)
     status = max(answers.status, 0 if whole else 1)
     keep_sources(
         [file for task in tasks for file in task.files],
-        [*paths_of(files, folders, output), *beside],
+        [*output_paths(files, folders, output), *beside],
     )
     paths = {task.name: task.files[0] for task in tasks if task.files}
-    written, others = write_each(files, folders, output, paths)
+    written, others = write_outputs(files, folders, output, paths)
     refusals += others
     status = max(status, 1 if others else 0)
     if report is not None and not asked.html:
-        written += _written(report, reported(done, report))
+        written += _write_report_file(report, reported(done, report))
     if asked.html or opened:
         with working("drawing the page"):
-            pages, told = _page(asked, done, refusals, options, [f for t in tasks for f in t.files])
+            pages, told = _write_translation_page(
+                asked, done, refusals, options, [f for t in tasks for f in t.files]
+            )
         written += map(str, pages)
         refusals += told
     if names is not None:
-        written += _written(names, names_csv(done).encode("utf-8"))
+        written += _write_report_file(names, names_csv(done).encode("utf-8"))
     if options.cell is not None:
-        written += _lacking(options.cell, done)
+        written += _cell_file_with_blanks(options.cell, done)
     if format is TranslationFormat.TEXT:
         print_findings(refusals)
         for one in done:
-            _show(one, every)
+            _print_translation(one, every)
         if len(done) > 1:
             say(f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole")
         changed = any(
@@ -159,12 +161,12 @@ def run_translate(
             say(f"wrote {file}")
     elif format is TranslationFormat.JSON:
         answer = {
-            "ok": status == 0, "programs": list(map(record, done)), "written": written,
+            "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
             "findings": list(map(finding_record, refusals)),
         }  # fmt: skip
         print_json(answer)
     elif format is TranslationFormat.MARKDOWN:
-        for line in (*findings_markdown(refusals), *lines_of(markdown(done))):
+        for line in (*findings_markdown(refusals), *lines_of(report_markdown(done))):
             say(line)
     else:
         found = [f for one in done for f in one.translation.findings]
@@ -172,11 +174,11 @@ def run_translate(
     return status
 
 
-def _page(
-    asked: Asked,
+def _write_translation_page(
+    asked: PageRequest,
     done: Sequence[Translated],
     refusals: Sequence[Diagnostic],
-    options: Options,
+    options: TranslateOptions,
     sources: Sequence[str],
 ) -> tuple[list[Path], list[Diagnostic]]:
     """The page of all programs; its file, and what is to be said of it."""
@@ -186,11 +188,11 @@ def _page(
     stands = open_cell(options.cell, options.robot, values=True)
     sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
     sheets += refused_sheets(refusals)
-    return write_page(asked.page(), sheets, sources, stem_of(*sources[:1] or ["program"]))
+    return write_page(asked.page(), sheets, sources, page_name(*sources[:1] or ["program"]))
 
 
-def _tasks(
-    programs: Sequence[str], options: Options, output: str, answers: Answers
+def _translation_tasks(
+    programs: Sequence[str], options: TranslateOptions, output: str, answers: Outcomes
 ) -> tuple[Task, ...]:
     """What of the files, and of those in folders, is one program each."""
     from assistant.compiler.program_files import OutputFolder, programs_in, tasks_of
@@ -207,7 +209,7 @@ def _tasks(
     return tasks_of(list(found), language)
 
 
-def _translated(task: Task, options: Options) -> Translated:
+def _translate_task(task: Task, options: TranslateOptions) -> Translated:
     from assistant.compiler import translate
     from assistant.compiler.arms import robot_of
     from assistant.compiler.program_files import load_task
@@ -217,7 +219,7 @@ def _translated(task: Task, options: Options) -> Translated:
     name = task.name
     source: str | Loaded = name
     if name == STANDARD:
-        source = _standard_input(options)
+        source = _load_standard_input(options)
     elif len(task.files) > 1 or task.findings:
         arm = robot_of(options.from_robot)
         source = load_task(task, process=options.process, robot=arm)
@@ -239,7 +241,7 @@ def _translated(task: Task, options: Options) -> Translated:
     return Translated("standard input" if name == STANDARD else name, translation)
 
 
-def _standard_input(options: Options) -> Loaded:
+def _load_standard_input(options: TranslateOptions) -> Loaded:
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loader import load_text
 
@@ -248,21 +250,23 @@ def _standard_input(options: Options) -> Loaded:
     return load_text(text, process=options.process, robot=arm, language=spoken)
 
 
-def _written(path: Path, data: bytes) -> list[str]:
+def _write_report_file(path: Path, data: bytes) -> list[str]:
     from assistant.base.file_sets import write_files
 
     return list(map(str, write_files({path.name: data}, path.parent)))
 
 
-def _all_translated(tasks: Sequence[Task], options: Options, answers: Answers) -> list[Translated]:
+def _translate_all(
+    tasks: Sequence[Task], options: TranslateOptions, answers: Outcomes
+) -> list[Translated]:
     done = []
     for task in tasks:
         with answers.of(task.name), working(f"translating {task.name}"):
-            done.append(_translated(task, options))
+            done.append(_translate_task(task, options))
     return done
 
 
-def _asked(path: Path, done: Sequence[Translated]) -> bool:
+def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
     """Asks for what programs lack and writes the answers; whether there was any.
 
     An empty answer leaves a value open, the end of input all that follow. An answer that cannot be
@@ -307,7 +311,7 @@ def _asked(path: Path, done: Sequence[Translated]) -> bool:
     return text != before
 
 
-def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
+def _cell_file_with_blanks(path: Path, done: Sequence[Translated]) -> list[str]:
     """The cell file, with a place for each value that programs lack; nothing if it has them all."""
     from assistant.base.file_sets import write_all
     from assistant.compiler.cell_defaults import cell_text
@@ -318,19 +322,19 @@ def _lacking(path: Path, done: Sequence[Translated]) -> list[str]:
     return [] if text == cell.text else list(map(str, write_all({path: text.encode("utf-8")})))
 
 
-def _show(one: Translated, every: bool) -> None:
+def _print_translation(one: Translated, every: bool) -> None:
     """How much is said, or every statement; findings on the whole program first."""
-    from assistant.report.translation import lines, reasons, summary, totals
+    from assistant.report.translation import level_totals, reason_lines, report_lines, summary
 
     translation = one.translation
     whole = [finding.within(one.source) for finding in translation.whole]
-    print_findings(whole if every else _some(whole))
+    print_findings(whole if every else _first_of_each_code(whole))
     if every and sys.stdout.isatty():
-        _table(one)
-        for line in (f"{one.source}: {totals(translation)}", *reasons(one)):
+        _print_statements(one)
+        for line in (f"{one.source}: {level_totals(translation)}", *reason_lines(one)):
             say(line)
     else:
-        for line in lines(one) if every else summary(one):
+        for line in report_lines(one) if every else summary(one):
             say(line)
     for line in translation.written.proof_lines():
         say(f"{one.source}: {line}")
@@ -341,25 +345,25 @@ def _show(one: Translated, every: bool) -> None:
         say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
 
 
-MOST_ALIKE: Final = 3
+MOST_OF_ONE_CODE: Final = 3
 """Findings of one code on a whole program that are shown, unless each is asked for."""
 
 
-def _some(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+def _first_of_each_code(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
     """The first few of each code, the last of them with how many there are besides."""
     alike: dict[str, list[Diagnostic]] = {}
     for finding in findings:
         alike.setdefault(finding.code, []).append(finding)
     shown = list[Diagnostic]()
     for found in alike.values():
-        some, rest = found[:MOST_ALIKE], len(found) - MOST_ALIKE
+        some, rest = found[:MOST_OF_ONE_CODE], len(found) - MOST_OF_ONE_CODE
         if rest > 0:
             some[-1] = replace(some[-1], message=f"{some[-1].message} (and {rest:,} more like it)")
         shown += some
     return shown
 
 
-def _table(one: Translated) -> None:
+def _print_statements(one: Translated) -> None:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -371,7 +375,7 @@ def _table(one: Translated) -> None:
         count = f" ({row.count} rows)" if row.count > 1 else ""
         table.add_row(
             str(row.place.line),
-            Text(row.level, style=STYLES[row.level]),
+            Text(row.level, style=LEVEL_STYLES[row.level]),
             Text("\n".join(map(visible, (row.text + count).split("\n")))),
             Text(why),
         )

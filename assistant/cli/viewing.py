@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.base.diagnostics import Refused, error, fold, has_errors
 from assistant.cli.compiling import keep_sources, working
-from assistant.cli.pages import NO_PAGE, SUFFIXES, stem_of
+from assistant.cli.pages import NO_PAGE, SUFFIXES, page_name
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.sheets import solved_sheet
-from assistant.cli.simulating import Options, refused, solved
-from assistant.cli.stating import as_stated
+from assistant.cli.simulating import SimulationOptions, report_errors, solved_source
+from assistant.cli.stating import with_project_defaults
 from assistant.view.sheets import shown_sheet
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ NO_BROWSER = error(
     "no browser could be opened here",
     "write the page with --html FILE.html, and open that",
 )
-NOT_WRITTEN = error(
+LIVE_NOT_WRITTEN = error(
     "CL046",
     "a page that follows a controller is served, and cannot be written to a file",
     "leave out --html or --live",
@@ -36,7 +36,11 @@ NOT_WRITTEN = error(
 
 
 def run_view(
-    source: str, options: Options, html: Path | None, format: Format, live: str | None = None
+    source: str,
+    options: SimulationOptions,
+    html: Path | None,
+    format: Format,
+    live: str | None = None,
 ) -> int:
     """1 if the robot cannot run the program, or not without contact, else 0.
 
@@ -49,15 +53,15 @@ def run_view(
     if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
         raise Refused(NO_PAGE(name=html), exit_status=2)
     if html is not None and live is not None:
-        raise Refused(NOT_WRITTEN(), exit_status=2)
-    options = as_stated(source, options)
+        raise Refused(LIVE_NOT_WRITTEN(), exit_status=2)
+    options = with_project_defaults(source, options)
     with working(f"looking at {source}"):
-        ready = solved(source, options)
+        ready = solved_source(source, options)
         robot = ready.solution.robot
         if has_errors(ready.findings):
-            return refused(source, robot, ready.findings, format, "shown")
-        shown = shown_of(source, options, ready)
-        path = None if live is not None else _written(source, options.cell, html, page(shown))
+            return report_errors(source, robot, ready.findings, format, "shown")
+        shown = view_contents(source, options, ready)
+        path = None if live is not None else _write_view(source, options.cell, html, page(shown))
     findings = [shown.places.finding(one).within(source) for one, _ in shown.findings]
     records = [finding_record(one) for one in findings]
     answer: dict[str, Any] = {"source": source, "robot": robot.name, "findings": records}
@@ -66,7 +70,7 @@ def run_view(
     if live is not None:
         from assistant.cli.live_view import run_live
 
-        following = partial(_following, shown)
+        following = partial(_live_page, shown)
         run_live(live, robot, following, answer, format)
     elif format is Format.JSON:
         print_json(answer | {"written": [str(path)]})
@@ -75,7 +79,7 @@ def run_view(
     return 1 if has_errors(findings) else 0
 
 
-def shown_of(source: str, options: Options, ready: Solved) -> Shown:
+def view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
     """What a page shows of a program that has no errors, with what is found on its way.
 
     Raises Refused for a cell without its robot.
@@ -95,13 +99,13 @@ def shown_of(source: str, options: Options, ready: Solved) -> Shown:
     return shown_sheet(replace(sheet, plan=False))
 
 
-def _following(shown: Shown, name: str) -> str:
+def _live_page(shown: Shown, name: str) -> str:
     from assistant.view.page import page
 
     return page(replace(shown, live=name))
 
 
-def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
+def _write_view(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
     from assistant.base.file_sets import write_all, write_files
 
     if html is not None:
@@ -109,7 +113,7 @@ def _written(source: str, cell: Path | None, html: Path | None, text: str) -> Pa
         (path,) = write_all({html: text.encode()})
         return path
     folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
-    (path,) = write_files({f"{stem_of(source)}.html": text.encode()}, folder)
+    (path,) = write_files({f"{page_name(source)}.html": text.encode()}, folder)
     if not webbrowser.open(path.as_uri()):
         shutil.rmtree(folder, ignore_errors=True)
         raise Refused(NO_BROWSER(), exit_status=2)

@@ -28,17 +28,17 @@ NOT_STARTED = error(
 )
 
 
-NO_REFUSAL = error(
+NOT_A_REFUSAL = error(
     "CL103",
     "`{text}` is no command with the number of an error",
     "write them as SRVON=5600",
 )
-NO_CONTACT = error(
+INCOMPLETE_CONTACT = error(
     "CL105",
     "the contact input needs its number and a cell",
     "add `--contact 10 --cell cell.toml`, with an input of the controller and the file of its cell",
 )
-NO_SIGNAL = error(
+NOT_A_SIGNAL = error(
     "CL102",
     "`{text}` is no signal",
     "write its name and type, as do_grip=DO; types are DI, DO, GI, GO, AI, AO",
@@ -71,12 +71,12 @@ def run_irc5(
         port=ports[0],
         user=user,
         password=given,
-        report=_report,
+        report=_print_flushed,
         robot=arm.name,
         rws=ports[1],
         rwss=ports[2],
-        signals=[_signal(text) for text in signals],
-        devices=DEVICES if not devices else dict(_device(text) for text in devices),
+        signals=[_signal_of(text) for text in signals],
+        devices=DEVICES if not devices else dict(_udp_device(text) for text in devices),
         mode=mode,
         grants=grants,
         rate=pace,
@@ -84,36 +84,36 @@ def run_irc5(
     if delay:
         controller.faults.add(Fault("delay", seconds=delay))
     about = f"HOME: is {controller.folder}"
-    _run(controller, about, None if given else controller.password, _services)
+    _serve_until_end(controller, about, None if given else controller.password, _print_services)
 
 
-NO_DEVICE = error(
+NOT_A_DEVICE = error(
     "CL104",
     "`{text}` is no UdpUc device",
     "write its name and where it sends to, as UCdevice=127.0.0.1:6510",
 )
 
 
-def _device(text: str) -> tuple[str, tuple[str, int]]:
+def _udp_device(text: str) -> tuple[str, tuple[str, int]]:
     name, _, place = text.partition("=")
     host, _, port = place.rpartition(":")
     if not name.strip() or not host.strip() or not port.isdecimal() or int(port) > 65535:
-        raise Refused(NO_DEVICE(text=text), exit_status=2)
+        raise Refused(NOT_A_DEVICE(text=text), exit_status=2)
     return name.strip(), (host.strip(), int(port))
 
 
-def _signal(text: str) -> Signal:
+def _signal_of(text: str) -> Signal:
     from assistant.virtual.irc5 import Signal
     from assistant.virtual.irc5.cabinet import SIGNAL_TYPES
 
     name, _, type = text.partition("=")
     found = SIGNAL_TYPES.get(type.strip().upper())
     if found is None or not name.strip().isidentifier():
-        raise Refused(NO_SIGNAL(text=text), exit_status=2)
+        raise Refused(NOT_A_SIGNAL(text=text), exit_status=2)
     return Signal(name.strip(), found)
 
 
-def _services(controller: VirtualIrc5) -> None:
+def _print_services(controller: VirtualIrc5) -> None:
     say(f"Robot Web Services 1.0 at {controller.rws_address}")
     say(f"Robot Web Services 2.0 at {controller.rwss_address}")
     say(f"its certificate: {controller.certificate}")
@@ -141,7 +141,7 @@ def run_cr(
     refused: commands that are answered with an error, as SRVON=5600. contact: the input that is on
     while the arm touches something of the cell. lines: targets of lines of programs, as COM1=10003.
     """
-    from assistant.cli.outside import lines_of
+    from assistant.cli.outside import line_targets
     from assistant.compiler.arms import robot_of
     from assistant.compiler.exploration import contact_test
     from assistant.virtual.cr import Contact
@@ -151,13 +151,13 @@ def run_cr(
     felt = None
     if contact is not None or cell is not None:
         if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
-            raise Refused(NO_CONTACT(), exit_status=2)
+            raise Refused(INCOMPLETE_CONTACT(), exit_status=2)
         felt = Contact(str(int(contact)), contact_test(cell, arm.name))
-    faults.errors = dict(map(_refusal, refused))
+    faults.errors = dict(map(_refused_command, refused))
     with ExitStack() as open_:
-        given, made = lines_of(lines), {}
+        given, made = line_targets(lines), {}
         for name, target in given.items():
-            made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_line(name, target))
+            made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_open_line(name, target))
         _serve_cr(
             arm,
             [f"line {name} leads to {target}" for name, target in given.items()],
@@ -170,13 +170,13 @@ def run_cr(
             lines=made,
             pace=pace,
             faults=faults,
-            report=_report if log else None,
+            report=_print_flushed if log else None,
             contact=felt,
         )
 
 
 @contextmanager
-def _line(name: str, target: str) -> Iterator[Line]:
+def _open_line(name: str, target: str) -> Iterator[Line]:
     """Open the target of a line until the controller ends; raises Refused."""
     from assistant.virtual.melfa.communication_lines import line_to
 
@@ -203,21 +203,21 @@ def _serve_cr(arm: Robot, notes: Sequence[str], **options: Any) -> None:
     about = f"{arm.title}, {get(controller.state.language).title}"
 
     def tell(running: VirtualCr) -> None:
-        _lines(running, options["lines"])
+        _print_lines(running, options["lines"])
         for text in notes:
             say(text)
 
-    _run(controller, about, None, tell)
+    _serve_until_end(controller, about, None, tell)
 
 
-def _refusal(text: str) -> tuple[str, int]:
+def _refused_command(text: str) -> tuple[str, int]:
     command, sign, number = text.rpartition("=")
     if not sign or not command or not re.fullmatch(r"\d{1,4}", number, re.ASCII):
-        raise Refused(NO_REFUSAL(text=text), exit_status=2)
+        raise Refused(NOT_A_REFUSAL(text=text), exit_status=2)
     return command, int(number)
 
 
-def _lines(controller: VirtualCr, others: Container[str]) -> None:
+def _print_lines(controller: VirtualCr, others: Container[str]) -> None:
     """Print where its lines can be reached. others: lines with another target."""
     if controller.has_serial:
         is_link = controller.state.parameters["CPRC232"] != ("2",)
@@ -231,7 +231,7 @@ def _lines(controller: VirtualCr, others: Container[str]) -> None:
 C = TypeVar("C", "VirtualIrc5", "VirtualCr")
 
 
-def _run(
+def _serve_until_end(
     controller: C, about: str, password: str | None, tell: Callable[[C], None] | None = None
 ) -> None:
     """Runs until Ctrl-C. A password that was made up is told, as nobody else knows it.
@@ -260,6 +260,6 @@ def _run(
             controller.stop()
 
 
-def _report(line: str) -> None:
+def _print_flushed(line: str) -> None:
     say(line)
     sys.stdout.flush()

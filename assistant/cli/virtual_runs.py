@@ -18,7 +18,7 @@ from assistant.cli.options import (
     RobotOption,
     SeenOption,
     UnitOption,
-    placing,
+    placement_of,
 )
 from assistant.cli.presentation import Format
 
@@ -105,14 +105,14 @@ def run(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run programs on a virtual controller and tell what they do. No robot moves."""
-    from assistant.cli.running import Options, run_run
+    from assistant.cli.running import RunOptions, run_run
     from assistant.sources.sights import seeing
 
-    options = Options(
+    options = RunOptions(
         robot=robot,
         process=process,
         unit=unit,
-        placement=placing(place, marks),
+        placement=placement_of(place, marks),
         from_language=from_language,
         entry=entry,
         signals=signals,

@@ -24,7 +24,7 @@ from assistant.editing.text_lines import Lines
 from assistant.findings.severities import apply_severities
 from assistant.program.editor_support import LineFacts
 from assistant.project.layout import project_of
-from assistant.project.stated import Stated, completed
+from assistant.project.stated import SourceOptions, completed_options
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -315,7 +315,7 @@ class Workspace:
     def _stated(self, document: Document) -> tuple[InCell, dict[str, Any], tuple[Diagnostic, ...]]:
         """Cell and robot of the project, what else it says, and what is wrong with it."""
         try:
-            given = completed(document.path, Stated(), ("robot", "process", "cell"))
+            given = completed_options(document.path, SourceOptions(), ("robot", "process", "cell"))
             stands = open_cell(given.cell, given.robot)
         except Refused as refused:
             return InCell(), {}, tuple(one.within(document.path) for one in refused.findings[:1])

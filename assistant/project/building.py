@@ -18,10 +18,10 @@ from assistant.findings.severities import apply_severities
 from assistant.program.settings_tables import listed, nearest, shown
 from assistant.project import kept, rules
 from assistant.project.inputs import digest_of
-from assistant.project.layout import BUILT, Place, Project, Recipe
-from assistant.project.making import Made, Order, make_all, order_of
+from assistant.project.layout import BUILD_FOLDER, Place, Project, Recipe
+from assistant.project.making import BuildOrder, MadeProgram, make_all, order_of
 
-Working = Callable[[int], contextlib.AbstractContextManager[None]]
+Progress = Callable[[int], contextlib.AbstractContextManager[None]]
 """What is around the making of so many programs."""
 
 
@@ -86,7 +86,7 @@ def build(
     *,
     jobs: int | None = None,
     anew: bool = False,
-    working: Working | None = None,
+    working: Progress | None = None,
     wishes: MergeChoices | None = None,
 ) -> Build:
     """Builds what has changed; what fails keeps nothing else from being built.
@@ -95,12 +95,12 @@ def build(
     has not changed. working: around the making of so many. wishes: what becomes of edits of built
     files. Raises Refused for an unknown name.
     """
-    return _Run(project, names, wishes or MergeChoices()).done(
+    return _BuildRun(project, names, wishes or MergeChoices()).done(
         jobs, anew, working or (lambda _: contextlib.nullcontext())
     )
 
 
-def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]:
+def chosen_orders(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]:
     """What targets want, of these names of programs and targets; all without one."""
     pairs = [(place, recipe) for place in project.places for recipe in place.recipes]
     known = {name for place, recipe in pairs for name in (place.name, recipe.name)}
@@ -119,7 +119,7 @@ def chosen(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]
     return [(p, r) for p, r in pairs if not names or p.name in names or r.name in names]
 
 
-class _Run:
+class _BuildRun:
     """One build. entries: of what is built, those of other targets among them."""
 
     def __init__(self, project: Project, names: Sequence[str], wishes: MergeChoices) -> None:
@@ -128,9 +128,9 @@ class _Run:
         self.edits: set[str] = set()
         self.orders = {
             (place.name, recipe.name): order_of(project.folder, place, recipe)
-            for place, recipe in chosen(project, names)
+            for place, recipe in chosen_orders(project, names)
         }
-        self.entries = kept.read_entries(project)
+        self.entries = kept.read_build(project)
         self.findings: list[Diagnostic] = []
         self.status = 0
 
@@ -138,7 +138,7 @@ class _Run:
         self,
         jobs: int | None,
         anew: bool,
-        working: Working,
+        working: Progress,
     ) -> Build:
         stale = {
             key: order
@@ -156,7 +156,7 @@ class _Run:
         answers = [
             self._answer(*key, made[stale[key]] if key in stale else None) for key in self.orders
         ]
-        kept.write_entries(self.project, self.entries)
+        kept.write_build(self.project, self.entries)
         unknown = Keeper("", wishes=self.wishes, known=self.edits).unknown_names()
         self.findings += unknown
         self.status = 2 if unknown else self.status
@@ -164,27 +164,27 @@ class _Run:
             self.status = max(self.status, 1)
         return Build(tuple(answers), tuple(self.findings), self.status)
 
-    def _why_stale(self, key: tuple[str, str], order: Order) -> str | None:
-        entry = self.entries.get(kept.key_of(*key))
+    def _why_stale(self, key: tuple[str, str], order: BuildOrder) -> str | None:
+        entry = self.entries.get(kept.entry_key(*key))
         return kept.why_stale(self.project, key[0], order, entry)
 
-    def _answer(self, target: str, program: str, made: Made | None) -> Built:
+    def _answer(self, target: str, program: str, made: MadeProgram | None) -> Built:
         """Writes a program; None is one that has not changed."""
-        folder = self.project.folder / BUILT / target
-        name = kept.key_of(target, program)
+        folder = self.project.folder / BUILD_FOLDER / target
+        name = kept.entry_key(target, program)
         if made is None:
             files = tuple(folder / file for file in sorted(self.entries[name].files))
             return Built(target, program, State.UNCHANGED, files)
         before = self.entries.get(name)
         old = before.files if before is not None else {}
-        wanted = kept.wanted(self.project, self.orders[target, program])
+        wanted = kept.options_digest(self.project, self.orders[target, program])
         # Kept with what is there of it, to be taken away when it is built again.
-        self.entries[name] = kept.Entry(wanted, {}, old)
+        self.entries[name] = kept.BuildEntry(wanted, {}, old)
         edited = self._with_edits(target, self.orders[target, program], made)
         names = sorted(edited.files, key=lambda path: path.name)
         new = {path.name: digest_of(edited.files[path]) for path in names}
         others = self._others(target, program)
-        clashing = clashes(target, {**others, program: new})
+        clashing = name_clashes(target, {**others, program: new})
         self.findings += [one for one in clashing if one not in self.findings]
         if not new or clashing:
             return Built(target, program, State.FAILED)
@@ -195,14 +195,14 @@ class _Run:
             self.status = 2
             return Built(target, program, State.FAILED)
         stay = {file.lower() for files in (new, *others.values()) for file in files}
-        _remove(folder, {file: old[file] for file in old if file.lower() not in stay})
-        self.entries[name] = kept.Entry(wanted, made.inputs, new, made.origins)
+        _remove_built(folder, {file: old[file] for file in old if file.lower() not in stay})
+        self.entries[name] = kept.BuildEntry(wanted, made.inputs, new, made.origins)
         return Built(target, program, State.BUILT, tuple(names), made.proof, edited.diffs)
 
-    def _with_edits(self, target: str, order: Order, made: Made) -> Kept:
+    def _with_edits(self, target: str, order: BuildOrder, made: MadeProgram) -> Kept:
         """What was made, with what was edited in the files that are there; none if that fails."""
         files = {
-            file_in_folder(n, self.project.folder / BUILT / target): d
+            file_in_folder(n, self.project.folder / BUILD_FOLDER / target): d
             for n, d in made.files.items()
         }
         cell = None if order.recipe.cell is None else str(order.recipe.cell)
@@ -217,7 +217,7 @@ class _Run:
     def _others(self, target: str, program: str) -> dict[str, Mapping[str, str]]:
         """Files of the other programs of a target with their digests."""
         place = next(one for one in self.project.places if one.name == target)
-        entries = {r.name: self.entries.get(kept.key_of(target, r.name)) for r in place.recipes}
+        entries = {r.name: self.entries.get(kept.entry_key(target, r.name)) for r in place.recipes}
         return {
             name: entry.files
             for name, entry in entries.items()
@@ -227,7 +227,7 @@ class _Run:
     def _forget(self) -> None:
         """Takes away what was built of programs that no target wants any more."""
         wanted = {
-            kept.key_of(place.name, recipe.name): place.name
+            kept.entry_key(place.name, recipe.name): place.name
             for place in self.project.places
             for recipe in place.recipes
         }
@@ -241,10 +241,10 @@ class _Run:
             }
             there = self.entries.pop(name).files
             gone = {file: there[file] for file in there if file.lower() not in still}
-            _remove(self.project.folder / BUILT / target, gone)
+            _remove_built(self.project.folder / BUILD_FOLDER / target, gone)
 
 
-def clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnostic]:
+def name_clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnostic]:
     """Programs with files of one name on the controller, unless they are the same.
 
     files: digests by name, of each program.
@@ -255,7 +255,7 @@ def clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnos
         for name, digest in names.items():
             first, other = seen.setdefault(name.lower(), (program, digest))
             if other != digest:
-                place = kept.key_of(target, program)
+                place = kept.entry_key(target, program)
                 found.append(
                     rules.SAME_FILE(
                         place=place, first=first, second=program, file=name, target=target
@@ -264,7 +264,7 @@ def clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Diagnos
     return found
 
 
-def _remove(folder: FilePath, files: Mapping[str, str]) -> None:
+def _remove_built(folder: FilePath, files: Mapping[str, str]) -> None:
     """Files of an earlier build by their digests; not if somebody has put others there since."""
     for name, digest in files.items():
         with contextlib.suppress(OSError):

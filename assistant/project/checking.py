@@ -17,10 +17,10 @@ from assistant.base.file_sets import scratch_folder
 from assistant.compiler.checker import check_files
 from assistant.findings.severities import apply_severities
 from assistant.project import rules
-from assistant.project.building import Working, chosen, clashes
+from assistant.project.building import Progress, chosen_orders, name_clashes
 from assistant.project.inputs import digest_of
-from assistant.project.layout import BUILT, Project
-from assistant.project.making import Made, make_all, order_of, shown_path
+from assistant.project.layout import BUILD_FOLDER, Project
+from assistant.project.making import MadeProgram, make_all, order_of, shown_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ def check(
     project: Project,
     *,
     jobs: int | None = None,
-    working: Working | None = None,
+    working: Progress | None = None,
 ) -> ProjectCheck:
     """Everything that targets want is made and checked, the programs of a target together.
 
@@ -49,9 +49,9 @@ def check(
     """
     orders = {
         (place.name, recipe.name): order_of(project.folder, place, recipe)
-        for place, recipe in chosen(project, ())
+        for place, recipe in chosen_orders(project, ())
     }
-    with (working or _silent)(len(set(orders.values()))):
+    with (working or _no_progress)(len(set(orders.values()))):
         made = make_all(list(orders.values()), jobs)
         found = [finding for order in made for finding in made[order].findings]
         ignored: list[Diagnostic] = []
@@ -63,12 +63,12 @@ def check(
                 name: {file: digest_of(data) for file, data in one.files.items()}
                 for name, one in by_name.items()
             }
-            found += clashes(place.name, digests)
+            found += name_clashes(place.name, digests)
             arms: dict[str | None, list[str]] = {}
             for name, order in programs.items():
                 arms.setdefault(order.arm, []).append(name)
             for arm, names in arms.items():
-                one = _checked(project, place.name, arm, [by_name[name] for name in names])
+                one = _check_on_robot(project, place.name, arm, [by_name[name] for name in names])
                 found += one.findings
                 ignored += one.ignored
                 unreadable |= one.unreadable
@@ -82,7 +82,7 @@ def check(
 
 
 @contextlib.contextmanager
-def _folder(project: Project) -> Iterator[FilePath]:
+def _target_folder(project: Project) -> Iterator[FilePath]:
     """A folder for the programs of a target, which is gone afterwards.
 
     It is in the project, whose settings hold for them there. Where the project cannot be written it
@@ -97,11 +97,13 @@ def _folder(project: Project) -> Iterator[FilePath]:
         yield folder
 
 
-def _silent(_: int) -> contextlib.AbstractContextManager[None]:
+def _no_progress(_: int) -> contextlib.AbstractContextManager[None]:
     return contextlib.nullcontext()
 
 
-def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made]) -> ProjectCheck:
+def _check_on_robot(
+    project: Project, target: str, arm: str | None, made: Sequence[MadeProgram]
+) -> ProjectCheck:
     """The files of programs for one robot, as they will be on the controller."""
     files = {name: data for one in made for name, data in one.files.items()}
     if not files:
@@ -109,8 +111,8 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
     origins = {name: origin for one in made for name, origin in one.origins.items()}
     told = [finding for one in made if not one.origins for finding in one.findings]
     try:
-        with _folder(project) as folder:
-            paths = _written(folder, files)
+        with _target_folder(project) as folder:
+            paths = _written_names(folder, files)
             checked = check_files(list(paths), robot=arm)
             settled = apply_severities(checked.findings, checked.texts)
     except OSError as error:
@@ -118,19 +120,23 @@ def _checked(project: Project, target: str, arm: str | None, made: Sequence[Made
         finding = rules.NOT_KEPT(file=error.filename or project.kept, reason=reason)
         raise Refused(finding, exit_status=2) from None
     places = {
-        path: shown_path(project.folder / origins.get(name, (BUILT / target / name).as_posix()))
+        path: shown_path(
+            project.folder / origins.get(name, (BUILD_FOLDER / target / name).as_posix())
+        )
         for path, name in paths.items()
     }
-    whole = {str(folder): shown_path(project.folder / BUILT / target)}
+    whole = {str(folder): shown_path(project.folder / BUILD_FOLDER / target)}
 
     def placed(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-        return tuple(replace(one, path=_place(one.path, {**whole, **places})) for one in findings)
+        return tuple(
+            replace(one, path=_original_path(one.path, {**whole, **places})) for one in findings
+        )
 
-    left = [f for f in settled.left if _is_news(f, paths, origins, told)]
+    left = [f for f in settled.left if _is_new_finding(f, paths, origins, told)]
     return ProjectCheck(0, placed(left), placed(settled.ignored), checked.unreadable)
 
 
-def _is_news(
+def _is_new_finding(
     finding: Diagnostic,
     paths: Mapping[str, str],
     origins: Mapping[str, str],
@@ -149,11 +155,11 @@ def _is_news(
     return finding.severity is not Severity.INFO and not any(same)
 
 
-def _place(path: str | None, places: Mapping[str, str]) -> str | None:
+def _original_path(path: str | None, places: Mapping[str, str]) -> str | None:
     return places.get(path or "", path)
 
 
-def _written(folder: FilePath, files: Mapping[str, bytes]) -> dict[str, str]:
+def _written_names(folder: FilePath, files: Mapping[str, bytes]) -> dict[str, str]:
     """Path of each file that is written into a folder → its name."""
     for name, data in files.items():
         (folder / name).write_bytes(data)

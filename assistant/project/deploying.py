@@ -16,7 +16,7 @@ from assistant.deploy import Deployment, FileState, Plan, Verified
 from assistant.findings.formats import finding_record
 
 
-def planned(
+def checked_plan(
     files: Sequence[str],
     one: Named,
     client: Programs,
@@ -30,7 +30,7 @@ def planned(
 
     Raises Refused for programs that may not be deployed.
     """
-    found = _for_robot(files, one)
+    found = _robot_findings(files, one)
     robot = one.robot or ""
     meant = Identity(
         robot="" if FilePath(robot).suffix in ROBOT_FILES else robot,
@@ -44,7 +44,7 @@ def planned(
     return with_(plan, notes=(*more, *plan.notes))
 
 
-def _for_robot(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
+def _robot_findings(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
     """Findings of the programs on the controller's robot; raises Refused if it cannot run them."""
     from assistant.compiler.checker import check_files
     from assistant.findings.severities import apply_severities

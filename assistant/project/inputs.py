@@ -17,29 +17,29 @@ Digests = Mapping[str, str | None]
 the names of its files but for reports; None for one that is not there.
 """
 
-NOT_SOURCES: Final = (".py", ".pyc", ".so", ".pyd", ".dll")
+PROGRAM_FOLDERS: Final = (".py", ".pyc", ".so", ".pyd", ".dll")
 """Of this program itself, where its environment is in the project's folder."""
-REPORTS: Final = (".html", ".log", ".md", ".sarif", ".xml")
+REPORT_FILES: Final = (".html", ".log", ".md", ".sarif", ".xml")
 """Of what pipelines write beside the sources, such as a plan: no program is looked for in them."""
-WRITING: Final = os.O_WRONLY | os.O_RDWR
+WRITE_FLAGS: Final = os.O_WRONLY | os.O_RDWR
 
 
 @contextmanager
-def watched(folder: FilePath) -> Iterator[set[str]]:
+def recorded_inputs(folder: FilePath) -> Iterator[set[str]]:
     """Fills a set with the files below a folder that are read inside, folders that are listed too.
 
     Hidden ones are left out, and so is Python. One at a time in a process.
     """
-    _listen()
+    _add_audit_hook()
     root, found = folder.resolve(), set[str]()
     seen: list[tuple[str, bool]] = []
-    _heard.append(seen)
+    _recorders.append(seen)
     try:
         yield found
     finally:
-        _heard.remove(seen)
+        _recorders.remove(seen)
         for path, is_folder in seen:
-            name = _below(root, FilePath(path))
+            name = _source_name(root, FilePath(path))
             if name is not None:
                 found.add(f"{name}/" if is_folder else name)
 
@@ -49,7 +49,7 @@ def digests(folder: FilePath, names: set[str]) -> dict[str, str | None]:
     return {name: _digest(folder, name) for name in sorted(names)}
 
 
-def same(folder: FilePath, known: Digests) -> bool:
+def all_unchanged(folder: FilePath, known: Digests) -> bool:
     """Whether all of them are as they were."""
     return all(_digest(folder, name) == digest for name, digest in known.items())
 
@@ -63,42 +63,44 @@ def _digest(folder: FilePath, name: str) -> str | None:
     try:
         if name.endswith("/"):
             names = sorted(one.name for one in path.iterdir() if one.is_file())
-            plain = (n for n in names if not n.startswith(".") and not n.lower().endswith(REPORTS))
+            plain = (
+                n for n in names if not n.startswith(".") and not n.lower().endswith(REPORT_FILES)
+            )
             return digest_of("\0".join(plain).encode("utf-8", "surrogateescape"))
         return digest_of(read_file(path))
     except OSError:
         return None
 
 
-def _below(root: FilePath, path: FilePath) -> str | None:
+def _source_name(root: FilePath, path: FilePath) -> str | None:
     """The name from the folder, None for what is no source in it."""
     try:
         inside = path.resolve().relative_to(root)
     except (ValueError, OSError, RuntimeError):
         return None
     hidden = any(part.startswith(".") for part in inside.parts)
-    return None if hidden or path.suffix.lower() in NOT_SOURCES else inside.as_posix()
+    return None if hidden or path.suffix.lower() in PROGRAM_FOLDERS else inside.as_posix()
 
 
-_heard: Final[list[list[tuple[str, bool]]]] = []
-_LISTENING: Final[list[bool]] = []
+_recorders: Final[list[list[tuple[str, bool]]]] = []
+_AUDITED: Final[list[bool]] = []
 
 
-def _listen() -> None:
-    if not _LISTENING:
-        _LISTENING.append(True)
-        sys.addaudithook(_hear)
+def _add_audit_hook() -> None:
+    if not _AUDITED:
+        _AUDITED.append(True)
+        sys.addaudithook(_on_audit_event)
 
 
-def _hear(event: str, arguments: tuple[object, ...]) -> None:
+def _on_audit_event(event: str, arguments: tuple[object, ...]) -> None:
     """Events `open`, `os.listdir` and `os.scandir` of Python's table of audit events."""
-    if not _heard or event not in ("open", "os.listdir", "os.scandir"):
+    if not _recorders or event not in ("open", "os.listdir", "os.scandir"):
         return
     path = arguments[0]
     if not isinstance(path, str | bytes | os.PathLike):
         return  # a descriptor that was opened before
     is_folder = event != "open"
-    if is_folder or not (isinstance(arguments[2], int) and arguments[2] & WRITING):
+    if is_folder or not (isinstance(arguments[2], int) and arguments[2] & WRITE_FLAGS):
         name = os.fsdecode(path)
-        for seen in _heard:
+        for seen in _recorders:
             seen.append((str(FilePath(name).absolute()), is_folder))

@@ -21,13 +21,21 @@ from assistant.controllers.named import ROBOT_FILES, SECRET
 from assistant.languages.language_types import Frames
 from assistant.program.settings_tables import Page, Table, listed, nearest, shown
 from assistant.project import rules
-from assistant.project.links import check_no_links
-from assistant.project.tables import DEPLOYING, FILES, NAME, PROGRAM, ROBOTS, TARGET, readers
+from assistant.project.links import refuse_links
+from assistant.project.tables import (
+    DEPLOY_KEYS,
+    FILE_KEYS,
+    PROGRAM_KEYS,
+    PROJECT_NAME,
+    ROBOT_KEYS,
+    TARGET_KEYS,
+    readers_of,
+)
 from assistant.sources import project_file as stated
 
-KEPT: Final = FilePath(".robot-assistant")
+STATE_FOLDER: Final = FilePath(".robot-assistant")
 """Below the project's folder: what commands keep from one to the next."""
-BUILT: Final = FilePath("build")
+BUILD_FOLDER: Final = FilePath("build")
 """Below the project's folder: what is built, a folder for each target."""
 
 
@@ -89,7 +97,7 @@ class Project:
 
     @property
     def kept(self) -> FilePath:
-        return self.folder / KEPT
+        return self.folder / STATE_FOLDER
 
 
 def project_of(folder: FilePath | None = None) -> Project:
@@ -112,18 +120,18 @@ def project_of(folder: FilePath | None = None) -> Project:
     project = _Reader(top, FilePath(found.source.path or "").absolute(), controllers).project()
     if has_errors(page.findings):
         ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
-        raise Refused(*map(_without_secret, ordered), exit_status=2)
-    check_no_links(project.folder, (BUILT, KEPT))
+        raise Refused(*map(_without_password_line, ordered), exit_status=2)
+    refuse_links(project.folder, (BUILD_FOLDER, STATE_FOLDER))
     return project
 
 
-def _without_secret(finding: Diagnostic) -> Diagnostic:
+def _without_password_line(finding: Diagnostic) -> Diagnostic:
     """Without its line, if a password may stand in it."""
     secret = finding.excerpt is not None and SECRET.search(finding.excerpt)
     return replace(finding, excerpt=None) if secret else finding
 
 
-def tables() -> tuple[str, ...]:
+def project_tables() -> tuple[str, ...]:
     """The tables that a project's file may have."""
     of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
     own = (
@@ -145,7 +153,7 @@ class _Reader:
         self.controllers = controllers
 
     def project(self) -> Project:
-        self.top.read(dict.fromkeys(tables(), _as_it_is))
+        self.top.read(dict.fromkeys(project_tables(), _unchanged))
         recipes = {
             name: recipe
             for name, table in self._named(stated.PROGRAMS, "program")
@@ -157,7 +165,7 @@ class _Reader:
             if (place := self._place(name, table, recipes)) is not None
         ]
         self._check_apart(places)
-        deploying = self._table(stated.DEPLOY).read(readers(DEPLOYING))
+        deploying = self._table(stated.DEPLOY).read(readers_of(DEPLOY_KEYS))
         canary = deploying.get("canary")
         there = self._table(stated.TARGETS).content
         if canary is not None and canary not in there:
@@ -188,22 +196,22 @@ class _Reader:
             self.top.say(rules.NO_TABLE, key, key=".".join((*self.top.path, key)))
         table = self._table(key)
         for name in table.content:
-            if NAME.fullmatch(name) is None:
+            if PROJECT_NAME.fullmatch(name) is None:
                 table.say(rules.BAD_NAME, name, name=shown(name), kind=kind)
         return [
             (name, inside)
             for name, inside in table.named(identifiers=False)
-            if NAME.fullmatch(name) is not None
+            if PROJECT_NAME.fullmatch(name) is not None
         ]
 
     # ------------------------------------------------------------------------------ programs
 
     def _recipe(self, name: str, table: Table) -> Recipe | None:
-        given = table.read(readers(PROGRAM))
+        given = table.read(readers_of(PROGRAM_KEYS))
         if "source" not in table.content:
             table.say(rules.MISSING, name=name, key="source", example='"FILE"')
-        paths = {key: self._file(table, key, given[key]) for key in FILES if key in given}
-        arms = {key: self._robot(table, key, given[key]) for key in ROBOTS if key in given}
+        paths = {key: self._file(table, key, given[key]) for key in FILE_KEYS if key in given}
+        arms = {key: self._robot(table, key, given[key]) for key in ROBOT_KEYS if key in given}
         also = [self._file(table, "also", text) for text in given.get("also", ())]
         source = paths.get("source")
         if source is None:
@@ -231,7 +239,7 @@ class _Reader:
 
     def _file(self, table: Table, key: str, text: str) -> FilePath | None:
         """A file of the project, None with a finding if it is none."""
-        file = inside(self.folder, text)
+        file = path_inside(self.folder, text)
         if file is None:
             table.say(rules.OUTSIDE, key, file=shown(text))
         elif not is_file(file):
@@ -263,7 +271,7 @@ class _Reader:
     # ------------------------------------------------------------------------------- targets
 
     def _place(self, name: str, table: Table, recipes: Mapping[str, Recipe]) -> Place | None:
-        given = table.read(readers(TARGET))
+        given = table.read(readers_of(TARGET_KEYS))
         wanted = given.get("controller", name)
         controller = self.controllers.get(wanted)
         if controller is None and ("controller" in given or "controller" not in table.content):
@@ -296,12 +304,12 @@ class _Reader:
         files["certificate"] = str(controller.certificate or "")
         at = (*self.top.path, stated.CONTROLLERS, controller.name)
         for key, file in files.items():
-            if file and inside(self.folder, os.path.relpath(file, self.folder)) is None:
+            if file and path_inside(self.folder, os.path.relpath(file, self.folder)) is None:
                 self.top.page.say(rules.OUTSIDE, (*at, key), file=shown(file))
             elif file and not is_file(file):
                 cure = self._near_file(FilePath(file))
                 self.top.page.say(rules.NO_FILE, (*at, key), file=shown(file), cure=cure)
-        if of_robot and not files["robot"] and not _is_arm(of_robot):
+        if of_robot and not files["robot"] and not _is_catalogue_robot(of_robot):
             table = Table(self.top.page, at, {})
             self._unknown(table, "robot", "robot", of_robot, robots.names())
 
@@ -340,11 +348,11 @@ class _Reader:
         table.say(rules.UNKNOWN, key, kind=kind, name=shown(said), cure=cure)
 
 
-def _is_arm(name: str) -> bool:
+def _is_catalogue_robot(name: str) -> bool:
     return name.lower() in {one.lower() for one in robots.names()}
 
 
-def inside(folder: FilePath, text: str) -> FilePath | None:
+def path_inside(folder: FilePath, text: str) -> FilePath | None:
     """A path from a folder, None if it leads out of it, by a link as well."""
     parts = PurePosixPath(text.replace("\\", "/"))
     if "\0" in text or not parts.parts or parts.is_absolute() or ".." in parts.parts:
@@ -355,4 +363,4 @@ def inside(folder: FilePath, text: str) -> FilePath | None:
     return file if file.resolve().is_relative_to(folder.resolve()) else None
 
 
-_as_it_is: Final[Callable[[Any], Any]] = lambda value: value  # noqa: E731
+_unchanged: Final[Callable[[Any], Any]] = lambda value: value  # noqa: E731

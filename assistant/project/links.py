@@ -10,19 +10,19 @@ from assistant.base.diagnostics import Refused
 from assistant.project import rules
 
 
-def check_no_links(folder: FilePath, written: Sequence[FilePath]) -> None:
+def refuse_links(folder: FilePath, written: Sequence[FilePath]) -> None:
     """Raises Refused (exit status 2) if a link stands in one of these, from the folder.
 
     Only commands write there: a link was put there by somebody else, and leads anywhere.
     """
     for one in written:
-        link = next(_links(folder / one), None)
+        link = next(_links_below(folder / one), None)
         if link is not None:
             file = link.relative_to(folder).as_posix()
             raise Refused(rules.LINK(path=str(folder), file=file), exit_status=2)
 
 
-def _links(folder: FilePath) -> Iterator[FilePath]:
+def _links_below(folder: FilePath) -> Iterator[FilePath]:
     if folder.is_symlink():
         yield folder
         return

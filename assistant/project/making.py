@@ -22,7 +22,7 @@ from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
 from assistant.program.settings_tables import listed
 from assistant.project import rules
-from assistant.project.inputs import Digests, digests, watched
+from assistant.project.inputs import Digests, digests, recorded_inputs
 from assistant.project.layout import Place, Recipe
 from assistant.project.workers import at_once
 from assistant.sources import PROCESS_SUFFIX, READERS
@@ -30,7 +30,7 @@ from assistant.sources.project_file import PROJECT_FILES
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class BuildOrder:
     """A program that is wanted: of a recipe, for a controller that takes these languages.
 
     folder: of the project. robot: of the controller, if the recipe names none.
@@ -47,7 +47,7 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class MadeProgram:
     """A program that was made.
 
     files: bytes by name, empty if anything forbids them. inputs: what they were made of. origins:
@@ -64,31 +64,33 @@ class Made:
     language: str = ""
 
 
-def order_of(folder: FilePath, place: Place, recipe: Recipe) -> Order:
-    return Order(folder, recipe, place.languages, place.controller.robot)
+def order_of(folder: FilePath, place: Place, recipe: Recipe) -> BuildOrder:
+    return BuildOrder(folder, recipe, place.languages, place.controller.robot)
 
 
-def make_all(orders: Sequence[Order], jobs: int | None = None) -> dict[Order, Made]:
+def make_all(
+    orders: Sequence[BuildOrder], jobs: int | None = None
+) -> dict[BuildOrder, MadeProgram]:
     """Makes each, with at most so many processes; default as many as there are processors."""
     wanted = list(dict.fromkeys(orders))
     count = min(len(wanted), jobs or os.cpu_count() or 1)
     if count <= 1:
-        return {order: make(order) for order in wanted}
-    return dict(zip(wanted, at_once(make, wanted, count, _lost), strict=True))
+        return {order: make_program(order) for order in wanted}
+    return dict(zip(wanted, at_once(make_program, wanted, count, _died), strict=True))
 
 
-def _lost(order: Order) -> Made:
+def _died(order: BuildOrder) -> MadeProgram:
     name = order.recipe.name
-    return Made(findings=(rules.DIED(place=name, name=name),), unreadable=True)
+    return MadeProgram(findings=(rules.DIED(place=name, name=name),), unreadable=True)
 
 
-def make(order: Order) -> Made:
+def make_program(order: BuildOrder) -> MadeProgram:
     """Makes one; what is refused, or fails, is in its findings."""
     name = shown_path(order.recipe.source)
-    with watched(order.folder) as opened:
-        made = _made(order, name)
+    with recorded_inputs(order.folder) as opened:
+        made = _make_or_refuse(order, name)
     # What the project's own file says of the style is in the digest of what is wanted.
-    inputs = digests(order.folder, (opened | set(_asked_for(order))) - set(PROJECT_FILES))
+    inputs = digests(order.folder, (opened | set(_looked_for(order))) - set(PROJECT_FILES))
     found = apply_severities([finding.within(name) for finding in made.findings]).left
     files = {} if has_errors(found) else made.files
     return replace(made, inputs=inputs, findings=found, files=files)
@@ -101,7 +103,7 @@ def shown_path(path: FilePath) -> str:
     return str(path)
 
 
-def _asked_for(order: Order) -> Iterator[str]:
+def _looked_for(order: BuildOrder) -> Iterator[str]:
     """Files that change what is made by being there; who only looks for them opens nothing."""
     recipe, folder = order.recipe, order.folder
     beside = recipe.source.with_suffix(PROCESS_SUFFIX)
@@ -111,22 +113,22 @@ def _asked_for(order: Order) -> Iterator[str]:
             yield file.relative_to(folder).as_posix()
 
 
-def _made(order: Order, name: str) -> Made:
+def _make_or_refuse(order: BuildOrder, name: str) -> MadeProgram:
     try:
-        return _as_it_is(order, name) or _compiled(order, name)
+        return _copied_source(order, name) or _compile_order(order, name)
     except Refused as refused:
-        return Made(findings=refused.findings, unreadable=refused.exit_status == 2)
+        return MadeProgram(findings=refused.findings, unreadable=refused.exit_status == 2)
     except OSError as error:
         reason = error.strerror or str(error)
         finding = rules.NOT_KEPT(file=error.filename or name, reason=reason)
-        return Made(findings=(finding,), unreadable=True)
+        return MadeProgram(findings=(finding,), unreadable=True)
     except Exception as error:
         if traceback_wanted():
             raise
-        return Made(findings=(internal_error(error),), unreadable=True)
+        return MadeProgram(findings=(internal_error(error),), unreadable=True)
 
 
-def _spoken(recipe: Recipe) -> str | None:
+def _source_language(recipe: Recipe) -> str | None:
     """The robot language of a source, None for drawings, tables and pseudo-programs."""
     if recipe.from_language is not None:
         return recipe.from_language
@@ -136,12 +138,12 @@ def _spoken(recipe: Recipe) -> str | None:
     return None if spoken is None else spoken.name
 
 
-def chosen_language(order: Order) -> str:
+def chosen_language(order: BuildOrder) -> str:
     """What a program is made in; raises Refused if nobody says it."""
-    return _language(order, _spoken(order.recipe))
+    return _output_language(order, _source_language(order.recipe))
 
 
-def _language(order: Order, spoken: str | None) -> str:
+def _output_language(order: BuildOrder, spoken: str | None) -> str:
     """What the program is to be in; raises Refused if nobody says it."""
     if order.recipe.language is not None:
         return order.recipe.language
@@ -157,14 +159,14 @@ def _language(order: Order, spoken: str | None) -> str:
     return runs[0]
 
 
-def _as_it_is(order: Order, name: str) -> Made | None:
+def _copied_source(order: BuildOrder, name: str) -> MadeProgram | None:
     """A source that is already what is wanted, with the files that it calls; None for others."""
     recipe = order.recipe
-    spoken = _spoken(recipe)
+    spoken = _source_language(recipe)
     plain = Recipe(recipe.name, recipe.source, recipe.language, recipe.robot, from_language=spoken)
     if spoken is None or replace(recipe, from_language=spoken) != plain:
         return None
-    if _language(order, spoken) != spoken:
+    if _output_language(order, spoken) != spoken:
         return None
     language = language_of(spoken)
     trees: Sequence[Tree] = read_trees(
@@ -173,31 +175,31 @@ def _as_it_is(order: Order, name: str) -> Made | None:
     found = tuple(finding for tree in trees for finding in tree.findings)
     files: dict[str, bytes] = {}
     origins: dict[str, str] = {}
-    for path in map(FilePath, _paths(trees)):
+    for path in map(FilePath, _tree_paths(trees)):
         if not path.resolve().is_relative_to(order.folder.resolve()):
             found = (*found, rules.NOT_BESIDE(path=name, file=path))
             continue
         files[path.name] = read_bytes(path)
         beside = recipe.source.parent / path.name
         origins[path.name] = beside.relative_to(order.folder).as_posix()
-    return Made(files, origins=origins, findings=found, language=spoken)
+    return MadeProgram(files, origins=origins, findings=found, language=spoken)
 
 
-def _paths(trees: Sequence[Tree]) -> Iterator[str]:
+def _tree_paths(trees: Sequence[Tree]) -> Iterator[str]:
     for tree in trees:
         if tree.source is not None and tree.source.path is not None:
             yield tree.source.path
 
 
-def _compiled(order: Order, name: str) -> Made:
+def _compile_order(order: BuildOrder, name: str) -> MadeProgram:
     recipe = order.recipe
-    spoken = _spoken(recipe)
+    spoken = _source_language(recipe)
     source = name
     given = None
     if recipe.from_language is not None:
         given = load(
             source,
-            process=_named(recipe.process),
+            process=_shown_or_none(recipe.process),
             robot=robot_of(recipe.from_robot),
             language=recipe.from_language,
             unit=recipe.unit,
@@ -206,19 +208,19 @@ def _compiled(order: Order, name: str) -> Made:
         given = combine_sources(
             [source, *map(shown_path, recipe.also)],
             recipe.name,
-            process=_named(recipe.process),
+            process=_shown_or_none(recipe.process),
             unit=recipe.unit,
-            around=open_cell(_named(recipe.cell), robot_of(order.arm)).around,
+            around=open_cell(_shown_or_none(recipe.cell), robot_of(order.arm)).around,
         )
-    script = _named(recipe.signals)
-    language = _language(order, spoken)
+    script = _shown_or_none(recipe.signals)
+    language = _output_language(order, spoken)
     compiled = compile(
         given or source,
         language=language,
         robot=robot_of(order.arm),
-        process=_named(recipe.process),
+        process=_shown_or_none(recipe.process),
         unit=recipe.unit,
-        cell=_named(recipe.cell),
+        cell=_shown_or_none(recipe.cell),
         from_robot=recipe.from_robot,
         most_targets=recipe.most_targets,
         frames=recipe.frames,
@@ -230,8 +232,8 @@ def _compiled(order: Order, name: str) -> Made:
     )
     files = compiled.files if compiled.ok else {}
     proof = tuple(compiled.proof_lines())
-    return Made(files, findings=compiled.findings, proof=proof, language=language)
+    return MadeProgram(files, findings=compiled.findings, proof=proof, language=language)
 
 
-def _named(path: FilePath | None) -> str | None:
+def _shown_or_none(path: FilePath | None) -> str | None:
     return None if path is None else shown_path(path)

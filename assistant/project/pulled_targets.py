@@ -34,23 +34,23 @@ from assistant.sources.tables.taught import (
     with_target,
 )
 
-TAUGHT: Final = ".toml"
-PLACES_OF: Final = (TAUGHT, pseudo.SUFFIX)
+TAUGHT_SUFFIX: Final = ".toml"
+SOURCES_WITH_NAMES: Final = (TAUGHT_SUFFIX, pseudo.SUFFIX)
 """Sources in which targets have their names."""
-DIGITS: Final = 4
+LENGTH_DIGITS: Final = 4
 """Of millimetres and degrees, as many as controllers tell."""
 TURN_DIGITS: Final = 9
 """Of the parts of a quaternion."""
-Place = Target | JointTarget
+AnyTarget = Target | JointTarget
 
 
 @dataclass(frozen=True, slots=True)
-class Changed:
+class ChangedTarget:
     """A target. before: as it was deployed. after: as it is on the controller."""
 
     name: str
-    before: Place
-    after: Place
+    before: AnyTarget
+    after: AnyTarget
 
 
 def changed_targets(
@@ -60,7 +60,7 @@ def changed_targets(
     file: PlannedFile,
     source: FilePath,
     robot: Robot | None,
-) -> list[Changed]:
+) -> list[ChangedTarget]:
     """The targets that two texts of a program place otherwise.
 
     Raises Refused if they differ in anything else: a source that is compiled cannot be given that.
@@ -72,9 +72,11 @@ def changed_targets(
     moved = replace(new, targets=old.targets, joint_targets=old.joint_targets, origin=None)
     same_names = old.targets.keys() == new.targets.keys()
     same_names &= old.joint_targets.keys() == new.joint_targets.keys()
-    found = [Changed(n, old.targets[n], t) for n, t in new.targets.items() if n in old.targets]
+    found = [
+        ChangedTarget(n, old.targets[n], t) for n, t in new.targets.items() if n in old.targets
+    ]
     found += [
-        Changed(n, old.joint_targets[n], t)
+        ChangedTarget(n, old.joint_targets[n], t)
         for n, t in new.joint_targets.items()
         if n in old.joint_targets
     ]
@@ -85,7 +87,7 @@ def changed_targets(
 
 
 def with_targets(
-    source: FilePath, data: bytes, changes: Sequence[Changed], name: str, precision: Precision
+    source: FilePath, data: bytes, changes: Sequence[ChangedTarget], name: str, precision: Precision
 ) -> bytes:
     """The source with the targets as they are now, all else to the letter; raises Refused.
 
@@ -93,20 +95,20 @@ def with_targets(
     its language writes them.
     """
     suffix = source.suffix.lower()
-    encodings = ENCODINGS if suffix == TAUGHT else PSEUDO_ENCODINGS
+    encodings = ENCODINGS if suffix == TAUGHT_SUFFIX else PSEUDO_ENCODINGS
     text = decode(data, str(source), encodings)
     for change in changes:
-        program = _program(source, text)
-        place = _place(program, change.name)
-        if place is None or not _close(place, change.before, precision):
+        program = _read_program(source, text)
+        place = _target_of(program, change.name)
+        if place is None or not _same_target(place, change.before, precision):
             finding = rules.OTHER_TARGET(
                 path=str(source), target=change.name, name=name, source=source
             )
             raise Refused(finding)
-        with_it = _taught if suffix == TAUGHT else _in_pseudo
+        with_it = _with_taught_target if suffix == TAUGHT_SUFFIX else _with_pseudo_target
         text = with_it(source, text, program, change, place)
-        now = _place(_program(source, text), change.name)
-        if now is None or not _close(now, change.after, precision):
+        now = _target_of(_read_program(source, text), change.name)
+        if now is None or not _same_target(now, change.after, precision):
             finding = rules.OTHER_TARGET(
                 path=str(source), target=change.name, name=name, source=source
             )
@@ -114,18 +116,18 @@ def with_targets(
     return encode(text)
 
 
-def _program(source: FilePath, text: SourceText) -> Program:
-    if source.suffix.lower() == TAUGHT:
+def _read_program(source: FilePath, text: SourceText) -> Program:
+    if source.suffix.lower() == TAUGHT_SUFFIX:
         return read_taught(text, source.stem, process_of(source)).program
     return parse_pseudo(text, source.parent)
 
 
-def _place(program: Program, name: str) -> Place | None:
-    named: dict[str, Place] = {**program.targets, **program.joint_targets}
+def _target_of(program: Program, name: str) -> AnyTarget | None:
+    named: dict[str, AnyTarget] = {**program.targets, **program.joint_targets}
     return next((place for key, place in named.items() if key.lower() == name.lower()), None)
 
 
-def _close(one: Place, other: Place, precision: Precision) -> bool:
+def _same_target(one: AnyTarget, other: AnyTarget, precision: Precision) -> bool:
     """Whether two are one place, as exactly as the controller's language writes it."""
     if isinstance(one, Target) and isinstance(other, Target):
         apart = np.abs(np.subtract(one.pose.position, other.pose.position)).max()
@@ -141,8 +143,8 @@ def _close(one: Place, other: Place, precision: Precision) -> bool:
 # ------------------------------------------------------------------------------ taught targets
 
 
-def _taught(
-    source: FilePath, text: SourceText, program: Program, change: Changed, place: Place
+def _with_taught_target(
+    source: FilePath, text: SourceText, program: Program, change: ChangedTarget, place: AnyTarget
 ) -> SourceText:
     del program, place
     entries = read_toml(text).content.get("targets", [])
@@ -155,7 +157,7 @@ def _taught(
         for key in entry
         if (span := spans.get(("targets", str(number), key))) is not None
     }
-    target = TaughtTarget(entry["name"], dict(_values(change, as_it_is)), {})
+    target = TaughtTarget(entry["name"], dict(_taught_values(change, as_it_is)), {})
     changed, _ = with_target(text, source.stem, target, process_of(source), again=True)
     if not is_otherwise_equal(text.text, changed.text, entry["name"]):
         raise Refused(
@@ -164,19 +166,19 @@ def _taught(
     return changed
 
 
-def _values(change: Changed, as_it_is: dict[str, str]) -> Iterator[tuple[str, str]]:
+def _taught_values(change: ChangedTarget, as_it_is: dict[str, str]) -> Iterator[tuple[str, str]]:
     """Keys with TOML; what did not change stays as it is written."""
     before, after = change.before, change.after
     if isinstance(after, JointTarget):
         joints = list(after.joints)
         while joints and joints[-1] != joints[-1]:
             joints.pop()
-        yield "joints", number_list(joints, DIGITS)
+        yield "joints", number_list(joints, LENGTH_DIGITS)
         return
     assert isinstance(before, Target)
     moved = before.pose.position != after.pose.position
     if moved or "position" not in as_it_is:
-        yield "position", number_list(after.pose.position, DIGITS)
+        yield "position", number_list(after.pose.position, LENGTH_DIGITS)
     else:
         yield "position", as_it_is["position"]
     turned = before.pose.quaternion != after.pose.quaternion
@@ -194,8 +196,8 @@ def _values(change: Changed, as_it_is: dict[str, str]) -> Iterator[tuple[str, st
 # ------------------------------------------------------------------------------ pseudo-programs
 
 
-def _in_pseudo(
-    source: FilePath, text: SourceText, program: Program, change: Changed, place: Place
+def _with_pseudo_target(
+    source: FilePath, text: SourceText, program: Program, change: ChangedTarget, place: AnyTarget
 ) -> SourceText:
     """The line of one target is printed anew, with the comment behind it."""
     key = next(
@@ -203,7 +205,7 @@ def _in_pseudo(
         for key in (*program.targets, *program.joint_targets)
         if key.lower() == change.name.lower()
     )
-    wanted = _moved(program, key, _as_stated(place, change))
+    wanted = _with_target(program, key, _keep_open_parts(place, change))
     old, new = (pseudo.print_program(one).text.split("\n") for one in (program, wanted))
     lines = [line for line, other in zip(new, old, strict=True) if line != other]
     begins = re.compile(rf"^[ \t]*(?:target|joints)[ \t]+{re.escape(key)}\b[^#\r\n]*", re.MULTILINE)
@@ -218,13 +220,13 @@ def _in_pseudo(
     raise Refused(finding)
 
 
-def _moved(program: Program, key: str, place: Place) -> Program:
+def _with_target(program: Program, key: str, place: AnyTarget) -> Program:
     if isinstance(place, Target):
         return replace(program, targets={**program.targets, key: place})
     return replace(program, joint_targets={**program.joint_targets, key: place})
 
 
-def _as_stated(place: Place, change: Changed) -> Place:
+def _keep_open_parts(place: AnyTarget, change: ChangedTarget) -> AnyTarget:
     """The new place, with what the source leaves open left open."""
     after = change.after
     if not isinstance(place, Target) or not isinstance(after, Target):

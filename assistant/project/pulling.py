@@ -23,10 +23,10 @@ from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
 from assistant.deploy.text_merge import StoredForm, in_layout, merged
 from assistant.project import rules
-from assistant.project.pulled_targets import PLACES_OF, changed_targets, with_targets
+from assistant.project.pulled_targets import SOURCES_WITH_NAMES, changed_targets, with_targets
 from assistant.robots import Robot
 
-KEPT: Final = ".orig"
+SAVED_SUFFIX: Final = ".orig"
 """Behind the name of a file that no repository keeps: what it said before."""
 
 
@@ -50,7 +50,7 @@ def pull(
     sources: what each local program was made of, itself where it is missing. robot: of the
     controller. Nothing is raised, and nothing is written if there is an error among the findings.
     """
-    run = _Run(plan.site, robot)
+    run = _Pull(plan.site, robot)
     for file in plan.files:
         if file.change is not Change.CONFLICT:
             continue
@@ -73,7 +73,7 @@ def pull(
 
 
 @dataclass(slots=True)
-class _Run:
+class _Pull:
     """wanted: files with what they are to say. told: what is new in each."""
 
     site: Site
@@ -92,7 +92,7 @@ class _Run:
             self.wanted[source] = self._as_text(file, base, now, there, form)
             self.told.setdefault(source, []).append(f"`{file.name}` as it is on the controller")
             return
-        if source.suffix.lower() not in PLACES_OF:
+        if source.suffix.lower() not in SOURCES_WITH_NAMES:
             built = FilePath(file.path)
             now = self.wanted.get(built) or read_bytes(built)
             self.wanted[built] = self._as_text(file, base, now, there, form)
@@ -153,6 +153,6 @@ class _Run:
             if known is False:
                 self.findings.append(rules.NOT_COMMITTED(path=str(path), file=path))
             elif known is None:
-                kept = path.with_name(path.name + KEPT)
+                kept = path.with_name(path.name + SAVED_SUFFIX)
                 self.wanted[kept] = read_bytes(path)
                 self.findings.append(rules.KEPT_BESIDE(path=str(path), file=path, kept=kept))

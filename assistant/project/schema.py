@@ -10,34 +10,42 @@ from assistant import languages
 from assistant.controllers.named import NAME as CONTROLLER_NAME
 from assistant.findings.severities import LEVELS, TABLE
 from assistant.languages.language_types import Choice, Setting
-from assistant.project.tables import CONTROLLER, DEPLOYING, NAME, PROGRAM, STYLE, TARGET, Key
+from assistant.project.tables import (
+    CONTROLLER_KEYS,
+    DEPLOY_KEYS,
+    PROGRAM_KEYS,
+    PROJECT_NAME,
+    STYLE_TABLE_KEYS,
+    TARGET_KEYS,
+    ProjectKey,
+)
 from assistant.sources.project_file import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
 from assistant.sources.project_file import STYLE as STYLE_TABLE
 
-FILE: Final = "assistant.schema.json"
-DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+SCHEMA_FILE: Final = "assistant.schema.json"
+SCHEMA_DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 Schema = dict[str, object]
 
 
-def schema() -> Schema:
+def project_schema() -> Schema:
     """Of a whole file."""
-    controller = _table(CONTROLLER, "address")
+    controller = _table_schema(CONTROLLER_KEYS, "address")
     of_languages = {}
     for language in map(languages.get, languages.names()):
         if language.table:
-            of_languages[language.table] = _settings(language.settings)
+            of_languages[language.table] = _settings_schema(language.settings)
     return {
-        "$schema": DRAFT,
+        "$schema": SCHEMA_DRAFT,
         "title": "assistant.toml of robot-assistant",
         "type": "object",
         "properties": {
-            CONTROLLERS: _named(
-                CONTROLLER_NAME.pattern, {"anyOf": [CONTROLLER["address"].form, controller]}
+            CONTROLLERS: _named_schema(
+                CONTROLLER_NAME.pattern, {"anyOf": [CONTROLLER_KEYS["address"].form, controller]}
             ),
-            PROGRAMS: _named(NAME.pattern, _table(PROGRAM, "source")),
-            TARGETS: _named(NAME.pattern, _table(TARGET, "programs")),
-            DEPLOY: _table(DEPLOYING),
-            STYLE_TABLE: _table(STYLE),
+            PROGRAMS: _named_schema(PROJECT_NAME.pattern, _table_schema(PROGRAM_KEYS, "source")),
+            TARGETS: _named_schema(PROJECT_NAME.pattern, _table_schema(TARGET_KEYS, "programs")),
+            DEPLOY: _table_schema(DEPLOY_KEYS),
+            STYLE_TABLE: _table_schema(STYLE_TABLE_KEYS),
             TABLE: {"type": "object", "additionalProperties": {"enum": list(LEVELS)}},
             **of_languages,
         },
@@ -46,21 +54,21 @@ def schema() -> Schema:
 
 
 def schema_text() -> str:
-    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(project_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def _table(keys: Mapping[str, Key], *required: str) -> Schema:
+def _table_schema(keys: Mapping[str, ProjectKey], *required: str) -> Schema:
     rows = {name: {**key.form, "description": key.about} for name, key in keys.items()}
     table: Schema = {"type": "object", "properties": rows, "additionalProperties": False}
     return {**table, "required": list(required)} if required else table
 
 
-def _named(pattern: str, content: Schema) -> Schema:
+def _named_schema(pattern: str, content: Schema) -> Schema:
     names = {"pattern": f"^(?:{pattern})$"}
     return {"type": "object", "propertyNames": names, "additionalProperties": content}
 
 
-def _settings(settings: Mapping[str, Setting | Choice]) -> Schema:
+def _settings_schema(settings: Mapping[str, Setting | Choice]) -> Schema:
     rows: Schema = {}
     for name, one in settings.items():
         if isinstance(one, Choice):

@@ -15,50 +15,50 @@ from assistant.base.length_units import known_unit
 from assistant.base.source_text import read_bytes
 from assistant.program.program import TakenNames, identifier
 from assistant.project import rules
-from assistant.project.drafting import process_text, program_text, quoted
+from assistant.project.drafting import process_text, program_text, toml_quoted
 from assistant.project.layout import project_of
-from assistant.project.schema import FILE, schema_text
+from assistant.project.schema import SCHEMA_FILE, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.survey import survey
 from assistant.sources.process import NO_PROCESS
 from assistant.sources.project_file import read_project
 
-PROJECT: Final = "assistant.toml"
-PLATE: Final[Mapping[str, str]] = {
+PROJECT_FILE: Final = "assistant.toml"
+EXAMPLE_DRAWING: Final[Mapping[str, str]] = {
     "drawings/plate.dxf": "drawings/plate.dxf",
     "drawings/plate.process.toml": "drawings/plate.process.toml",
 }
 """Files of the example's drawing → their templates."""
-EXAMPLE: Final = (*PLATE, PROJECT)
+EXAMPLE_FILES: Final = (*EXAMPLE_DRAWING, PROJECT_FILE)
 """Files of the example; written where there is no project yet and no drawing is given.
 
 The project is the last: who is killed before it begins anew.
 """
-PLATE_PROGRAM: Final = """\
+EXAMPLE_PROGRAM: Final = """\
 [programs.plate]
 source = "drawings/plate.dxf"     # with drawings/plate.process.toml beside it
 """
-PLATE_NAMES: Final = '["plate"]'
+EXAMPLE_NAMES: Final = '["plate"]'
 """What the example's project says of its program."""
-DRAWINGS: Final = "drawings"
+DRAWINGS_FOLDER: Final = "drawings"
 """Folder of drawings that are copied into a project."""
-AROUND: Final[Mapping[str, str]] = {
+REPOSITORY_FILES: Final[Mapping[str, str]] = {
     ".gitignore": "gitignore",
     ".pre-commit-config.yaml": "pre-commit-config.yaml",
     ".github/workflows/robot.yml": "github.yml",
     ".gitlab-ci.yml": "gitlab-ci.yml",
 }
 """What a repository needs; each written unless it is there."""
-IGNORED: Final = "/build/ and .robot-assistant/"
-VERSION: Final = "{{ version }}"
-WIDTH: Final = 22
+IGNORED_FOLDERS: Final = "/build/ and .robot-assistant/"
+VERSION_MARK: Final = "{{ version }}"
+NAMES_WIDTH: Final = 22
 """Columns before the comment behind the names."""
 LONGEST_NAME: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class StartedProject:
     """written, in their order. findings: what was there already, and what drawings have. blank:
     process files in which something has to be filled in.
     """
@@ -69,7 +69,9 @@ class Started:
     blank: tuple[FilePath, ...] = ()
 
 
-def start(folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None = None) -> Started:
+def start_project(
+    folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None = None
+) -> StartedProject:
     """Writes what is missing of a project into a folder; overwrites nothing.
 
     drawings: programs of the project, each with a process file to be filled in; without any a new
@@ -77,35 +79,39 @@ def start(folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None 
     whatever they say. Raises Unreadable or Refused for drawings that cannot be used, Refused
     (exit status 2) if a file cannot be written.
     """
-    drawn = [_drawn(folder, drawing, unit) for drawing in dict.fromkeys(drawings)]
-    contents = {name: _text(template) for name, template in AROUND.items()}
-    contents[FILE] = schema_text().encode()
+    drawn = [_add_drawing(folder, drawing, unit) for drawing in dict.fromkeys(drawings)]
+    contents = {name: _template_bytes(template) for name, template in REPOSITORY_FILES.items()}
+    contents[SCHEMA_FILE] = schema_text().encode()
     found = [finding for one in drawn for finding in one.findings]
     of_drawings = {name: data for one in drawn for name, data in one.files.items()}
-    programs = _named([one.source for one in drawn])
-    if _has_project(folder):
-        found += _to_be_added(folder, programs)
+    programs = _program_names([one.source for one in drawn])
+    if _has_project_table(folder):
+        found += _missing_entries(folder, programs)
         contents = {**of_drawings, **contents}
     elif drawn:
-        contents = {**of_drawings, PROJECT: _project(program_text(programs), programs), **contents}
+        contents = {
+            **of_drawings,
+            PROJECT_FILE: _project_text(program_text(programs), programs),
+            **contents,
+        }
     else:
-        example = {name: _text(template) for name, template in PLATE.items()}
-        contents = {**example, PROJECT: _text(PROJECT), **contents}
+        example = {name: _template_bytes(template) for name, template in EXAMPLE_DRAWING.items()}
+        contents = {**example, PROJECT_FILE: _template_bytes(PROJECT_FILE), **contents}
     wanted: dict[FilePath, bytes] = {}
     for name, data in contents.items():
         file = folder / name
         if file.exists() or file.is_symlink():
-            if _differs(file, data):
-                found.append(rules.KEPT(file=name, cure=_cure(name)))
+            if _differs_on_disk(file, data):
+                found.append(rules.KEPT(file=name, cure=_replacement_cure(name)))
             continue
-        _check_folders(folder, file)
+        _refuse_link_folders(folder, file)
         wanted[file] = data
     blank = tuple(file for file in wanted if file.name.endswith(PROCESS_SUFFIX) and drawn)
-    return Started(folder, write_all(wanted), tuple(found), blank)
+    return StartedProject(folder, write_all(wanted), tuple(found), blank)
 
 
 @dataclass(frozen=True, slots=True)
-class _Drawn:
+class _AddedDrawing:
     """source: from the folder. files: of the project that it needs, by name."""
 
     source: str
@@ -113,7 +119,7 @@ class _Drawn:
     findings: tuple[Diagnostic, ...]
 
 
-def _drawn(folder: FilePath, drawing: FilePath, unit: str | None) -> _Drawn:
+def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _AddedDrawing:
     """A drawing of the project, with its process file. Raises Unreadable or Refused."""
     chosen = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
     found = survey(drawing, chosen, "as was stated")
@@ -122,18 +128,18 @@ def _drawn(folder: FilePath, drawing: FilePath, unit: str | None) -> _Drawn:
     if here.is_relative_to(folder.resolve()):
         source = here.relative_to(folder.resolve()).as_posix()
     else:
-        source = f"{DRAWINGS}/{drawing.name}"
+        source = f"{DRAWINGS_FOLDER}/{drawing.name}"
         data = read_bytes(drawing)
-        if (folder / source).exists() and _differs(folder / source, data):
+        if (folder / source).exists() and _differs_on_disk(folder / source, data):
             raise Refused(rules.OTHER_DRAWING(path=str(drawing), file=source), exit_status=2)
         files[source] = data
     process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
     files[process] = process_text(drawing.name, found).encode("utf-8", "replace")
     told = tuple(finding.within(str(drawing)) for finding in found.findings)
-    return _Drawn(source, files, tuple(f for f in told if f.severity is not Severity.INFO))
+    return _AddedDrawing(source, files, tuple(f for f in told if f.severity is not Severity.INFO))
 
 
-def _named(sources: Sequence[str]) -> dict[str, str]:
+def _program_names(sources: Sequence[str]) -> dict[str, str]:
     """Names of programs → their sources."""
     taken = TakenNames(())
     names: dict[str, str] = {}
@@ -144,49 +150,49 @@ def _named(sources: Sequence[str]) -> dict[str, str]:
     return names
 
 
-def _project(programs: str, names: Iterable[str]) -> bytes:
+def _project_text(programs: str, names: Iterable[str]) -> bytes:
     """The example's, with these programs instead of its own."""
     listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
-    text = _text(PROJECT).decode().replace(PLATE_PROGRAM, programs)
-    return text.replace(f"{PLATE_NAMES:{WIDTH}}", f"{listed:{WIDTH}}").encode()
+    text = _template_bytes(PROJECT_FILE).decode().replace(EXAMPLE_PROGRAM, programs)
+    return text.replace(f"{EXAMPLE_NAMES:{NAMES_WIDTH}}", f"{listed:{NAMES_WIDTH}}").encode()
 
 
-def _to_be_added(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
+def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
     """What a project that is there has to say of the drawings. Raises Unreadable or Refused."""
     known = {recipe.source.resolve() for recipe in project_of(folder).programs.values()}
     for name, source in programs.items():
         if (folder / source).resolve() not in known:
-            table = f"[programs.{name}] with source = {quoted(source)}"
+            table = f"[programs.{name}] with source = {toml_quoted(source)}"
             yield rules.NOT_ADDED(name=name, source=source, table=table)
 
 
-def _has_project(folder: FilePath) -> bool:
+def _has_project_table(folder: FilePath) -> bool:
     """Whether the folder itself has a file with a table of ours; raises Unreadable."""
-    file = folder / PROJECT
+    file = folder / PROJECT_FILE
     python = folder / "pyproject.toml"
     of_python = python.is_file() and read_project(python, ("tool", "robot-assistant")) is not None
     return file.exists() or file.is_symlink() or of_python
 
 
-def _check_folders(folder: FilePath, file: FilePath) -> None:
+def _refuse_link_folders(folder: FilePath, file: FilePath) -> None:
     """Raises Refused if a link on the way leads out of the folder."""
     if not file.parent.resolve().is_relative_to(folder.resolve()):
         raise Refused(rules.OUTSIDE(file=file), exit_status=2)
 
 
-def _differs(file: FilePath, data: bytes) -> bool:
+def _differs_on_disk(file: FilePath, data: bytes) -> bool:
     try:
         return read_file(file).replace(b"\r\n", b"\n") != data
     except OSError:
         return True
 
 
-def _cure(name: str) -> str:
+def _replacement_cure(name: str) -> str:
     if name == ".gitignore":
-        return f"see that it ignores {IGNORED}"
+        return f"see that it ignores {IGNORED_FOLDERS}"
     return "move it away and run `robot-assistant init` again to have a new one"
 
 
-def _text(template: str) -> bytes:
+def _template_bytes(template: str) -> bytes:
     text = resource("templates", f"project/{template}").read_text(encoding="utf-8")
-    return text.replace(VERSION, __version__).encode()
+    return text.replace(VERSION_MARK, __version__).encode()

@@ -12,7 +12,7 @@ from assistant.controllers import Named, Programs, connect
 from assistant.controllers.address import Question
 from assistant.deploy.history import HISTORY
 from assistant.project import kept, rules, virtual
-from assistant.project.layout import BUILT, Place, Project, inside, project_of
+from assistant.project.layout import BUILD_FOLDER, Place, Project, path_inside, project_of
 from assistant.project.making import order_of
 
 
@@ -54,12 +54,12 @@ class Target:
 
         Raises Refused if one of its programs is not built, or has changed since.
         """
-        entries = kept.read_entries(self.project)
+        entries = kept.read_build(self.project)
         found: dict[str, FilePath] = {}
         stale: list[Diagnostic] = []
         for recipe in self.place.recipes:
             order = order_of(self.project.folder, self.place, recipe)
-            entry = entries.get(kept.key_of(self.name, recipe.name))
+            entry = entries.get(kept.entry_key(self.name, recipe.name))
             reason = kept.why_stale(self.project, self.name, order, entry)
             if reason is not None or entry is None:
                 stale.append(
@@ -68,7 +68,7 @@ class Target:
                     )
                 )
                 continue
-            folder = self.project.folder / BUILT / self.name
+            folder = self.project.folder / BUILD_FOLDER / self.name
             found.update({name: folder / name for name in entry.files})
         if stale:
             raise Refused(*stale)
@@ -76,13 +76,15 @@ class Target:
 
     def sources(self) -> dict[FilePath, FilePath]:
         """What each built file was made of: its own source where it was taken as it is."""
-        entries = kept.read_entries(self.project)
+        entries = kept.read_build(self.project)
         found: dict[FilePath, FilePath] = {}
         for recipe in self.place.recipes:
-            entry = entries.get(kept.key_of(self.name, recipe.name))
-            folder = self.project.folder / BUILT / self.name
+            entry = entries.get(kept.entry_key(self.name, recipe.name))
+            folder = self.project.folder / BUILD_FOLDER / self.name
             for name in entry.files if entry is not None else ():
-                own = inside(self.project.folder, entry.origins.get(name, "")) if entry else None
+                own = (
+                    path_inside(self.project.folder, entry.origins.get(name, "")) if entry else None
+                )
                 found[folder / name] = own or recipe.source
         return found
 
@@ -95,7 +97,9 @@ class Target:
         A virtual controller of the project runs as long as the context. Raises Refused.
         """
         if self.controller.virtual is not None:
-            with virtual.running(self.controller, self.project.kept, timeout=timeout) as client:
+            with virtual.running_client(
+                self.controller, self.project.kept, timeout=timeout
+            ) as client:
                 yield client
         else:
             yield connect(self.controller, ask=ask, timeout=timeout)

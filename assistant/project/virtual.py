@@ -24,30 +24,30 @@ from assistant.project import rules
 if TYPE_CHECKING:
     from assistant.virtual.irc5.programs import Programs as Memory
 
-FOLDER: Final = "virtual"
-HOME: Final = "home"
-MEMORY: Final = "memory.json"
-PROGRAMS: Final = "programs"
-LOCK: Final = "lock"
-PATIENCE: Final = 30.0
+VIRTUAL_FOLDER: Final = "virtual"
+HOME_FOLDER: Final = "home"
+MEMORY_FILE: Final = "memory.json"
+PROGRAM_FOLDER: Final = "programs"
+LOCK_FILE: Final = "lock"
+LOCK_TIMEOUT: Final = 30.0
 """Seconds for which another command may have the controller."""
-ENCODING: Final = "utf-8"
+MEMORY_ENCODING: Final = "utf-8"
 Clients = Callable[[], Programs]
 """Gives a client, not connected yet, each time."""
-Starting = Callable[[Named, FilePath, float | None], AbstractContextManager[Clients]]
+Starter = Callable[[Named, FilePath, float | None], AbstractContextManager[Clients]]
 
 
 @contextmanager
-def running(
+def running_client(
     controller: Named, kept: FilePath, *, timeout: float | None = None
 ) -> Iterator[Programs]:
     """A client, not connected yet, of a virtual controller that runs inside; see `clients`."""
-    with clients(controller, kept, timeout=timeout) as client:
+    with running_clients(controller, kept, timeout=timeout) as client:
         yield client()
 
 
 @contextmanager
-def clients(
+def running_clients(
     controller: Named, kept: FilePath, *, timeout: float | None = None
 ) -> Iterator[Clients]:
     """As many clients as are wanted of a virtual controller that runs inside.
@@ -58,10 +58,10 @@ def clients(
     from filelock import FileLock, Timeout
 
     assert controller.virtual is not None
-    folder = kept / FOLDER / controller.name
+    folder = kept / VIRTUAL_FOLDER / controller.name
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / LOCK, timeout=PATIENCE)
+        lock = FileLock(folder / LOCK_FILE, timeout=LOCK_TIMEOUT)
         lock.acquire()
     except Timeout:
         finding = rules.BUSY(place=controller.name, name=controller.name)
@@ -69,41 +69,41 @@ def clients(
     except OSError as error:
         raise _not_started(controller, error.strerror or str(error)) from None
     try:
-        with STARTING[controller.virtual](controller, folder, timeout) as client:
+        with STARTERS[controller.virtual](controller, folder, timeout) as client:
             yield client
     finally:
         lock.release()
 
 
 @contextmanager
-def _irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
+def _start_irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.irc5 import VirtualIrc5
 
-    arm, home = _arm(controller), folder / HOME
+    arm, home = _robot_of(controller), folder / HOME_FOLDER
     virtual = (
         VirtualIrc5(home, rwss=None) if arm is None else VirtualIrc5(home, robot=arm, rwss=None)
     )
     _start(controller, virtual.start)
     try:
         virtual.cabinet.serial = controller.serial or ""
-        virtual.cabinet.do(lambda memory: _remember(memory, folder / MEMORY))
+        virtual.cabinet.do(lambda memory: _load_memory(memory, folder / MEMORY_FILE))
         try:
             login = Credentials(virtual.user, virtual.password)
             yield partial(_client, controller, virtual.rws_port, timeout, login)
         finally:
             # What programs have made of their data since a module was last taken in.
             with defer_termination():
-                virtual.cabinet.do(lambda memory: _keep(memory, folder / MEMORY))
+                virtual.cabinet.do(lambda memory: _save_memory(memory, folder / MEMORY_FILE))
     finally:
         with defer_termination():
             virtual.stop()
 
 
 @contextmanager
-def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
+def _start_cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.cr import VirtualCr
 
-    arm, programs = _arm(controller), folder / PROGRAMS
+    arm, programs = _robot_of(controller), folder / PROGRAM_FOLDER
     try:
         virtual = VirtualCr(folder=programs) if arm is None else VirtualCr(arm, folder=programs)
     except (ValueError, OSError) as error:
@@ -116,10 +116,10 @@ def _cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[
             virtual.stop()
 
 
-STARTING: Final[dict[str, Starting]] = {"irc5": _irc5, "cr": _cr}
+STARTERS: Final[dict[str, Starter]] = {"irc5": _start_irc5, "cr": _start_cr}
 
 
-def _arm(controller: Named) -> str | None:
+def _robot_of(controller: Named) -> str | None:
     """The robot that the controller moves, None for the one that it has by itself."""
     known = {name.lower(): name for name in robots.names()}
     if controller.robot is None or controller.robot.lower() in known:
@@ -149,7 +149,7 @@ def _not_started(controller: Named, reason: str) -> Refused:
 # ------------------------------------------------------------------------------ program memory
 
 
-def _keep(memory: Memory, file: FilePath) -> None:
+def _save_memory(memory: Memory, file: FilePath) -> None:
     """The modules in memory, with the values that their data have now."""
     rows = [
         {"name": one.name, "file": one.file, "text": memory.text(one)}
@@ -159,12 +159,12 @@ def _keep(memory: Memory, file: FilePath) -> None:
         write_whole(file, (json.dumps(rows, indent=1) + "\n").encode())
 
 
-def _remember(memory: Memory, file: FilePath) -> None:
+def _load_memory(memory: Memory, file: FilePath) -> None:
     """What was in memory when it last ended, or died; nothing of a file that is damaged."""
     from assistant.virtual.irc5.programs import NotPossible, read_module
 
     with suppress(OSError, ValueError, KeyError, TypeError, NotPossible):
         rows = json.loads(read_file(file))
-        texts = [(str(row["file"]), str(row["text"]).encode(ENCODING)) for row in rows]
+        texts = [(str(row["file"]), str(row["text"]).encode(MEMORY_ENCODING)) for row in rows]
         memory.restore([one for name, text in texts for one in read_module(name, text)])
-    memory.keep = lambda changed: _keep(changed, file)
+    memory.keep = lambda changed: _save_memory(changed, file)

@@ -23,7 +23,7 @@ from assistant.controllers.address import without_passwords
 A = TypeVar("A")
 B = TypeVar("B")
 
-SERVE: Final = (
+WORKER_SCRIPT: Final = (
     "import sys; sys.path[:] = sys.argv[1:]; from assistant.project.workers import serve; serve()"
 )
 ENDED: Final = 5.0
@@ -75,7 +75,7 @@ class _Worker(Generic[A, B]):
 
     def _begin(self) -> subprocess.Popen[bytes]:
         return subprocess.Popen(  # noqa: S603
-            [sys.executable, "-c", SERVE, *sys.path],
+            [sys.executable, "-c", WORKER_SCRIPT, *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=without_passwords(),
@@ -126,10 +126,10 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends this process
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
-    _serve(sys.stdin.buffer, answers)
+    _answer_requests(sys.stdin.buffer, answers)
 
 
-def _serve(questions: BinaryIO, answers: BinaryIO) -> None:
+def _answer_requests(questions: BinaryIO, answers: BinaryIO) -> None:
     while True:
         try:
             function, argument = pickle.load(questions)  # noqa: S301 (of who started this one)

@@ -18,24 +18,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-TURN: Final = 10.0
+PROBE_MOTION: Final = 10.0
 """degrees or mm by which a joint is moved to see its axis."""
-STEPS: Final = 49
+AREA_STEPS: Final = 49
 """Angles of a joint over its range for the area that an arm reaches."""
-NEAR: Final = 1e-3
+SAME_POINT: Final = 1e-3
 """mm between points that are one."""
-VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
-COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
-WRIST: Final = 4
+ARM_VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
+AXIS_COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
+WRIST_POINT: Final = 4
 """Of the points of a vertical arm."""
-SIDE: Final = [COLUMNS["x"], COLUMNS["z"]]
-ACROSS: Final = 0.1
+SIDE_COLUMNS: Final = [AXIS_COLUMNS["x"], AXIS_COLUMNS["z"]]
+SHORTEST_SEEN: Final = 0.1
 """Length in a view below which a unit vector points at the reader."""
-CROWDED: Final = 0.05
+CROWDED_SHARE: Final = 0.05
 """Of the reach, between axes whose names would be printed over each other."""
-OFFSET: Final = 11.0
+NAME_OFFSET: Final = 11.0
 """Points from an axis to its name."""
-ARM, AREA, AXIS, REACH = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
+ARM_COLOUR, AREA_COLOUR, AXIS_COLOUR, REACH_COLOUR = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,14 +49,14 @@ class JointAxis:
 
 def arm_drawing(robot: Robot, format: str = "png") -> bytes:
     """The picture as PNG or SVG; raises Refused, naming the extra, without matplotlib."""
-    drawn = figures.figure(11.0, 6.5)
+    drawn = figures.new_figure(11.0, 6.5)
     chain = robot.chain(robot.home)[0]
     axes = joint_axes(robot)
-    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), VIEWS.items(), strict=True):
-        seen = [COLUMNS[across], COLUMNS[up]]
-        _area(view, robot, seen)
-        _arm(view, chain[:, seen])
-        _axes(view, axes, seen, robot.reach)
+    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), ARM_VIEWS.items(), strict=True):
+        seen = [AXIS_COLUMNS[across], AXIS_COLUMNS[up]]
+        _reached_area(view, robot, seen)
+        _draw_arm(view, chain[:, seen])
+        _draw_axes(view, axes, seen, robot.reach)
         view.set(xlabel=f"{across} in mm", ylabel=f"{up} in mm", title=title, aspect="equal")
         view.grid(visible=True, alpha=0.3)
     drawn.suptitle(f"{robot.title} at home, reach {robot.reach:g} mm")
@@ -68,7 +68,7 @@ def arm_drawing(robot: Robot, format: str = "png") -> bytes:
 def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
     """Where the axis of each joint is at home, found by moving the joints one by one."""
     home = np.asarray(robot.home, dtype=np.float64)
-    moved = home + TURN * np.eye(len(home))
+    moved = home + PROBE_MOTION * np.eye(len(home))
     p, q = robot.fk(np.vstack([home, moved]))
     chain = robot.chain(home)[0]
     found = []
@@ -83,32 +83,32 @@ def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
         shift = p[i] - matrix @ p[0]
         # Of all points with p = turn · p + shift the one nearest to the origin.
         point = np.linalg.pinv(np.eye(3) - matrix) @ shift
-        found.append(JointAxis(name, _at_arm(point, direction, chain), direction))
+        found.append(JointAxis(name, _axis_point(point, direction, chain), direction))
     return tuple(found)
 
 
-def _at_arm(point: Floats, direction: Floats, chain: Floats) -> Floats:
+def _axis_point(point: Floats, direction: Floats, chain: Floats) -> Floats:
     """The middle of the first link along an axis, or the point of the axis nearest to the arm."""
     along = (chain - point) @ direction
     feet = point + along[:, None] * direction
     off = np.linalg.norm(chain - feet, axis=1)
-    near = feet[off < off.min() + NEAR]
-    apart = near[np.linalg.norm(near - near[0], axis=1) > NEAR]
+    near = feet[off < off.min() + SAME_POINT]
+    apart = near[np.linalg.norm(near - near[0], axis=1) > SAME_POINT]
     return np.asarray(near[0] if not len(apart) else (near[0] + apart[0]) / 2.0)
 
 
-def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
+def _reached_area(view: Axes, robot: Robot, seen: list[int]) -> None:
     """What the wrist gets to, and from above the circle of the stretched arm."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Circle
 
     said: dict[str, Any] = {
-        "color": AREA,
+        "color": AREA_COLOUR,
         "zorder": 0,
-        "label": f"{'wrist' if _wristed(robot) else 'flange'} within the limits",
+        "label": f"{'wrist' if _wrist_of(robot) else 'flange'} within the limits",
     }
-    swept = _swept(robot, seen)
-    if seen == SIDE or isinstance(robot.arm, Scara):
+    swept = _wrist_points(robot, seen)
+    if seen == SIDE_COLUMNS or isinstance(robot.arm, Scara):
         corners = swept[..., seen]
         cells = np.stack(
             [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]], axis=2
@@ -117,15 +117,15 @@ def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
             PolyCollection(list(cells.reshape(-1, 4, 2)), linewidths=0.5, rasterized=True, **said)
         )
     else:
-        view.fill(*_outline(robot, swept.reshape(-1, 3)).T, linewidth=0.0, **said)
-    if seen != SIDE:
-        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH, linestyle="--")
+        view.fill(*_area_outline(robot, swept.reshape(-1, 3)).T, linewidth=0.0, **said)
+    if seen != SIDE_COLUMNS:
+        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH_COLOUR, linestyle="--")
         ring.set_label("reach")
         view.add_patch(ring)
     view.autoscale_view()
 
 
-def _outline(robot: Robot, swept: Floats) -> Floats:
+def _area_outline(robot: Robot, swept: Floats) -> Floats:
     """(k, 2) how far points (n, 3) come from axis 1 in each direction when it turns."""
     low, high = robot.limits[0] - robot.home[0]
     radii, azimuths = np.hypot(*swept.T[:2]), np.degrees(np.arctan2(*swept.T[1::-1]))
@@ -136,34 +136,38 @@ def _outline(robot: Robot, swept: Floats) -> Floats:
     return np.asarray(farthest[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
-def _swept(robot: Robot, seen: list[int]) -> Floats:
+def _wrist_points(robot: Robot, seen: list[int]) -> Floats:
     """(STEPS, STEPS, 3) where the wrist is with two joints over their ranges, the rest at home.
 
     They are axes 2 and 3, which a vertical arm moves in its plane; of a SCARA seen from above 1
     and 2.
     """
     scara = isinstance(robot.arm, Scara)
-    first = 0 if scara and seen != SIDE else min(1, len(robot.axes) - 2)
-    joints = np.tile(robot.home, (STEPS, STEPS, 1))
-    steps = np.linspace(0.0, 1.0, STEPS)
+    first = 0 if scara and seen != SIDE_COLUMNS else min(1, len(robot.axes) - 2)
+    joints = np.tile(robot.home, (AREA_STEPS, AREA_STEPS, 1))
+    steps = np.linspace(0.0, 1.0, AREA_STEPS)
     low, high = robot.limits.T
     for axis, at in ((first, steps[:, None]), (first + 1, steps)):
         joints[..., axis] = low[axis] + (high[axis] - low[axis]) * at
     chain = robot.chain(joints.reshape(-1, len(robot.axes)))
-    return np.asarray(chain[:, WRIST if _wristed(robot) else -1].reshape(STEPS, STEPS, 3))
+    return np.asarray(
+        chain[:, WRIST_POINT if _wrist_of(robot) else -1].reshape(AREA_STEPS, AREA_STEPS, 3)
+    )
 
 
-def _wristed(robot: Robot) -> bool:
+def _wrist_of(robot: Robot) -> bool:
     return isinstance(robot.arm, SixAxis | FiveAxis | Placed)
 
 
-def _arm(view: Axes, points: Floats) -> None:
-    view.plot(*points.T, color=ARM, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm")
-    view.plot(*points.T, "o", color="white", markeredgecolor=ARM, markersize=7.0)
-    view.plot(*points[-1], "s", color=ARM, markersize=8.0, label="flange")
+def _draw_arm(view: Axes, points: Floats) -> None:
+    view.plot(
+        *points.T, color=ARM_COLOUR, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm"
+    )
+    view.plot(*points.T, "o", color="white", markeredgecolor=ARM_COLOUR, markersize=7.0)
+    view.plot(*points[-1], "s", color=ARM_COLOUR, markersize=8.0, label="flange")
 
 
-def _axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) -> None:
+def _draw_axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) -> None:
     """A dash-dotted line along each axis, or a ring where it points at the reader, and its name.
 
     Names that would be printed over each other are one text.
@@ -171,15 +175,15 @@ def _axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) 
     named: list[tuple[Floats, Floats, list[str]]] = []
     for axis in axes:
         point, direction = axis.point[seen], axis.direction[seen]
-        if np.linalg.norm(direction) < ACROSS:
-            view.plot(*point, "o", color="none", markeredgecolor=AXIS, markersize=13.0)
+        if np.linalg.norm(direction) < SHORTEST_SEEN:
+            view.plot(*point, "o", color="none", markeredgecolor=AXIS_COLOUR, markersize=13.0)
             aside = np.array([1.0, 1.0])
         else:
             ends = point + np.outer([-0.1, 0.1], direction) * reach
-            view.plot(*ends.T, color=AXIS, linewidth=1.0, linestyle="-.")
+            view.plot(*ends.T, color=AXIS_COLOUR, linewidth=1.0, linestyle="-.")
             aside = np.array([direction[1], -direction[0]])
         for place, _, names in named:
-            if np.linalg.norm(place - point) < CROWDED * reach:
+            if np.linalg.norm(place - point) < CROWDED_SHARE * reach:
                 names.append(axis.name)
                 break
         else:
@@ -188,10 +192,14 @@ def _axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) 
         view.annotate(
             ", ".join(names),
             (float(place[0]), float(place[1])),
-            xytext=(OFFSET * float(aside[0]), OFFSET * float(aside[1])),
+            xytext=(NAME_OFFSET * float(aside[0]), NAME_OFFSET * float(aside[1])),
             textcoords="offset points",
-            color=AXIS,
-            ha="left" if aside[0] > ACROSS else "right" if aside[0] < -ACROSS else "center",
+            color=AXIS_COLOUR,
+            ha="left"
+            if aside[0] > SHORTEST_SEEN
+            else "right"
+            if aside[0] < -SHORTEST_SEEN
+            else "center",
             va="center",
             bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5},
         )

@@ -17,19 +17,19 @@ from assistant.base.source_text import visible
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move
-from assistant.report.drawn import Line
-from assistant.report.figures import figure, picture
+from assistant.report.drawn import DrawnLine
+from assistant.report.figures import new_figure, picture
 from assistant.report.track import Way, ways
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIDE: Final = 8.0
+PICTURE_INCHES: Final = 8.0
 """Inches of the picture of one program."""
 MOST_NUMBERED: Final = 400
 """Contours over which a picture has no numbers: nobody could read them."""
-ENTITY: Final = re.compile(r"\bentity (\w+)")
-COLOURS: Final = {Severity.ERROR: "#c62828", Severity.WARNING: "#ef6c00"}
+ENTITY_MARK: Final = re.compile(r"\bentity (\w+)")
+SEVERITY_COLOURS: Final = {Severity.ERROR: "#c62828", Severity.WARNING: "#ef6c00"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Drawing:
 
     title: str
     program: Program | None
-    drawn: Sequence[Line]
+    drawn: Sequence[DrawnLine]
     found: Sequence[Diagnostic]
 
 
@@ -49,14 +49,14 @@ def contour_plot(drawings: Sequence[Drawing], format: str) -> bytes:
     """
     columns = math.ceil(math.sqrt(len(drawings)))
     rows = math.ceil(len(drawings) / columns)
-    sheet = figure(SIDE * columns, SIDE * rows)
+    sheet = new_figure(PICTURE_INCHES * columns, PICTURE_INCHES * rows)
     for place, drawing in enumerate(drawings, start=1):
-        _draw(sheet.add_subplot(rows, columns, place), drawing)
+        _draw_program(sheet.add_subplot(rows, columns, place), drawing)
     return picture(sheet, format)
 
 
-def _draw(axes: Axes, drawing: Drawing) -> None:
-    name, frame = _frame(drawing.program)
+def _draw_program(axes: Axes, drawing: Drawing) -> None:
+    name, frame = _common_frame(drawing.program)
     back = frame.inverse()
     for line in drawing.drawn:
         axes.plot(*back.moved(line.points).T[:2], color="0.25", linewidth=1.4)
@@ -68,7 +68,7 @@ def _draw(axes: Axes, drawing: Drawing) -> None:
     numbers: dict[tuple[float, float], list[int]] = defaultdict(list)
     for number, way in enumerate(followed, start=1):
         axes.plot(*way.positions.T[:2], color="C0", linewidth=1.0)
-        _arrow(axes, way.positions)
+        _draw_arrow(axes, way.positions)
         x, y = way.positions[0, :2].round(1).tolist()
         numbers[x, y].append(number)
     for (x, y), those in numbers.items():
@@ -76,7 +76,7 @@ def _draw(axes: Axes, drawing: Drawing) -> None:
         if len(followed) <= MOST_NUMBERED:
             said = f"{those[0]}" if len(those) == 1 else f"{those[0]}–{those[-1]}"
             axes.annotate(said, (x, y), (3, 3), textcoords="offset points", color="C0", fontsize=8)
-    _mark(axes, drawing, back)
+    _mark_findings(axes, drawing, back)
     where = "the robot's base" if name == BASE else name
     axes.set(
         aspect="equal",
@@ -86,7 +86,7 @@ def _draw(axes: Axes, drawing: Drawing) -> None:
     )
 
 
-def _arrow(axes: Axes, points: Floats) -> None:
+def _draw_arrow(axes: Axes, points: Floats) -> None:
     """An arrow in the middle of a way, where it shows its direction."""
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if way[-1] <= 0.0:
@@ -97,12 +97,12 @@ def _arrow(axes: Axes, points: Floats) -> None:
     axes.annotate("", (x[1], y[1]), (x[0], y[0]), arrowprops=style)
 
 
-def _mark(axes: Axes, drawing: Drawing, back: Pose) -> None:
+def _mark_findings(axes: Axes, drawing: Drawing, back: Pose) -> None:
     """Codes of findings beside the entities that they tell of."""
     lines = {line.handle: line for line in drawing.drawn if line.handle}
     for one in drawing.found:
-        colour = COLOURS.get(one.severity)
-        for handle in ENTITY.findall(one.place or "") if colour else ():
+        colour = SEVERITY_COLOURS.get(one.severity)
+        for handle in ENTITY_MARK.findall(one.place or "") if colour else ():
             if handle in lines:
                 points = back.moved(lines[handle].points)
                 x, y = points[len(points) // 2, :2].tolist()
@@ -112,7 +112,7 @@ def _mark(axes: Axes, drawing: Drawing, back: Pose) -> None:
                 )
 
 
-def _frame(program: Program | None) -> tuple[str, Pose]:
+def _common_frame(program: Program | None) -> tuple[str, Pose]:
     """The frame that the first contour or target is in, that stands still."""
     for procedure in program.procedures if program else ():
         for statement in walk(procedure.body):

@@ -10,7 +10,7 @@ from typing import Any, Final
 from assistant.compiler.source_map import Place
 from assistant.compiler.translation import Level, ReportRow
 
-MOST: Final = 10
+MOST_COSTS: Final = 10
 """Reasons that a report tells of a program."""
 
 
@@ -43,28 +43,30 @@ class Cost:
         }
 
 
-def costs(rows: Iterable[ReportRow], most: int = MOST) -> list[Cost]:
+def costs(rows: Iterable[ReportRow], most: int = MOST_COSTS) -> list[Cost]:
     """The reasons of the most statements, of those that are not said before the others."""
     found: dict[tuple[Level, str, str], list[ReportRow]] = {}
     for row in rows:
         if row.level != "supported" and row.reasons:
             first = row.reasons[0]
-            found.setdefault((row.level, first.code, _common(first.message)), []).append(row)
-    every = (_cost(level, alike) for (level, _, _), alike in found.items())
+            found.setdefault((row.level, first.code, _common_message(first.message)), []).append(
+                row
+            )
+    every = (_cost_record(level, alike) for (level, _, _), alike in found.items())
     ordered = sorted(every, key=lambda c: (c.level != "not", -c.count, c.code))
     return ordered[:most]
 
 
-def _cost(level: Level, alike: Sequence[ReportRow]) -> Cost:
+def _cost_record(level: Level, alike: Sequence[ReportRow]) -> Cost:
     row, count = alike[0], sum(one.count for one in alike)
     first = row.reasons[0]
     return Cost(first.code, level, count, first.message, first.cure, row.place, tuple(alike))
 
 
-_QUOTED: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
-_NUMBER: Final = re.compile(r"(?<![\w`])[-+]?[0-9][0-9.,]*")
+_QUOTED_NAME: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
+_ANY_NUMBER: Final = re.compile(r"(?<![\w`])[-+]?[0-9][0-9.,]*")
 
 
-def _common(message: str) -> str:
+def _common_message(message: str) -> str:
     """A message without what differs from statement to statement: arguments and numbers."""
-    return _NUMBER.sub("#", _QUOTED.sub(r"`\1`", message))
+    return _ANY_NUMBER.sub("#", _QUOTED_NAME.sub(r"`\1`", message))

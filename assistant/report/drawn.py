@@ -14,11 +14,11 @@ from assistant.sources import process_of
 if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
-SUFFIX: Final = ".dxf"
+DRAWING_SUFFIX: Final = ".dxf"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line:
+class DrawnLine:
     """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on.
 
     handle: of its entity, empty if it has none.
@@ -34,7 +34,7 @@ def drawn_lines(
     process: str | FilePath | None = None,
     unit: str | None = None,
     placement: DrawingPlacement | None = None,
-) -> list[Line]:
+) -> list[DrawnLine]:
     """The curves of a drawing in order; nothing for other sources, and for a drawing whose frame
     the robot or something else carries.
 
@@ -42,7 +42,7 @@ def drawn_lines(
     as that.
     """
     path = FilePath(source)
-    if path.suffix.lower() != SUFFIX:
+    if path.suffix.lower() != DRAWING_SUFFIX:
         return []
     from assistant.sources.contours.curves import chorded
     from assistant.sources.drawing import read_contents
@@ -59,5 +59,5 @@ def drawn_lines(
     found = []
     for curve in read_contents(path, chosen).curves:
         points = chorded(curve, chosen.tolerance)
-        found.append(Line(curve.layer, frame.pose.moved(points), curve.handle or ""))
+        found.append(DrawnLine(curve.layer, frame.pose.moved(points), curve.handle or ""))
     return found

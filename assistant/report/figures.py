@@ -34,13 +34,13 @@ def format_of(name: str) -> str:
     return known
 
 
-def edges(values: Floats) -> Floats:
+def cell_edges(values: Floats) -> Floats:
     """(n + 1,) between coloured cells about values (n,) that are evenly apart."""
     half = (values[1] - values[0]) / 2.0 if len(values) > 1 else 0.5
     return np.append(values - half, values[-1] + half)
 
 
-def figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     """An empty figure, inches; raises Refused, naming the extra, without matplotlib."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows
-from assistant.report.figures import figure, picture
+from assistant.report.figures import new_figure, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS: Final = ("#20639b", "#c0392b", "#3c8d5a")
+LINK_COLOURS: Final = ("#20639b", "#c0392b", "#3c8d5a")
 """Of links along the first three axes of a lattice."""
-GOALS: Final = "#c9ced3"
+GOAL_COLOUR: Final = "#c9ced3"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class LatticeStage:
     """After so many steps: pixels (n, d) of the units, u and v of each camera for the first point
     of the tool in front. mm: mean error.
     """
@@ -32,7 +32,7 @@ class Stage:
 
 
 def lattice_picture(
-    stages: Sequence[Stage],
+    stages: Sequence[LatticeStage],
     shape: tuple[int, ...],
     goals: Floats,
     cameras: Sequence[str],
@@ -46,32 +46,32 @@ def lattice_picture(
     from matplotlib.collections import LineCollection
 
     count = len(cameras)
-    drawn = figure(2.6 * len(stages), 2.3 * count)
+    drawn = new_figure(2.6 * len(stages), 2.3 * count)
     rows = drawn.subplots(count, len(stages), squeeze=False, sharex="row", sharey="row")
-    links = _links(shape)
+    links = _lattice_links(shape)
     for i, name in enumerate(cameras):
         for axes, stage in zip(rows[i], stages, strict=True):
             at = stage.pixels[:, 2 * i : 2 * i + 2]
-            axes.plot(*goals[:, 2 * i : 2 * i + 2].T, ".", color=GOALS, markersize=1.5)
-            for pairs, colour in zip(links, COLOURS, strict=False):
+            axes.plot(*goals[:, 2 * i : 2 * i + 2].T, ".", color=GOAL_COLOUR, markersize=1.5)
+            for pairs, colour in zip(links, LINK_COLOURS, strict=False):
                 axes.add_collection(LineCollection(list(at[pairs]), colors=colour, linewidths=0.5))
             axes.set_aspect("equal")
             axes.tick_params(labelsize=7)
             if i == 0:
                 axes.set_title(f"{stage.steps:,} steps: {stage.mm:.3g} mm", fontsize=9)
-        _frame(rows[i][0], goals[:, 2 * i : 2 * i + 2], name)
+        _picture_limits(rows[i][0], goals[:, 2 * i : 2 * i + 2], name)
     return picture(drawn, format)
 
 
 def curve_picture(steps: Sequence[int], mm: Floats, degrees: Floats, format: str = "png") -> bytes:
     """Mean and worst errors (n, 2) over steps, degrees NaN where only places count."""
-    drawn = figure(6.4, 4.0)
+    drawn = new_figure(6.4, 4.0)
     axes = drawn.subplots()
-    axes.plot(steps, mm[:, 0], "o-", color=COLOURS[0], label="mean, mm")
-    axes.plot(steps, mm[:, 1], "o:", color=COLOURS[0], label="worst, mm")
+    axes.plot(steps, mm[:, 0], "o-", color=LINK_COLOURS[0], label="mean, mm")
+    axes.plot(steps, mm[:, 1], "o:", color=LINK_COLOURS[0], label="worst, mm")
     if np.isfinite(degrees).any():
-        axes.plot(steps, degrees[:, 0], "s-", color=COLOURS[1], label="mean, degrees")
-        axes.plot(steps, degrees[:, 1], "s:", color=COLOURS[1], label="worst, degrees")
+        axes.plot(steps, degrees[:, 0], "s-", color=LINK_COLOURS[1], label="mean, degrees")
+        axes.plot(steps, degrees[:, 1], "s:", color=LINK_COLOURS[1], label="worst, degrees")
     axes.set(xscale="symlog", yscale="log", xlabel="steps", ylabel="error of the tool")
     axes.grid(visible=True, which="both", alpha=0.3)
     axes.legend()
@@ -88,7 +88,7 @@ def curve_csv(steps: Sequence[int], mm: Floats, degrees: Floats) -> bytes:
     return out.getvalue().encode()
 
 
-def _frame(axes: Axes, goals: Floats, name: str) -> None:
+def _picture_limits(axes: Axes, goals: Floats, name: str) -> None:
     """As far as the goals go, v downwards as in a picture."""
     low, high = goals.min(axis=0), goals.max(axis=0)
     more = 0.1 * (high - low)
@@ -97,7 +97,7 @@ def _frame(axes: Axes, goals: Floats, name: str) -> None:
     axes.set_ylabel(f"{name}, px", fontsize=8)
 
 
-def _links(shape: tuple[int, ...]) -> list[Rows]:
+def _lattice_links(shape: tuple[int, ...]) -> list[Rows]:
     """Of up to three axes (m, 2) neighbours along each, in the middle of all others."""
     numbers = np.arange(int(np.prod(shape))).reshape(shape)
     middle = (slice(None),) * 3 + tuple(count // 2 for count in shape[3:])

@@ -8,16 +8,16 @@ from assistant.base.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots.timing import Simulation
 
-MOST_POINTS: Final = 4000
+MOST_CURVE_POINTS: Final = 4000
 """Points of a curve that are drawn."""
 
 
 def motion_plot(simulation: Simulation, title: str, format: str = "png") -> bytes:
     """Five diagrams over the time in seconds, as `png` or `svg`."""
     robot, samples = simulation.robot, simulation.samples
-    some = evenly_spaced(len(samples), MOST_POINTS)
+    some = evenly_spaced(len(samples), MOST_CURVE_POINTS)
     t = samples.t[some]
-    figure = figures.figure(9.0, 11.0)
+    figure = figures.new_figure(9.0, 11.0)
     place, turn, speed, joints, velocity = figure.subplots(5, 1, sharex=True)
     for axis, label in enumerate("xyz"):
         place.plot(t, samples.position[some, axis], label=label)

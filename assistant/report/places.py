@@ -12,28 +12,28 @@ from assistant.cell.placement import Place, Places
 from assistant.program.geometry import Pose
 from assistant.report import figures
 
-SHOWN: Final = 10
-AXES: Final = ("x", "y", "z", "turn")
-UNITS: Final = ("mm", "mm", "mm", "degrees")
-NOTHING: Final = "#e4e7ea"
+MOST_PLACES_SHOWN: Final = 10
+PLACE_AXES: Final = ("x", "y", "z", "turn")
+PLACE_UNITS: Final = ("mm", "mm", "mm", "degrees")
+NO_PLACE_COLOUR: Final = "#e4e7ea"
 
 
-def named(place: Place) -> str:
+def place_text(place: Place) -> str:
     """Where a place is, from where the thing stands now."""
     said = [
         f"{name} {value:+g}"
-        for name, value in zip(AXES, place.offset.tolist(), strict=True)
+        for name, value in zip(PLACE_AXES, place.offset.tolist(), strict=True)
         if value
     ]
     return ", ".join(said) or "where it is"
 
 
-def lines(found: Places) -> Iterator[str]:
+def place_lines(found: Places) -> Iterator[str]:
     """The best places, a row each."""
-    some = found.places[:SHOWN]
+    some = found.places[:MOST_PLACES_SHOWN]
     if not some:
         return
-    wide = max(5, *(len(named(place)) for place in some))
+    wide = max(5, *(len(place_text(place)) for place in some))
     yield (
         f"{'place':{wide}}  {'reached':>9}  {'room':>5}  {'limits':>6}  {'singularity':>11}  "
         f"{'clearance':>9}  least at"
@@ -41,34 +41,34 @@ def lines(found: Places) -> Iterator[str]:
     for place in some:
         reached = f"{place.reached}/{found.total}"
         if not place.reached:
-            yield f"{named(place):{wide}}  {reached:>9}"
+            yield f"{place_text(place):{wide}}  {reached:>9}"
             continue
         clear = f"{place.clearance:.1f} mm" if np.isfinite(place.clearance) else "-"
         at = place.worst if place.reached == found.total else f"(not {place.worst})"
         yield (
-            f"{named(place):{wide}}  {reached:>9}  {place.room:>5.2f}  {place.limits:>6.2f}  "
+            f"{place_text(place):{wide}}  {reached:>9}  {place.room:>5.2f}  {place.limits:>6.2f}  "
             f"{place.away:>11.2f}  {clear:>9}  {at}"
         )
-    if len(found.places) > SHOWN:
-        yield f"and {len(found.places) - SHOWN:,} more"
+    if len(found.places) > MOST_PLACES_SHOWN:
+        yield f"and {len(found.places) - MOST_PLACES_SHOWN:,} more"
 
 
-def stated(pose: Pose) -> Iterator[str]:
+def pose_text(pose: Pose) -> Iterator[str]:
     """A pose as a cell file states it."""
-    yield f"position = {_list(pose.position)}"
-    yield f"quaternion = {_list(pose.quaternion)}"
+    yield f"position = {_joined(pose.position)}"
+    yield f"quaternion = {_joined(pose.quaternion)}"
 
 
-def _list(values: tuple[float, ...]) -> str:
+def _joined(values: tuple[float, ...]) -> str:
     return f"[{', '.join(f'{value + 0.0:.9g}' for value in values)}]"
 
 
-def record(found: Places) -> dict[str, Any]:
+def places_record(found: Places) -> dict[str, Any]:
     """The same as `lines`, of all places, for programs."""
-    return {"targets": found.total, "places": [_record(place) for place in found.places]}
+    return {"targets": found.total, "places": [_place_record(place) for place in found.places]}
 
 
-def _record(place: Place) -> dict[str, Any]:
+def _place_record(place: Place) -> dict[str, Any]:
     said: dict[str, Any] = {
         "offset": place.offset.tolist(),
         "position": list(place.pose.position),
@@ -108,7 +108,7 @@ def places_picture(found: Places, title: str, format: str = "png") -> bytes:
 
     Over what else varies the best is drawn. Raises Refused, naming the extra, without matplotlib.
     """
-    drawn = figures.figure(10.0, 4.6)
+    drawn = figures.new_figure(10.0, 4.6)
     offsets = np.array([place.offset for place in found.places]).reshape(-1, 4)
     values = [np.unique(offsets[:, axis]) for axis in range(4)]
     across, up = sorted(sorted(range(4), key=lambda axis: (-len(values[axis]), axis))[:2])
@@ -118,16 +118,16 @@ def places_picture(found: Places, title: str, format: str = "png") -> bytes:
         k = np.searchsorted(values[up], place.offset[up])
         share[i, k] = place.reached / found.total
         room[i, k] = place.room if place.reached == found.total else np.nan
-    edges = [figures.edges(values[axis]) for axis in (across, up)]
+    edges = [figures.cell_edges(values[axis]) for axis in (across, up)]
     pictures = (("share of the targets that is reached", share), ("room where all are", room))
     for view, (name, column) in zip(drawn.subplots(1, 2), pictures, strict=True):
-        view.set_facecolor(NOTHING)
+        view.set_facecolor(NO_PLACE_COLOUR)
         shown = view.pcolormesh(*edges, column.T, cmap="viridis", vmin=0.0, vmax=1.0)
         drawn.colorbar(shown, ax=view)
         view.set(
             title=name,
-            xlabel=f"{AXES[across]} from where it is, {UNITS[across]}",
-            ylabel=f"{AXES[up]} from where it is, {UNITS[up]}",
+            xlabel=f"{PLACE_AXES[across]} from where it is, {PLACE_UNITS[across]}",
+            ylabel=f"{PLACE_AXES[up]} from where it is, {PLACE_UNITS[up]}",
         )
         if found.best is not None:
             view.plot(*found.best.offset[[across, up]], "x", color="#b3261e", markersize=9.0)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def pose_plot(track: Track, title: str, unit: Unit = "mm") -> bytes:
     """TCP position and orientation (quaternion) over the way, lengths in a unit, as a PNG."""
     along, label = track.lengths() / METRE[unit], f"way of the TCP in {unit}"
-    return _poses(along, track.positions, track.quaternions, label, title, "png", unit)
+    return _pose_figure(along, track.positions, track.quaternions, label, title, "png", unit)
 
 
 def exchange_plot(
@@ -35,10 +35,10 @@ def exchange_plot(
     drawn with the sign that is nearer to the one before.
     """
     turns = rotations.unflipped(quaternions)
-    return _poses(seconds, positions, turns, "time in s", title, format, unit)
+    return _pose_figure(seconds, positions, turns, "time in s", title, format, unit)
 
 
-def _poses(
+def _pose_figure(
     along: Floats,
     positions: Floats,
     quaternions: Floats,
@@ -47,14 +47,14 @@ def _poses(
     format: str,
     unit: Unit,
 ) -> bytes:
-    figure = figures.figure(8.0, 6.0)
+    figure = figures.new_figure(8.0, 6.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     marker = "." if len(along) <= 200 else ""
-    draw_poses((upper, lower), along, positions, quaternions, unit, marker=marker)
-    return finish(figure, (upper, lower), label, title, unit, format)
+    draw_pose_curves((upper, lower), along, positions, quaternions, unit, marker=marker)
+    return label_poses(figure, (upper, lower), label, title, unit, format)
 
 
-def draw_poses(
+def draw_pose_curves(
     axes: tuple[Axes, Axes],
     along: Floats,
     positions: Floats,
@@ -76,7 +76,7 @@ def draw_poses(
             place.plot(along, column, color=f"C{number}", label=name if named else None, **style)
 
 
-def finish(
+def label_poses(
     figure: Figure, axes: tuple[Axes, Axes], label: str, title: str, unit: Unit, format: str
 ) -> bytes:
     """Label the axes of positions above and quaternions below, and return the picture."""

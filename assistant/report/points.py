@@ -12,9 +12,9 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.se3 import Unit
 from assistant.report import figures
-from assistant.report.plots import draw_poses, finish
+from assistant.report.plots import draw_pose_curves, label_poses
 
-MARKS: Final = ".x+1234"
+ARM_MARKS: Final = ".x+1234"
 """Marks of the arms that are drawn, in their order."""
 
 
@@ -35,7 +35,7 @@ class Poses:
         return float(apart.max(initial=0.0)), float(turned.max(initial=0.0))
 
 
-def passed(points: Poses, seen: Poses) -> Poses:
+def passed_poses(points: Poses, seen: Poses) -> Poses:
     """Return the poses at which a motion passes points, in the order of the points.
 
     points: n of them. seen: the motion, one or more samples of it in the order of time; between
@@ -80,15 +80,17 @@ def point_plot(
     points: the trajectory, drawn as lines. arms: name of an arm → where it passed the points,
     drawn as marks. unit: of the positions that are drawn.
     """
-    figure = figures.figure(8.0, 6.0)
+    figure = figures.new_figure(8.0, 6.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     numbers = np.arange(1.0, len(points) + 1.0)
     turns = rotations.unflipped(points.quaternions)
-    draw_poses((upper, lower), numbers, points.positions, turns, unit)
-    for mark, (name, there) in zip(MARKS, arms.items(), strict=False):
+    draw_pose_curves((upper, lower), numbers, points.positions, turns, unit)
+    for mark, (name, there) in zip(ARM_MARKS, arms.items(), strict=False):
         other = np.einsum("ij,ij->i", there.quaternions, turns) < 0.0  # side of the sphere
         signed = np.where(other[:, None], -there.quaternions, there.quaternions)
         drawn = {"linestyle": "", "marker": mark}
-        draw_poses((upper, lower), numbers, there.positions, signed, unit, named=False, **drawn)
+        draw_pose_curves(
+            (upper, lower), numbers, there.positions, signed, unit, named=False, **drawn
+        )
         upper.plot([], [], color="black", label=name, **drawn)
-    return finish(figure, (upper, lower), "point", title, unit, format)
+    return label_poses(figure, (upper, lower), "point", title, unit, format)

@@ -12,13 +12,13 @@ from assistant.base.arrays import Floats, evenly_spaced
 from assistant.cell.reach_map import ReachMap
 from assistant.report import figures
 
-MOST_SLICES: Final = 9
-MOST_NAMED: Final = 5
+MOST_MAP_SLICES: Final = 9
+MOST_NEAR_PAIRS: Final = 5
 """Pairs of bodies that are told to be too near."""
-NOTHING, TOUCHING = "#e4e7ea", "#d9776c"
+NOT_REACHED_COLOUR, TOUCHING_COLOUR = "#e4e7ea", "#d9776c"
 
 
-def lines(found: ReachMap) -> Iterator[str]:
+def map_lines(found: ReachMap) -> Iterator[str]:
     """A row of each direction, and how many points all of them reach."""
     n, wide = len(found.points), max(9, *(len(name) for name in found.directions.names))
     yield f"{'direction':{wide}}  {'reached':>9}  {'share':>7}  {'too near':>8}  {'room':>5}"
@@ -34,7 +34,7 @@ def lines(found: ReachMap) -> Iterator[str]:
     if found.nearest:
         yield ""
         whole = sum(found.nearest.values())
-        for (one, other), count in list(found.nearest.items())[:MOST_NAMED]:
+        for (one, other), count in list(found.nearest.items())[:MOST_NEAR_PAIRS]:
             yield f"too near: {one} to {other}, {100.0 * count / whole:.0f} %"
     some = found.points[found.reached.any(axis=1)]
     if len(some):
@@ -44,7 +44,7 @@ def lines(found: ReachMap) -> Iterator[str]:
             yield f"{axis} of what is reached: {least:g} to {most:g} mm"
 
 
-def record(found: ReachMap) -> dict[str, Any]:
+def map_record(found: ReachMap) -> dict[str, Any]:
     """The same as `lines`, for programs."""
     return {
         "points": len(found.points),
@@ -103,12 +103,12 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     from matplotlib.colors import ListedColormap
 
     values = [np.unique(found.points[:, axis]) for axis in range(3)]
-    across, up, through = _axes([len(v) for v in values])
+    across, up, through = _slice_axes([len(v) for v in values])
     levels = values[through]
-    some = evenly_spaced(len(levels), MOST_SLICES)
+    some = evenly_spaced(len(levels), MOST_MAP_SLICES)
     columns = min(3, len(some))
     rows = -(-len(some) // columns)
-    drawn = figures.figure(1.6 + 3.4 * columns, 0.9 + 3.2 * rows)
+    drawn = figures.new_figure(1.6 + 3.4 * columns, 0.9 + 3.2 * rows)
     views = np.atleast_1d(drawn.subplots(rows, columns, squeeze=False)).reshape(-1)
     shown = None
     for view in views[len(some) :]:
@@ -116,10 +116,16 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     for view, level in zip(views, levels[some], strict=False):
         rows_ = np.flatnonzero(found.points[:, through] == level)
         shape = (len(values[across]), len(values[up]))
-        room, touching = _picture(found, rows_, values, across, up, shape)
-        edges = [figures.edges(values[axis]) for axis in (across, up)]
+        room, touching = _slice_pictures(found, rows_, values, across, up, shape)
+        edges = [figures.cell_edges(values[axis]) for axis in (across, up)]
         empty = np.where(touching, 1.0, 0.0)
-        view.pcolormesh(*edges, empty.T, cmap=ListedColormap([NOTHING, TOUCHING]), vmin=0, vmax=1)
+        view.pcolormesh(
+            *edges,
+            empty.T,
+            cmap=ListedColormap([NOT_REACHED_COLOUR, TOUCHING_COLOUR]),
+            vmin=0,
+            vmax=1,
+        )
         shown = view.pcolormesh(*edges, room.T, cmap="viridis", vmin=0.0, vmax=1.0)
         view.set(
             aspect="equal",
@@ -133,14 +139,14 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     return figures.picture(drawn, format)
 
 
-def _axes(counts: list[int]) -> tuple[int, int, int]:
+def _slice_axes(counts: list[int]) -> tuple[int, int, int]:
     """Which axis goes across, which up, and which from picture to picture."""
     through = 2 if counts[2] == 1 or min(counts[:2]) > 1 else counts.index(min(counts[:2]))
     across, up = (axis for axis in range(3) if axis != through)
     return across, up, through
 
 
-def _picture(
+def _slice_pictures(
     found: ReachMap, rows: Any, values: list[Floats], across: int, up: int, shape: tuple[int, int]
 ) -> tuple[Floats, Any]:
     """Room, NaN where nothing is reached, and whether that is for something too near."""

@@ -21,9 +21,9 @@ COUNTS: Final = {
 }
 
 
-def table(robots: Sequence[Robot]) -> Iterator[str]:
+def robot_table(robots: Sequence[Robot]) -> Iterator[str]:
     """A line of headings and one for each robot, in columns."""
-    rows = [HEADINGS, *(_row(robot) for robot in robots)]
+    rows = [HEADINGS, *(_robot_row(robot) for robot in robots)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
     for row in rows:
         yield "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
@@ -31,19 +31,19 @@ def table(robots: Sequence[Robot]) -> Iterator[str]:
         yield DOUBTED
 
 
-def _row(robot: Robot) -> tuple[str, ...]:
+def _robot_row(robot: Robot) -> tuple[str, ...]:
     return (
         robot.name,
         robot.title,
         str(len(robot.axes)),
-        _known(robot, robot.payload, "kg", "payload_kg"),
-        f"{robot.reach:g} mm{_doubt(robot, 'reach_mm')}",
-        f"{robot.controller}{_doubt(robot, 'controller')}",
+        _known_text(robot, robot.payload, "kg", "payload_kg"),
+        f"{robot.reach:g} mm{_doubt_mark(robot, 'reach_mm')}",
+        f"{robot.controller}{_doubt_mark(robot, 'controller')}",
         ", ".join(robot.languages),
     )
 
 
-def brief(robot: Robot) -> dict[str, Any]:
+def brief_record(robot: Robot) -> dict[str, Any]:
     """What the table says, as plain data."""
     return {
         "name": robot.name,
@@ -58,10 +58,10 @@ def brief(robot: Robot) -> dict[str, Any]:
     }
 
 
-def record(robot: Robot) -> dict[str, Any]:
+def robot_record(robot: Robot) -> dict[str, Any]:
     """All of a robot as plain data; the names of figures tell their units as a robot file does."""
     position, quaternion = (column[0].tolist() for column in robot.fk(robot.home))
-    return brief(robot) | {
+    return brief_record(robot) | {
         "arm": robot.arm.kind,
         "branches": robot.branches,
         "configuration": robot.counts,
@@ -70,14 +70,17 @@ def record(robot: Robot) -> dict[str, Any]:
         "time_to_speed_s": robot.time_to_speed,
         "time_to_speed_kg": robot.light,
         "coupling": robot.coupling,
-        "lengths_mm": lengths(robot),
-        "axes": [_axis(robot, i) for i in range(len(robot.axes))],
-        "home_flange": {"position": _rounded(position), "quaternion": _rounded(quaternion)},
+        "lengths_mm": arm_lengths(robot),
+        "axes": [_axis_record(robot, i) for i in range(len(robot.axes))],
+        "home_flange": {
+            "position": _without_noise(position),
+            "quaternion": _without_noise(quaternion),
+        },
         "source": robot.source,
     }
 
 
-def lengths(robot: Robot) -> dict[str, float]:
+def arm_lengths(robot: Robot) -> dict[str, float]:
     """Lengths of the arm in mm by their names in a robot file; none of an arm of another kind."""
     match robot.arm:
         case SixAxis(lengths=found) | FiveAxis(lengths=found) | Placed(lengths=found):
@@ -88,7 +91,7 @@ def lengths(robot: Robot) -> dict[str, float]:
             return {}
 
 
-def _axis(robot: Robot, i: int) -> dict[str, Any]:
+def _axis_record(robot: Robot, i: int) -> dict[str, Any]:
     rates = robot.accelerations
     return {
         "name": robot.axes[i],
@@ -101,14 +104,14 @@ def _axis(robot: Robot, i: int) -> dict[str, Any]:
     }
 
 
-def lines(robot: Robot) -> Iterator[str]:
+def robot_lines(robot: Robot) -> Iterator[str]:
     """All of a robot for people."""
-    said = dict(_facts(robot))
+    said = dict(_fact_lines(robot))
     width = max(len(name) for name in said)
     for name, text in said.items():
         yield f"{name:{width}}  {text}"
     yield ""
-    yield from _axes(robot)
+    yield from _axis_table(robot)
     yield ""
     yield f"source: {robot.source}"
     if robot.unconfirmed:
@@ -117,56 +120,58 @@ def lines(robot: Robot) -> Iterator[str]:
         yield finding.message
 
 
-def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
+def _fact_lines(robot: Robot) -> Iterator[tuple[str, str]]:
     yield "name", robot.name
     yield "title", robot.title
     yield "maker", robot.maker
-    yield "controller", f"{robot.controller}{_doubt(robot, 'controller')}"
+    yield "controller", f"{robot.controller}{_doubt_mark(robot, 'controller')}"
     yield "languages", ", ".join(robot.languages)
     yield "arm", f"{robot.arm.kind}, {robot.branches} branches"
-    yield "configuration", f"{COUNTS[robot.counts]}{_doubt(robot, 'configuration')}"
-    yield "payload", _known(robot, robot.payload, "kg", "payload_kg")
-    yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt(robot, 'reach_mm')}"
-    yield "TCP speed", _known(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
-    yield "repeatability", _known(robot, robot.repeatability, "mm", "repeatability_mm")
+    yield "configuration", f"{COUNTS[robot.counts]}{_doubt_mark(robot, 'configuration')}"
+    yield "payload", _known_text(robot, robot.payload, "kg", "payload_kg")
+    yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt_mark(robot, 'reach_mm')}"
+    yield "TCP speed", _known_text(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
+    yield "repeatability", _known_text(robot, robot.repeatability, "mm", "repeatability_mm")
     if robot.time_to_speed is not None:
-        doubt = _doubt(robot, "time_to_speed_s")
+        doubt = _doubt_mark(robot, "time_to_speed_s")
         yield "time to speed", f"{robot.time_to_speed:g} s with {robot.light:g} kg{doubt}"
-    if found := lengths(robot):
-        named = ", ".join(f"{k} {v:g}{_doubt(robot, f'lengths_mm.{k}')}" for k, v in found.items())
+    if found := arm_lengths(robot):
+        named = ", ".join(
+            f"{k} {v:g}{_doubt_mark(robot, f'lengths_mm.{k}')}" for k, v in found.items()
+        )
         yield "lengths", f"{named} mm"
     if robot.coupling:
         yield "coupling", f"axis 3 turns by {robot.coupling:g} of J2 as well"
     position, quaternion = (column[0].tolist() for column in robot.fk(robot.home))
-    yield "flange at home", "x {:g}, y {:g}, z {:g} mm".format(*_rounded(position))
-    yield "turned", "q {:g}, {:g}, {:g}, {:g}".format(*_rounded(quaternion))
+    yield "flange at home", "x {:g}, y {:g}, z {:g} mm".format(*_without_noise(position))
+    yield "turned", "q {:g}, {:g}, {:g}, {:g}".format(*_without_noise(quaternion))
 
 
-def _axes(robot: Robot) -> Iterator[str]:
+def _axis_table(robot: Robot) -> Iterator[str]:
     """The limits, speeds and home of each axis, in columns."""
     rates = robot.accelerations
     rows = [("axis", "lowest", "highest", "speed", "acceleration", "home", "unit")]
     for i, (name, unit) in enumerate(zip(robot.axes, robot.units, strict=True)):
         table = "axes_deg" if unit == "degrees" else "axes_mm"
         low, high = (
-            f"{value:g}{_doubt(robot, f'{table}.{name}.limits')}" for value in robot.limits[i]
+            f"{value:g}{_doubt_mark(robot, f'{table}.{name}.limits')}" for value in robot.limits[i]
         )
-        speed = f"{robot.speeds[i]:g}{_doubt(robot, f'{table}.{name}.speed')}"
+        speed = f"{robot.speeds[i]:g}{_doubt_mark(robot, f'{table}.{name}.speed')}"
         rate = "-" if rates is None else f"{rates[i]:g}"
-        rate += "" if rates is None else _doubt(robot, f"{table}.{name}.acceleration")
+        rate += "" if rates is None else _doubt_mark(robot, f"{table}.{name}.acceleration")
         rows.append((name, low, high, speed, rate, f"{robot.home[i]:g}", unit))
     for first, *numbers, unit in rows:
         yield f"{first:6}" + "".join(f"{n:>13}" for n in numbers) + f"  {unit}"
 
 
-def _known(robot: Robot, value: float | None, unit: str, field: str) -> str:
-    return "not known" if value is None else f"{value:g} {unit}{_doubt(robot, field)}"
+def _known_text(robot: Robot, value: float | None, unit: str, field: str) -> str:
+    return "not known" if value is None else f"{value:g} {unit}{_doubt_mark(robot, field)}"
 
 
-def _doubt(robot: Robot, field: str) -> str:
+def _doubt_mark(robot: Robot, field: str) -> str:
     return DOUBT if field in robot.unconfirmed else ""
 
 
-def _rounded(values: Sequence[float]) -> list[float]:
+def _without_noise(values: Sequence[float]) -> list[float]:
     """Without the noise of arithmetic: a ten-thousandth of a mm, six places of a quaternion."""
     return [float(v) for v in np.round(values, 6) + 0.0]

@@ -11,9 +11,9 @@ from assistant.base.arrays import evenly_spaced
 from assistant.report import figures
 from assistant.robots import Robot
 
-MOST_POINTS: Final = 4000
+MOST_CURVE_POINTS: Final = 4000
 """Points of a curve that are drawn."""
-APART: Final = 1.5
+SIGNAL_SPACING: Final = 1.5
 """Of the curves of signals, each between 0 and 1 of its largest value."""
 
 
@@ -23,9 +23,9 @@ def run_plot(
     """Four diagrams over the time in seconds, as `png` or `svg`. columns: of the samples of a run:
     t, position, joints, speed, inputs and outputs with their names.
     """
-    some = evenly_spaced(len(columns["t"]), MOST_POINTS)
+    some = evenly_spaced(len(columns["t"]), MOST_CURVE_POINTS)
     t = columns["t"][some]
-    figure = figures.figure(9.0, 10.0)
+    figure = figures.new_figure(9.0, 10.0)
     place, speed, joints, signals = figure.subplots(4, 1, sharex=True)
     for axis, label in enumerate("xyz"):
         place.plot(t, columns["position"][some, axis], label=label)
@@ -42,10 +42,10 @@ def run_plot(
         for column, name in enumerate(columns[f"{kind}_names"].tolist()):
             values = columns[f"{kind}s"][:, column]
             most = float(np.abs(values).max(initial=0.0)) or 1.0
-            level = APART * len(names)
+            level = SIGNAL_SPACING * len(names)
             signals.step(columns["t"], values / most + level, where="post", linewidth=1.0)
             names.append(f"{kind} {name}")
-    signals.set_yticks([APART * level for level in range(len(names))], names, fontsize=7)
+    signals.set_yticks([SIGNAL_SPACING * level for level in range(len(names))], names, fontsize=7)
     place.set(title=title, ylabel="position in mm")
     speed.set(ylabel="speed of the tool in mm/s")
     joints.set(ylabel="joints, % of their range")

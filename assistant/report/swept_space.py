@@ -14,9 +14,9 @@ from assistant.cell.scene_export import gltf
 from assistant.cell.swept_space import SweptSpace
 from assistant.report import figures
 
-COLOUR: Final = (230, 120, 40)
-NAME: Final = "swept"
-FACES: Final = (
+SWEPT_COLOUR: Final = (230, 120, 40)
+SWEPT_BODY: Final = "swept"
+CELL_FACES: Final = (
     *((0, 1, ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1))),),
     *((0, -1, ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0))),),
     *((1, 1, ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0))),),
@@ -27,7 +27,7 @@ FACES: Final = (
 """Axis and side of the faces of a cell, with their corners, counter-clockwise from outside."""
 
 
-def lines(found: SweptSpace) -> Iterator[str]:
+def swept_lines(found: SweptSpace) -> Iterator[str]:
     """The volume that each body sweeps, and that of all, with the box about it."""
     wide = max(6, *(len(name) for name in found.bodies), 0) if found.bodies else 6
     yield f"{'body':{wide}}  {'cells':>10}  {'litres':>8}"
@@ -42,7 +42,7 @@ def lines(found: SweptSpace) -> Iterator[str]:
             yield f"{axis}: {least:g} to {most:g} mm"
 
 
-def record(found: SweptSpace) -> dict[str, Any]:
+def swept_record(found: SweptSpace) -> dict[str, Any]:
     """The same as `lines`, for programs."""
     some = len(found.cells) > 0
     return {
@@ -83,17 +83,17 @@ def swept_glb(found: SweptSpace) -> bytes:
     """The surface of the cells as binary glTF, a body `swept`."""
     if not len(found.cells):
         return gltf(Scene())
-    return gltf(Scene((Body(NAME, (Part(surface(found)),), colour=COLOUR),)))
+    return gltf(Scene((Body(SWEPT_BODY, (Part(swept_surface(found)),), colour=SWEPT_COLOUR),)))
 
 
-def surface(found: SweptSpace) -> Mesh:
+def swept_surface(found: SweptSpace) -> Mesh:
     """The faces of cells beside which none is swept, as two triangles each."""
     low = found.cells.min(axis=0) - 1
     cells = found.cells - low
     marks = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
     marks[tuple(cells.T)] = True
     corners = list[Ints]()
-    for axis, side, around in FACES:
+    for axis, side, around in CELL_FACES:
         beside = cells.copy()
         beside[:, axis] += side
         open_ = found.cells[~marks[tuple(beside.T)]]
@@ -110,7 +110,7 @@ def swept_picture(found: SweptSpace, title: str, format: str = "png") -> bytes:
 
     Raises Refused, naming the extra, without matplotlib.
     """
-    drawn = figures.figure(13.0, 4.4)
+    drawn = figures.new_figure(13.0, 4.4)
     low = found.cells.min(axis=0) if len(found.cells) else np.zeros(3, dtype=np.int64)
     cells = found.cells - low
     shape = cells.max(axis=0) + 1 if len(cells) else np.ones(3, dtype=np.int64)

@@ -20,21 +20,21 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.studio import Studio
 
-WRITES = "x-window"
+WINDOW_HEADER = "x-window"
 """Header that names the window which asks; a page from elsewhere cannot send it."""
-UNTIDY = 422
-FAILED = 500
-NOT_THERE: Final = 404
+UNPROCESSABLE = 422
+SERVER_ERROR = 500
+NOT_FOUND: Final = 404
 VIEW_POLICY: Final = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
 """The content security policy of a page of `view`: only its own script runs, nothing is loaded."""
-LARGEST: Final = 1e300
+LARGEST_NUMBER: Final = 1e300
 """Of a number that is asked with."""
 
 
-class Told(JSONResponse):
+class PlainData(JSONResponse):
     """Plain data as ASCII: what a name of a file has that is no text has an escape there."""
 
     def render(self, content: object) -> bytes:
@@ -42,7 +42,7 @@ class Told(JSONResponse):
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Question:
     """What a page asks for. window: its name. data: bytes that came with it."""
 
     values: Mapping[str, Any]
@@ -65,7 +65,7 @@ class Asked:
                 value = None
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise not_asked(f"`{key}` is no number")
-        if not -LARGEST < value < LARGEST:
+        if not -LARGEST_NUMBER < value < LARGEST_NUMBER:
             raise not_asked(f"`{key}` is no number")
         return float(value)
 
@@ -85,49 +85,49 @@ class Asked:
         return value
 
 
-Does = Callable[[Studio, Asked], object]
+Answering = Callable[[Studio, Question], object]
 
 
-def looks(path: str, does: Does) -> Route:
+def looks(path: str, does: Answering) -> Route:
     """A route that changes nothing: by GET, with what is asked for in the address."""
 
     async def answer(request: Request) -> Response:
-        asked = Asked(dict(request.query_params), request.headers.get(WRITES, ""))
-        return await _answered(does, request.app.state.studio, asked)
+        asked = Question(dict(request.query_params), request.headers.get(WINDOW_HEADER, ""))
+        return await _answer_in_thread(does, request.app.state.studio, asked)
 
     return Route(path, answer, methods=["GET"])
 
 
-def asks(path: str, does: Does, *, urgent: bool = False) -> Route:
+def asks(path: str, does: Answering, *, urgent: bool = False) -> Route:
     """A route that changes nothing, but is asked with more than an address holds.
 
     urgent: other requests do not keep it waiting.
     """
-    return Route(path, _posted(does, writes=False, urgent=urgent), methods=["POST"])
+    return Route(path, _posted_data(does, writes=False, urgent=urgent), methods=["POST"])
 
 
-def changes(path: str, does: Does, *, urgent: bool = False) -> Route:
+def changes(path: str, does: Answering, *, urgent: bool = False) -> Route:
     """A route that changes something: only for the window that writes."""
-    return Route(path, _posted(does, writes=True, urgent=urgent), methods=["POST"])
+    return Route(path, _posted_data(does, writes=True, urgent=urgent), methods=["POST"])
 
 
 async def view_page(request: Request, make: Callable[[], dict[str, Any]] | None) -> Response:
     """Answer with a page of `view` of the record that `make` returns, or 404 without one."""
     if make is None:
-        return PlainTextResponse("not here", NOT_THERE)
+        return PlainTextResponse("not here", NOT_FOUND)
     nonce = request.scope["state"]["nonce"]
-    text = await run_sync(_filled, make, nonce)
+    text = await run_sync(_fill_view, make, nonce)
     headers = {"Content-Security-Policy": VIEW_POLICY.format(nonce=nonce)}
     return Response(text, media_type="text/html; charset=utf-8", headers=headers)
 
 
-def _filled(make: Callable[[], dict[str, Any]], nonce: str) -> str:
-    from assistant.view.page import filled
+def _fill_view(make: Callable[[], dict[str, Any]], nonce: str) -> str:
+    from assistant.view.page import filled_page
 
-    return filled(make(), nonce=nonce)
+    return filled_page(make(), nonce=nonce)
 
 
-def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
+def finding_records(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
     """Records of findings; files of the project have the names that the page calls them by."""
     from assistant.findings.formats import finding_record  # the book of rules, which is large
 
@@ -143,13 +143,13 @@ def findings(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
     return records
 
 
-def plain(value: Any) -> Any:
+def plain_value(value: Any) -> Any:
     """What JSON can hold of a value; None for a number that is none."""
     match value:
         case dict():
-            return {key: plain(one) for key, one in value.items()}
+            return {key: plain_value(one) for key, one in value.items()}
         case list():
-            return [plain(one) for one in value]
+            return [plain_value(one) for one in value]
         case bool() | int() | str() | None:
             return value
         case float():
@@ -157,63 +157,65 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def _posted(does: Does, *, writes: bool, urgent: bool) -> Callable[[Request], Awaitable[Response]]:
+def _posted_data(
+    does: Answering, *, writes: bool, urgent: bool
+) -> Callable[[Request], Awaitable[Response]]:
     async def answer(request: Request) -> Response:
         studio: Studio = request.app.state.studio
-        window = request.headers.get(WRITES, "")
+        window = request.headers.get(WINDOW_HEADER, "")
         if writes and not studio.windows.writes(window):
-            return _refused(Refused(rules.READ_ONLY()))
+            return _refusal_response(Refused(rules.READ_ONLY()))
         try:
             body = await request.body()
         except ClientDisconnect:  # it is told to nobody
-            return _refused(not_asked("it was not asked to its end"))
+            return _refusal_response(not_asked("it was not asked to its end"))
         if writes and not studio.windows.writes(window):  # it has gone meanwhile
-            return _refused(Refused(rules.READ_ONLY()))
+            return _refusal_response(Refused(rules.READ_ONLY()))
         if request.headers.get("content-type", "").startswith("application/octet-stream"):
-            asked = Asked(dict(request.query_params), window, body)
+            asked = Question(dict(request.query_params), window, body)
         else:
             try:
-                values = json.loads(body or b"{}", parse_constant=_no_number)
+                values = json.loads(body or b"{}", parse_constant=_refuse_constant)
             except (ValueError, RecursionError):
                 values = None
             if not isinstance(values, dict):
-                return _refused(not_asked("it is no JSON object"))
-            asked = Asked(values, window)
+                return _refusal_response(not_asked("it is no JSON object"))
+            asked = Question(values, window)
         limit = request.app.state.urgent if urgent else None
-        return await _answered(does, studio, asked, limit)
+        return await _answer_in_thread(does, studio, asked, limit)
 
     return answer
 
 
-async def _answered(
-    does: Does, studio: Studio, asked: Asked, limit: CapacityLimiter | None = None
+async def _answer_in_thread(
+    does: Answering, studio: Studio, asked: Question, limit: CapacityLimiter | None = None
 ) -> Response:
     try:
         answer = await run_sync(does, studio, asked, limiter=limit)
-        return answer if isinstance(answer, Response) else Told(answer)
+        return answer if isinstance(answer, Response) else PlainData(answer)
     except Refused as refused:
-        return _refused(refused)
+        return _refusal_response(refused)
     except UnicodeEncodeError:  # a name that no file of ours can have
-        return _refused(not_asked("a text holds what is no character"))
+        return _refusal_response(not_asked("a text holds what is no character"))
     except RecursionError:
-        return _refused(not_asked("it is nested too deep"))
+        return _refusal_response(not_asked("it is nested too deep"))
     except Reached as reached:
-        return _told([internal_error(reached)], FAILED)
+        return _data_response([internal_error(reached)], SERVER_ERROR)
     except OSError as wrong:
-        return _told([rules.SYSTEM(reason=wrong.strerror or wrong)], FAILED)
+        return _data_response([rules.SYSTEM(reason=wrong.strerror or wrong)], SERVER_ERROR)
     except Exception as wrong:  # noqa: BLE001 (the studio goes on, and says so)
-        return _told([internal_error(wrong)], FAILED)
+        return _data_response([internal_error(wrong)], SERVER_ERROR)
 
 
-def _refused(refused: Refused) -> Response:
-    return _told(refused.findings, UNTIDY)
+def _refusal_response(refused: Refused) -> Response:
+    return _data_response(refused.findings, UNPROCESSABLE)
 
 
-def _told(found: Sequence[Diagnostic], status: int) -> Response:
-    return Told({"findings": findings(found)}, status)
+def _data_response(found: Sequence[Diagnostic], status: int) -> Response:
+    return PlainData({"findings": finding_records(found)}, status)
 
 
-def _no_number(name: str) -> object:
+def _refuse_constant(name: str) -> object:
     raise ValueError(name)
 
 

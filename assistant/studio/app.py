@@ -21,17 +21,17 @@ from assistant.studio import (
 from assistant.studio.studio import Studio
 
 ROUTES: Final[tuple[BaseRoute, ...]] = (
-    *page.ROUTES,
-    *window_routes.ROUTES,
-    *project_routes.ROUTES,
-    *run_routes.ROUTES,
-    *controller_routes.ROUTES,
-    *control_routes.ROUTES,
-    *scene_routes.ROUTES,
-    *text_routes.ROUTES,
+    *page.PAGE_ROUTES,
+    *window_routes.WINDOW_ROUTES,
+    *project_routes.PROJECT_ROUTES,
+    *run_routes.RUN_ROUTES,
+    *controller_routes.CONTROLLER_ROUTES,
+    *control_routes.CONTROL_ROUTES,
+    *scene_routes.SCENE_ROUTES,
+    *text_routes.TEXT_ROUTES,
 )
 
-URGENT: Final = 20
+URGENT_THREADS: Final = 20
 """Threads for what stops an arm, or lets go of it: other requests cannot use them up."""
 
 
@@ -39,5 +39,5 @@ def app(studio: Studio) -> Starlette:
     """The application of one studio; a `Guard` stands before it."""
     made = Starlette(routes=list(ROUTES))
     made.state.studio = studio
-    made.state.urgent = CapacityLimiter(URGENT)
+    made.state.urgent = CapacityLimiter(URGENT_THREADS)
     return made

@@ -19,15 +19,15 @@ from assistant.controllers.arm_stop import PATIENCE, Rest, brought_to_rest, stop
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Identity, Sample, record
 from assistant.studio import rules
-from assistant.studio.answering import findings, plain
-from assistant.studio.windows import Tell
+from assistant.studio.answering import finding_records, plain_value
+from assistant.studio.windows import Notify
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-LOOKS: Final = 0.4
+CONTROLLER_PERIOD: Final = 0.4
 """Seconds between two looks at a controller."""
-ENDING: Final = 15.0
+CLOSE_TIMEOUT: Final = 15.0
 """Seconds that what still goes on has to come to its end."""
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ class Connection:
         self,
         one: Named,
         kept: FilePath,
-        tell: Tell,
+        tell: Notify,
         lost: Callable[[], None],
         password: str | None = None,
     ) -> None:
@@ -75,9 +75,11 @@ class Connection:
 
     def _begin(self) -> Programs:
         if self.one.virtual is not None:
-            from assistant.project.virtual import clients
+            from assistant.project.virtual import running_clients
 
-            self._clients = self._quick = self._open.enter_context(clients(self.one, self._kept))
+            self._clients = self._quick = self._open.enter_context(
+                running_clients(self.one, self._kept)
+            )
         session = self._open.enter_context(self._clients())
         if isinstance(session, Controller):
             self.identity = session.identify()
@@ -165,7 +167,7 @@ class Connection:
         self._worker.shutdown(wait=False)
         watcher = getattr(self, "_watcher", None)
         if watcher is not None and watcher.is_alive() and watcher is not threading.current_thread():
-            watcher.join(ENDING)
+            watcher.join(CLOSE_TIMEOUT)
 
     def _leave(self) -> None:
         with self._open:
@@ -183,15 +185,17 @@ class Connection:
             self._gone(refused.findings)
 
     def _watch(self) -> None:
-        while not self._ended.wait(LOOKS):
+        while not self._ended.wait(CONTROLLER_PERIOD):
             try:
                 sample = self.do(self._look)
             except Refused as refused:
-                self._tell({"kind": "monitor", "findings": findings(refused.findings)})
+                self._tell({"kind": "monitor", "findings": finding_records(refused.findings)})
             except Exception as wrong:  # noqa: BLE001 - who watches goes on
-                self._tell({"kind": "monitor", "findings": findings([internal_error(wrong)])})
+                self._tell(
+                    {"kind": "monitor", "findings": finding_records([internal_error(wrong)])}
+                )
             else:
-                self._tell({"kind": "monitor", **_plain(sample)})
+                self._tell({"kind": "monitor", **_sample_record(sample)})
 
     def _look(self, controller: Controller) -> Sample:
         try:
@@ -205,7 +209,7 @@ class Connection:
     def _gone(self, found: Sequence[Diagnostic]) -> None:
         if not self._ended.is_set():
             threading.Thread(target=self._lost, name="lost", daemon=True).start()
-            self._tell({"kind": "monitor", "lost": True, "findings": findings(found)})
+            self._tell({"kind": "monitor", "lost": True, "findings": finding_records(found)})
 
     def _only_keeps(self) -> Diagnostic:
         place = str(self.one.address)
@@ -218,9 +222,9 @@ class Connection:
         )
 
 
-def _plain(sample: Sample) -> Mapping[str, object]:
+def _sample_record(sample: Sample) -> Mapping[str, object]:
     """A sample as data, in which a number that is none is left out."""
     state = replace(sample.state, faults=sample.state.faults[:20])
     found = record(replace(sample, state=state))
     assert isinstance(found, dict)
-    return {key: plain(value) for key, value in found.items()}
+    return {key: plain_value(value) for key, value in found.items()}

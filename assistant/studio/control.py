@@ -28,36 +28,36 @@ from assistant.controllers.abilities import JogsHeld
 from assistant.controllers.arm_stop import PATIENCE, Rest, stop_at_once
 from assistant.controllers.states import Jog, record
 from assistant.studio import rules
-from assistant.studio.answering import findings
+from assistant.studio.answering import finding_records
 from assistant.studio.connections import Connection
-from assistant.studio.windows import Tell
+from assistant.studio.windows import Notify
 
 TICK: Final = 0.05
 """Seconds between two ticks."""
 WATCH: Final = 0.2
 """Seconds without a fresh beat after which the arm is stopped."""
-AWAY: Final = 3.0
+AWAY_TIMEOUT: Final = 3.0
 """Seconds without any beat after which control is given up."""
-LOOKS: Final = 0.01
+BEAT_PERIOD: Final = 0.01
 """Seconds between two looks at the beats."""
-KEPT: Final = 100
+KEPT_TICKS: Final = 100
 """Ticks whose times are remembered."""
-FASTEST: Final = 10.0
+FASTEST_STEP: Final = 10.0
 """Percent of the full speed that a held key moves at most; `jog` of the command goes faster."""
-DEGREES, LENGTH = 0.1, 0.5
+STEP_DEGREES, STEP_LENGTHS = 0.1, 0.5
 """Degrees, and mm along an axis, of a step at each percent of speed: a tenth of a second."""
-ENDING: Final = 10.0
+STEP_TIMEOUT: Final = 10.0
 """Seconds that a step has to come to its end when control is given up."""
-INSISTS: Final = 8.0
+MOTORS_OFF_TIMEOUT: Final = 8.0
 """Seconds in which motors that do not go off are switched off again and again."""
-AGAIN: Final = 0.5
+MOTORS_OFF_PERIOD: Final = 0.5
 """Seconds between two such trials."""
-AXES: Final = frozenset({*JOINT_AXES, *LINEAR_AXES, *TURNING_AXES})
+STEP_AXES: Final = frozenset({*JOINT_AXES, *LINEAR_AXES, *TURNING_AXES})
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
+class HeldKey:
     """A key that is held. number: of its press. step: that is taken again and again."""
 
     number: int
@@ -77,7 +77,7 @@ class Control:
         self,
         connection: Connection,
         window: str,
-        say: Tell,
+        say: Notify,
         over: Callable[[], None],
         left_on: Callable[[Sequence[Diagnostic]], None],
     ) -> None:
@@ -87,7 +87,7 @@ class Control:
         self._changed = threading.Condition()
         self._stopping, self._ending = threading.Lock(), threading.Lock()
         self._ticks: dict[int, float] = {}
-        self._held: Hold | None = None
+        self._held: HeldKey | None = None
         self._cut = 0
         self._stops, self._stopped = 0, float("-inf")
         self._offs = self._switching_on = 0
@@ -120,7 +120,7 @@ class Control:
         tick, number = message.get("tick"), message.get("hold")
         if window != self.window or type(tick) is not int or type(number) is not int:
             return
-        step = _step(message) if number > 0 else None
+        step = _beat_step(message) if number > 0 else None
         with self._changed:
             if number == 0:
                 self._held = None
@@ -131,10 +131,10 @@ class Control:
                 self._cut = max(self._cut, number)
             self._fresh = max(self._fresh, when)
             if step is not None and number > self._cut:
-                self._held = Hold(number, step)
+                self._held = HeldKey(number, step)
             self._changed.notify_all()
 
-    def let_go(self, only: Hold | None = None) -> bool:
+    def let_go(self, only: HeldKey | None = None) -> bool:
         """The key counts as held no more until it is pressed anew; whether it was held.
 
         only: if it is held so, None for however it is.
@@ -227,19 +227,19 @@ class Control:
             stop.join(PATIENCE)
         for thread in self._threads:
             if thread.is_alive() and thread is not threading.current_thread():
-                thread.join(ENDING)
+                thread.join(STEP_TIMEOUT)
         with suppress(Refused, OSError):  # the line for the stop has gone by itself
             self._open.close()
-        self._say({"kind": "control", "ended": True, "findings": findings(found)})
+        self._say({"kind": "control", "ended": True, "findings": finding_records(found)})
 
     def _insisted_off(self) -> tuple[Diagnostic, ...]:
         """Switches the motors off, if need be again and again; findings if they may still be on."""
-        until = time.monotonic() + INSISTS
+        until = time.monotonic() + MOTORS_OFF_TIMEOUT
         found = self._tried_off()
         if found:
             self._left_on(found)
             while found and time.monotonic() < until:
-                time.sleep(AGAIN)
+                time.sleep(MOTORS_OFF_PERIOD)
                 found = self._tried_off()
             self._left_on(found)
         return found
@@ -287,17 +287,17 @@ class Control:
                 count, due = count + 1, now + TICK
                 with self._changed:
                     self._ticks[count] = now
-                    self._ticks.pop(count - KEPT, None)
+                    self._ticks.pop(count - KEPT_TICKS, None)
                 self._say({"kind": "tick", "tick": count})
             with self._changed:
                 cut = self._held is not None and now - self._fresh > WATCH
                 silent = now - max(self._fresh, self._began)
             if cut:
                 self._cut_off()
-            elif silent > AWAY:
+            elif silent > AWAY_TIMEOUT:
                 threading.Thread(target=self._over, name="control over", daemon=True).start()
                 return
-            time.sleep(LOOKS)
+            time.sleep(BEAT_PERIOD)
 
     def _cut_off(self) -> None:
         try:
@@ -327,10 +327,10 @@ class Control:
             finally:
                 self._moving = False
             if found and self.let_go(hold):  # else it is what the stop has brought about
-                self._say({"kind": "control", "findings": findings(found)})
-            time.sleep(LOOKS)
+                self._say({"kind": "control", "findings": finding_records(found)})
+            time.sleep(BEAT_PERIOD)
 
-    def _take(self, hold: Hold, controller: Controller) -> None:
+    def _take(self, hold: HeldKey, controller: Controller) -> None:
         check_jog(hold.step, controller.position(), self._connection.robot)
         self._moving = True
         held = partial(self._is_held, hold)
@@ -339,7 +339,7 @@ class Control:
         elif held():
             controller.jog(hold.step)
 
-    def _is_held(self, hold: Hold) -> bool:
+    def _is_held(self, hold: HeldKey) -> bool:
         """Whether it still is, by a beat that is fresh."""
         with self._changed:
             return self._held == hold and time.monotonic() - self._fresh <= WATCH
@@ -350,15 +350,19 @@ def rest_record(rest: Rest) -> dict[str, object]:
     return {"stands": rest.stands, "reason": rest.reason, "position": record(rest.position)}
 
 
-def _step(message: Mapping[str, Any]) -> Jog | None:
+def _beat_step(message: Mapping[str, Any]) -> Jog | None:
     """The step that a beat asks for, None for what is none."""
     axis, by, speed = message.get("axis"), message.get("by"), message.get("speed")
     frame = message.get("frame", "base")
-    if not isinstance(axis, str) or axis not in AXES or by not in (1, -1):
+    if not isinstance(axis, str) or axis not in STEP_AXES or by not in (1, -1):
         return None
     if frame not in ("base", "tool"):
         return None
-    if isinstance(speed, bool) or not isinstance(speed, int | float) or not 1 <= speed <= FASTEST:
+    if (
+        isinstance(speed, bool)
+        or not isinstance(speed, int | float)
+        or not 1 <= speed <= FASTEST_STEP
+    ):
         return None
-    size = (LENGTH if axis in LINEAR_AXES else DEGREES) * speed
+    size = (STEP_LENGTHS if axis in LINEAR_AXES else STEP_DEGREES) * speed
     return Jog(axis, size * by, frame, float(speed))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
-from assistant.studio.answering import Asked, asks, changes, findings, looks
+from assistant.studio.answering import Question, asks, changes, finding_records, looks
 from assistant.studio.connections import Connection
 from assistant.studio.studio import Studio
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from assistant.deploy import Plan
     from assistant.project import Target
 
-MOST_LOGGED: Final = 50
-BACKUPS: Final = "backups"
+MOST_EVENTS: Final = 50
+BACKUP_FOLDER: Final = "backups"
 """Folder of the project in which backups are kept."""
 
 
@@ -33,7 +33,7 @@ def connection_of(studio: Studio) -> Connection:
     return found
 
 
-def confirm(one: Named, asked: Asked, what: str) -> None:
+def refuse_unconfirmed(one: Named, asked: Question, what: str) -> None:
     """Raises Refused unless the name of the controller was typed, as commands ask for it."""
     word = asked.text("word", "").strip()
     place = str(one.address)
@@ -46,7 +46,7 @@ def confirm(one: Named, asked: Asked, what: str) -> None:
 # -------------------------------------------------------------------------------- connection
 
 
-def controller(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+def controller(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """What is connected to, and whether somebody has control of it."""
     from assistant.controllers.states import record
     from assistant.studio.control import Control
@@ -65,12 +65,12 @@ def controller(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
         "identity": record(found.identity),
         "operates": found.operates,
         "signals": list(found.signals),
-        "axes": _axes(found),
+        "axes": _axis_records(found),
         "controlled": isinstance(control, Control),
     }
 
 
-def _axes(found: Connection) -> list[dict[str, Any]]:
+def _axis_records(found: Connection) -> list[dict[str, Any]]:
     robot = found.robot
     if robot is None:
         return []
@@ -80,7 +80,7 @@ def _axes(found: Connection) -> list[dict[str, Any]]:
     ]
 
 
-def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
+def connect(studio: Studio, asked: Question) -> dict[str, Any]:
     """Connects to a controller that the project names; a password is used and not kept."""
     from assistant.controllers.named import of_project
 
@@ -95,31 +95,33 @@ def connect(studio: Studio, asked: Asked) -> dict[str, Any]:
     )
     with studio.beginning:
         leave(studio, asked)
-        made = Connection(one, _kept(studio), studio.windows.tell, lost, password)
+        made = Connection(one, _kept_name(studio), studio.windows.tell, lost, password)
         studio.live["connection"] = made
         if not studio.windows.writes(asked.window):  # it has gone meanwhile
             leave(studio, asked)
     studio.windows.tell({"kind": "controller"})
-    return controller(studio, asked) | {"findings": findings(tuple(_open_to_others(studio, one)))}
+    return controller(studio, asked) | {
+        "findings": finding_records(tuple(_is_clear_text(studio, one)))
+    }
 
 
-def leave(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+def leave(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     with studio.beginning:
         studio.drop("control", "connection")
     studio.windows.tell({"kind": "controller"})
     return {"connected": False}
 
 
-def _kept(studio: Studio) -> FilePath:
+def _kept_name(studio: Studio) -> FilePath:
     from assistant.project import project_of
-    from assistant.project.layout import KEPT
+    from assistant.project.layout import STATE_FOLDER
 
     with suppress(Refused):  # of another table than that of its controllers
         return project_of(studio.folder).kept
-    return studio.folder / KEPT
+    return studio.folder / STATE_FOLDER
 
 
-def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
+def _is_clear_text(studio: Studio, one: Named) -> Iterator[Diagnostic]:
     """Whether what is sent can be read on the way, unless the project has accepted that."""
     from assistant.controllers.address import clear_text_finding
     from assistant.findings.severities import severities_for
@@ -133,38 +135,38 @@ def _open_to_others(studio: Studio, one: Named) -> Iterator[Diagnostic]:
 # ------------------------------------------------------------------------------------ looking
 
 
-def watch(studio: Studio, asked: Asked) -> dict[str, Any]:
+def watch(studio: Studio, asked: Question) -> dict[str, Any]:
     """Signals whose values come with what is seen."""
     found = connection_of(studio)
     found.look_at(asked.texts("signals"))
     return {"signals": list(found.signals)}
 
 
-def log(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+def log(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     from assistant.controllers.states import record
 
-    return {"log": record(connection_of(studio).do(lambda one: one.log(MOST_LOGGED)))}
+    return {"log": record(connection_of(studio).do(lambda one: one.log(MOST_EVENTS)))}
 
 
-def reset(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+def reset(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Acknowledges errors."""
     connection_of(studio).do(lambda one: one.reset())
     return {}
 
 
-def parameters(studio: Studio, asked: Asked) -> dict[str, Any]:
+def parameters(studio: Studio, asked: Question) -> dict[str, Any]:
     """Those that are named, or those that were changed."""
     names = asked.texts("names")
     return {"parameters": connection_of(studio).do(lambda one: one.parameters(names))}
 
 
-def set_parameter(studio: Studio, asked: Asked) -> dict[str, Any]:
+def set_parameter(studio: Studio, asked: Question) -> dict[str, Any]:
     found = connection_of(studio)
     name, value = asked.text("name"), asked.text("value")
 
     def put(one: Controller) -> dict[str, str]:
         does = "under a program that runs" if one.state().running else "on the controller"
-        confirm(found.one, asked, f"changes `{name}` to `{value}` {does}")
+        refuse_unconfirmed(found.one, asked, f"changes `{name}` to `{value}` {does}")
         one.set_parameter(name, value)
         return one.parameters([name])
 
@@ -174,7 +176,7 @@ def set_parameter(studio: Studio, asked: Asked) -> dict[str, Any]:
 # ---------------------------------------------------------------------------------- deploying
 
 
-def _targets(studio: Studio, one: Named) -> list[Target]:
+def _controller_targets(studio: Studio, one: Named) -> list[Target]:
     """Of the project, for a controller; raises Refused if there are none."""
     from assistant.project import targets_of
 
@@ -184,15 +186,15 @@ def _targets(studio: Studio, one: Named) -> list[Target]:
     return found
 
 
-def plan(studio: Studio, asked: Asked) -> dict[str, Any]:
+def plan(studio: Studio, asked: Question) -> dict[str, Any]:
     """What a deployment would change, with the differences; `plan` names it for `deploy`."""
     from assistant.project.deploying import plan_record
 
     found = connection_of(studio)
 
     def records(session: Programs) -> dict[str, Any]:
-        plans = _plans(studio, found.one, session, asked)
-        return {"plan": _named(plans)} | _together(
+        plans = _plan_each(studio, found.one, session, asked)
+        return {"plan": _plan_name(plans)} | _joined_records(
             [
                 {
                     "target": target.name,
@@ -205,7 +207,7 @@ def plan(studio: Studio, asked: Asked) -> dict[str, Any]:
     return found.apart(records)
 
 
-def deploy(studio: Studio, asked: Asked) -> dict[str, Any]:
+def deploy(studio: Studio, asked: Question) -> dict[str, Any]:
     """Sends what the plan of that name showed; raises Refused where that is another one by now."""
     from assistant import deploy as deploying
     from assistant.project.deploying import plan_record
@@ -213,8 +215,8 @@ def deploy(studio: Studio, asked: Asked) -> dict[str, Any]:
     found, shown = connection_of(studio), asked.text("plan", "")
 
     def records(session: Programs) -> list[dict[str, Any]]:
-        plans = _plans(studio, found.one, session, asked)
-        if _named(plans) != shown:
+        plans = _plan_each(studio, found.one, session, asked)
+        if _plan_name(plans) != shown:
             raise Refused(rules.OTHER_PLAN(name=found.one.name))
         answers = []
         for target, made in plans:
@@ -223,20 +225,20 @@ def deploy(studio: Studio, asked: Asked) -> dict[str, Any]:
             answers.append({"target": target.name, **plan_record(made, done, told)})
         return answers
 
-    return _together(found.apart(records))
+    return _joined_records(found.apart(records))
 
 
-def _plans(
-    studio: Studio, one: Named, session: Programs, asked: Asked
+def _plan_each(
+    studio: Studio, one: Named, session: Programs, asked: Question
 ) -> list[tuple[Target, Plan]]:
     """Of each target. replace: programs that go there though no deployment left them like that."""
-    from assistant.project.deploying import planned
+    from assistant.project.deploying import checked_plan
 
     replace = asked.texts("replace")
     return [
         (
             target,
-            planned(
+            checked_plan(
                 [studio.named(file) for file in target.files()],
                 one,
                 session,
@@ -246,11 +248,11 @@ def _plans(
                 history=target.history,
             ),
         )
-        for target in _targets(studio, one)
+        for target in _controller_targets(studio, one)
     ]
 
 
-def _named(plans: Sequence[tuple[Target, Plan]]) -> str:
+def _plan_name(plans: Sequence[tuple[Target, Plan]]) -> str:
     """A digest of what is there and what would be sent; what may be replaced is no part of it."""
     told = hashlib.sha256()
     for target, made in plans:
@@ -261,7 +263,7 @@ def _named(plans: Sequence[tuple[Target, Plan]]) -> str:
     return told.hexdigest()
 
 
-def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
+def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Whether everything is as it was left, and what was changed there since."""
     from assistant import deploy as deploying
     from assistant.project.deploying import verified_record
@@ -270,29 +272,29 @@ def verify(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
 
     def records(session: Programs) -> list[dict[str, Any]]:
         answers = []
-        for target in _targets(studio, found.one):
+        for target in _controller_targets(studio, found.one):
             files = [studio.named(file) for file in target.files()]
             seen = deploying.verify(session, files, history=target.history)
             answers.append({"target": target.name, **verified_record(seen)})
         return answers
 
-    return _together(found.apart(records))
+    return _joined_records(found.apart(records))
 
 
-def roll_back(studio: Studio, asked: Asked) -> dict[str, Any]:
+def roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
     """What was there before the last deployment is there again."""
     from assistant import deploy as deploying
     from assistant.project.deploying import deployment_record
 
     found, replace = connection_of(studio), asked.texts("replace")
-    history = _targets(studio, found.one)[0].history
+    history = _controller_targets(studio, found.one)[0].history
     done = found.apart(
         lambda session: deploying.rollback(session, history=history, replace=replace)
     )
     return deployment_record(done, back=True)
 
 
-def _together(answers: list[dict[str, Any]]) -> dict[str, Any]:
+def _joined_records(answers: list[dict[str, Any]]) -> dict[str, Any]:
     """Of all targets of a controller; their findings stand together, as of other answers."""
     told = [finding for answer in answers for finding in answer.pop("findings")]
     return {
@@ -305,11 +307,11 @@ def _together(answers: list[dict[str, Any]]) -> dict[str, Any]:
 # ------------------------------------------------------------------------------------ backups
 
 
-def backup(studio: Studio, asked: Asked) -> dict[str, Any]:
+def backup(studio: Studio, asked: Question) -> dict[str, Any]:
     """Into a folder of the project that is not there yet."""
     found = connection_of(studio)
     moment = f"{datetime.now():%Y-%m-%d-%H%M%S}"
-    name = asked.text("folder", "") or f"{BACKUPS}/{found.one.name}-{moment}"
+    name = asked.text("folder", "") or f"{BACKUP_FOLDER}/{found.one.name}-{moment}"
     folder = studio.place(name)
     if folder.exists():
         raise Refused(rules.FOLDER_THERE(path=name, name=name))
@@ -318,13 +320,13 @@ def backup(studio: Studio, asked: Asked) -> dict[str, Any]:
     return {"folder": studio.named(folder), "files": len(files)}
 
 
-def backups(studio: Studio, asked: Asked) -> dict[str, Any]:  # noqa: ARG001
-    folder = studio.folder / BACKUPS
+def backups(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
+    folder = studio.folder / BACKUP_FOLDER
     there = sorted(one for one in folder.iterdir() if one.is_dir()) if folder.is_dir() else []
     return {"folders": [studio.named(one) for one in there]}
 
 
-def restore(studio: Studio, asked: Asked) -> dict[str, Any]:
+def restore(studio: Studio, asked: Question) -> dict[str, Any]:
     """What differs from a backup; with `apply`, and confirmed, it is brought back."""
     found, only = connection_of(studio), asked.texts("only")
     name, wanted = asked.text("folder"), asked.truth("apply")
@@ -337,7 +339,7 @@ def restore(studio: Studio, asked: Asked) -> dict[str, Any]:
         does = wanted and bool(restoring.changes)
         if does:
             parts = len(restoring.changes)
-            confirm(found.one, asked, f"changes {parts} parts of the controller")
+            refuse_unconfirmed(found.one, asked, f"changes {parts} parts of the controller")
             restoring.apply()
         return {
             "restored": does,
@@ -349,7 +351,7 @@ def restore(studio: Studio, asked: Asked) -> dict[str, Any]:
     return found.do(bring)
 
 
-ROUTES: Final = (
+CONTROLLER_ROUTES: Final = (
     looks("/controller", controller),
     changes("/controller/connect", connect),
     changes("/controller/leave", leave),

@@ -14,48 +14,48 @@ from assistant.base.source_text import is_file
 from assistant.program.program import TakenNames, identifier
 from assistant.project import project_of
 from assistant.project.layout import Project
-from assistant.project.starting import PROJECT, Started, start
+from assistant.project.starting import PROJECT_FILE, StartedProject, start_project
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX, READERS
 from assistant.sources.process.placement import DRAWING_SUFFIXES
 from assistant.studio import rules
-from assistant.studio.answering import findings
+from assistant.studio.answering import finding_records
 from assistant.studio.studio import Studio
 from assistant.studio.toml_edits import with_values
-from assistant.studio.tree import programs
+from assistant.studio.tree import program_suffixes
 
-NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
+FILE_NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
 """Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
-DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
+DEVICE_NAMES: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
 """Names that Windows has for devices, whatever their suffix.
 
 https://learn.microsoft.com/windows/win32/fileio/naming-a-file#naming-conventions
 """
-FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
+KIND_FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
 LONGEST_NAME: Final = 60
-ENCODING: Final = "utf-8"
-TARGET: Final = "[targets."
+PROJECT_ENCODING: Final = "utf-8"
+TARGET_HEADER: Final = "[targets."
 """Where the example's project begins to say what goes where."""
-PROGRAMS: Final = "[programs."
+PROGRAMS_HEADER: Final = "[programs."
 
 
-def start_empty(folder: FilePath) -> Started:
+def start_empty(folder: FilePath) -> StartedProject:
     """A project without programs; what is there is left as it is."""
-    file = folder / PROJECT
+    file = folder / PROJECT_FILE
     if not (file.exists() or file.is_symlink()):
-        text, _ = _example()
-        write_all({file: text.encode(ENCODING)})
-    return Started(folder, (file,))
+        text, _ = _example_project()
+        write_all({file: text.encode(PROJECT_ENCODING)})
+    return StartedProject(folder, (file,))
 
 
-def dropped(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
+def drop_file(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
     """Writes a file into the project, and what the project needs to say of it.
 
     Raises Refused for a name that is none, for what is no source, and for one that is there.
     """
-    kind = _kind(name)
-    file = studio.place(f"{FOLDERS[kind]}/{name}")
-    if not is_file(studio.folder / PROJECT):
+    kind = _dropped_kind(name)
+    file = studio.place(f"{KIND_FOLDERS[kind]}/{name}")
+    if not is_file(studio.folder / PROJECT_FILE):
         start_empty(studio.folder)
     before = read_file(file) if is_file(file) else None
     if before is not None and before != data:
@@ -63,52 +63,52 @@ def dropped(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
     found: list[Diagnostic] = []
     written: list[FilePath] = []
     if kind == "drawing":
-        done = _drawing(studio, file, data)
+        done = _drop_drawing(studio, file, data)
         found += done.findings
         written += done.written
     else:
         written += write_all({file: data})
-    _add_program(studio, file)
+    _add_program_entry(studio, file)
     main = file.with_suffix(PROCESS_SUFFIX) if kind == "drawing" else file
     return {
         "path": studio.named(file),
         "kind": kind,
         "opens": studio.named(main),
         "written": [studio.named(one) for one in written],
-        "findings": findings([one for one in found if one.code != _not_added()]),
+        "findings": finding_records([one for one in found if one.code != _not_added_finding()]),
     }
 
 
-def _drawing(studio: Studio, file: FilePath, data: bytes) -> Started:
+def _drop_drawing(studio: Studio, file: FilePath, data: bytes) -> StartedProject:
     """The drawing with its process file, as `init FOLDER DRAWING` writes it; both or none."""
     new = not is_file(file)
     write_all({file: data})
     try:
-        return start(studio.folder, (file,))
+        return start_project(studio.folder, (file,))
     except BaseException:
         if new:
             file.unlink(missing_ok=True)
         raise
 
 
-def _add_program(studio: Studio, file: FilePath) -> None:
+def _add_program_entry(studio: Studio, file: FilePath) -> None:
     """[programs.NAME] of a source, and its name in the target of the first controller."""
     project = project_of(studio.folder)
     known = {recipe.source.resolve() for recipe in project.programs.values()}
     if file.resolve() in known:
         return
     name = identifier(file.stem, TakenNames(project.programs))[:LONGEST_NAME]
-    text = read_file(project.file).decode(ENCODING)
-    path = _table(project)
+    text = read_file(project.file).decode(PROJECT_ENCODING)
+    path = _program_table(project)
     text = with_values(
         text, {(*path, "programs", name, "source"): studio.named(file)}, project.file.name
     )
-    text = _with_target(text, path, project, name)
-    write_all({project.file: text.encode(ENCODING)})
+    text = _add_to_target(text, path, project, name)
+    write_all({project.file: text.encode(PROJECT_ENCODING)})
     project_of(studio.folder)
 
 
-def _with_target(text: str, path: tuple[str, ...], project: Project, name: str) -> str:
+def _add_to_target(text: str, path: tuple[str, ...], project: Project, name: str) -> str:
     from assistant.controllers import controllers_of
 
     if project.places:
@@ -120,46 +120,50 @@ def _with_target(text: str, path: tuple[str, ...], project: Project, name: str) 
     if not controllers or path:
         return text
     first = next(iter(controllers))
-    _, target = _example()
-    if not (text.startswith(_example()[0]) and target.startswith(f"{TARGET}{first}]")):
-        target = f"{TARGET}{first}]\nprograms = []\n"
+    _, target = _example_project()
+    if not (
+        text.startswith(_example_project()[0]) and target.startswith(f"{TARGET_HEADER}{first}]")
+    ):
+        target = f"{TARGET_HEADER}{first}]\nprograms = []\n"
     text = f"{text.rstrip()}\n\n{target}"
     return with_values(text, {("targets", first, "programs"): [name]}, project.file.name)
 
 
-def _example() -> tuple[str, str]:
+def _example_project() -> tuple[str, str]:
     """The project's file that `init` writes, without its program; and what that says of targets."""
-    text = resource("templates", f"project/{PROJECT}").read_text(encoding=ENCODING)
-    program, target = text.index(PROGRAMS), text.index(TARGET)
+    text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=PROJECT_ENCODING)
+    program, target = text.index(PROGRAMS_HEADER), text.index(TARGET_HEADER)
     return text[:program].rstrip() + "\n", text[target:]
 
 
-def _table(project: Project) -> tuple[str, ...]:
-    return () if project.file.name == PROJECT else ("tool", "robot-assistant")
+def _program_table(project: Project) -> tuple[str, ...]:
+    return () if project.file.name == PROJECT_FILE else ("tool", "robot-assistant")
 
 
-def check_name(name: str) -> None:
+def check_file_name(name: str) -> None:
     """Raises Refused for what cannot be the name of a new file here."""
-    plain = NAME.fullmatch(name) and not DEVICE.fullmatch(name)
+    plain = FILE_NAME.fullmatch(name) and not DEVICE_NAMES.fullmatch(name)
     if not plain or name.endswith((" ", ".")) or ".." in name:
         raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
 
 
-def _kind(name: str) -> str:
+def _dropped_kind(name: str) -> str:
     """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
-    check_name(name)
+    check_file_name(name)
     suffix = PurePosixPath(name).suffix.lower()
     if suffix in DRAWING_SUFFIXES:
         return "drawing"
-    if suffix in programs():
+    if suffix in program_suffixes():
         return "program"
     if suffix in READERS and suffix not in (".toml", ".json"):
         return "table"
-    known = ", ".join(sorted({*DRAWING_SUFFIXES, *programs(), *READERS} - {".toml", ".json"}))
+    known = ", ".join(
+        sorted({*DRAWING_SUFFIXES, *program_suffixes(), *READERS} - {".toml", ".json"})
+    )
     raise Refused(rules.NOT_TAKEN(path=name, name=name, known=known), exit_status=2)
 
 
-def _not_added() -> str:
+def _not_added_finding() -> str:
     from assistant.project.rules import NOT_ADDED
 
     return NOT_ADDED.code

@@ -14,14 +14,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MOST_BYTES: Final = 64_000_000
 """Of what is sent to the studio at once."""
-POLICY: Final = (
+PAGE_POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'nonce-{nonce}'; "
     "img-src 'self' data:; connect-src 'self'; frame-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'"
 )
 """Of the page; nothing comes from outside, and nothing that a file says is ever run."""
-REFUSED: Final = 403
-TOO_LARGE: Final = 413
+FORBIDDEN: Final = 403
+CONTENT_TOO_LARGE: Final = 413
 POLICY_VIOLATION: Final = 1008
 
 
@@ -52,7 +52,7 @@ class Guard:
         nonce = secrets.token_urlsafe(12)
         inner["state"] = {**scope.get("state", {}), "nonce": nonce}
         try:
-            await self._app(inner, _bounded(receive), _headed(send, nonce))
+            await self._app(inner, _limited_body(receive), _with_headers(send, nonce))
         except asyncio.CancelledError:
             return  # the studio ends, and whoever asked is not told any more
 
@@ -84,10 +84,10 @@ async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
         await receive()
         await send({"type": "websocket.close", "code": POLICY_VIOLATION})
         return
-    await PlainTextResponse("not here", REFUSED)(scope, receive, send)
+    await PlainTextResponse("not here", FORBIDDEN)(scope, receive, send)
 
 
-def _bounded(receive: Receive) -> Receive:
+def _limited_body(receive: Receive) -> Receive:
     """What comes without its length, ended where it is too long."""
     total = 0
 
@@ -100,7 +100,7 @@ def _bounded(receive: Receive) -> Receive:
     return counted
 
 
-def _headed(send: Send, nonce: str) -> Send:
+def _with_headers(send: Send, nonce: str) -> Send:
     """Each answer says that it is kept nowhere and what it may load; one may say so by itself."""
 
     async def sent(message: Message) -> None:
@@ -108,7 +108,7 @@ def _headed(send: Send, nonce: str) -> Send:
             headers = message.setdefault("headers", [])
             own = {name.lower() for name, _ in headers}
             given = {
-                b"content-security-policy": POLICY.format(nonce=nonce).encode(),
+                b"content-security-policy": PAGE_POLICY.format(nonce=nonce).encode(),
                 b"cache-control": b"no-store",
                 b"x-content-type-options": b"nosniff",
                 b"referrer-policy": b"no-referrer",

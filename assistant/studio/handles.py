@@ -17,36 +17,36 @@ from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program
 from assistant.program.statements import Follow, MoveCircular
 from assistant.report.track import stops
-from assistant.studio.path_rows import Rows
-from assistant.studio.stages import DRAWING, TARGET, TAUGHT, Handle, Stage
+from assistant.studio.path_rows import NamedRows
+from assistant.studio.stages import DRAWING_HANDLE, TARGET_HANDLE, TAUGHT_SUFFIX, Handle, Stage
 from assistant.studio.studio import Studio
-from assistant.studio.toml_edits import content_of
+from assistant.studio.toml_edits import toml_content
 
-MOST: Final = 20_000
+MOST_HANDLES: Final = 20_000
 """That a page is told of."""
 
 
-def handles(studio: Studio, stage: Stage) -> list[Handle]:
+def handles_of(studio: Studio, stage: Stage) -> list[Handle]:
     """In the order in which the program comes to them, each place of a name once."""
     if stage.loaded is None:
         return []
-    found = [*_of_drawing(stage)]
-    known = lines_of_targets(studio, stage)
+    found = [*_drawing_handles(stage)]
+    known = target_lines(studio, stage)
     seen = set[tuple[object, ...]]()
-    for one in _of_targets(stage, Rows(studio, stage)):
+    for one in _target_handles(stage, NamedRows(studio, stage)):
         at = known.get(one.name.lower())
         key = (one.name.lower(), *(round(value, 3) for value in one.pose.position))
-        if at is None or key in seen or len(found) >= MOST:
+        if at is None or key in seen or len(found) >= MOST_HANDLES:
             continue
         seen.add(key)
         path, line = at
         turns = stage.robot is not None and stage.robot.five_axis
-        with_arm = turns and not path.lower().endswith((pseudo.SUFFIX, TAUGHT))
+        with_arm = turns and not path.lower().endswith((pseudo.SUFFIX, TAUGHT_SUFFIX))
         found.append(replace(one, path=path, line=line, with_arm=with_arm))
     return found
 
 
-def _of_targets(stage: Stage, rows: Rows) -> Iterator[Handle]:
+def _target_handles(stage: Stage, rows: NamedRows) -> Iterator[Handle]:
     assert stage.loaded is not None
     program = stage.loaded.program if stage.solved is None else stage.solved.solution.program
     said = {name.lower(): one.pose for name, one in stage.loaded.program.targets.items()}
@@ -55,14 +55,22 @@ def _of_targets(stage: Stage, rows: Rows) -> Iterator[Handle]:
         if isinstance(stop.statement, Follow):
             frames = stop.statement.path.frames
             for row, (name, declared) in enumerate(rows.of(stop.statement)):
-                frame = _frame(program, frames[stop.statement.path.frame[row]])
+                frame = _fixed_frame(program, frames[stop.statement.path.frame[row]])
                 if frame is not None:
                     world = stage.shown.base @ frame
                     yield Handle(
-                        *(TARGET, name, world @ declared, world, stop.procedure, stop.place, row)
+                        *(
+                            TARGET_HANDLE,
+                            name,
+                            world @ declared,
+                            world,
+                            stop.procedure,
+                            stop.place,
+                            row,
+                        )
                     )
             continue
-        frame = _frame(program, stop.statement.motion.frame)
+        frame = _fixed_frame(program, stop.statement.motion.frame)
         if frame is None:
             continue
         target = stop.statement.target
@@ -75,11 +83,11 @@ def _of_targets(stage: Stage, rows: Rows) -> Iterator[Handle]:
             if pose is not None and pose == said.get(one.name.lower()):
                 world = stage.shown.base @ frame
                 yield Handle(
-                    *(TARGET, one.name, world @ pose, world, stop.procedure, stop.place, row)
+                    *(TARGET_HANDLE, one.name, world @ pose, world, stop.procedure, stop.place, row)
                 )
 
 
-def _frame(program: Program, name: str) -> Pose | None:
+def _fixed_frame(program: Program, name: str) -> Pose | None:
     """None for one that the arm or something else carries."""
     if name == BASE:
         return IDENTITY
@@ -87,7 +95,7 @@ def _frame(program: Program, name: str) -> Pose | None:
     return None if frame is None or frame.held or frame.mechanism else frame.pose
 
 
-def _of_drawing(stage: Stage) -> Iterator[Handle]:
+def _drawing_handles(stage: Stage) -> Iterator[Handle]:
     if not stage.process or stage.placed is None:
         return
     frame, placement = stage.placed
@@ -99,42 +107,42 @@ def _of_drawing(stage: Stage) -> Iterator[Handle]:
         every = np.concatenate(lines)
         x, y, z = (every.min(axis=0) + every.max(axis=0)) / 2.0 - np.array(pose.position)
         grip = (float(x), float(y), float(z))
-    yield Handle(DRAWING, stage.path, pose, world, path=stage.process, grip=grip)
+    yield Handle(DRAWING_HANDLE, stage.path, pose, world, path=stage.process, grip=grip)
 
 
-def lines_of_targets(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:
+def target_lines(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:
     """Name in lower case → the file that declares a target, and its line from 1."""
     if stage.process:
         return {}
-    if stage.path.lower().endswith(TAUGHT):
-        return dict(_in_taught(stage.path, stage.text))
+    if stage.path.lower().endswith(TAUGHT_SUFFIX):
+        return dict(_taught_lines(stage.path, stage.text))
     workspace = Workspace(studio.folder)
     document = workspace.open(str(studio.place(stage.path)), stage.text)
     found: dict[str, tuple[str, int]] = {}
     implied: dict[str, tuple[str, int]] = {}
     for one in workspace.task(document):
         path = studio.named(FilePath(one.path))
-        for line, name, sure in _declared(one):
+        for line, name, sure in _declared_names(one):
             (found if sure else implied).setdefault(name, (path, line))
     return implied | found
 
 
-def _declared(document: Document) -> Iterator[tuple[int, str, bool]]:
+def _declared_names(document: Document) -> Iterator[tuple[int, str, bool]]:
     for number, facts in enumerate(document.facts, start=1):
         for one in facts.declares:
             yield number, one.name.lower(), not one.implied
 
 
-def _in_taught(path: str, text: str) -> Iterator[tuple[str, tuple[str, int]]]:
+def _taught_lines(path: str, text: str) -> Iterator[tuple[str, tuple[str, int]]]:
     spans = key_spans(text)
-    for name, number in entries_of_taught(text):
+    for name, number in taught_entries(text):
         span = spans[("targets", number, "name")]
         yield name, (path, text.count("\n", 0, span.start) + 1)
 
 
-def entries_of_taught(text: str) -> Iterator[tuple[str, str]]:
+def taught_entries(text: str) -> Iterator[tuple[str, str]]:
     """Names of taught targets in lower case, with their numbers as `key_spans` has them."""
-    entries = (content_of(text) or {}).get("targets", [])
+    entries = (toml_content(text) or {}).get("targets", [])
     for number, entry in enumerate(entries if isinstance(entries, list) else ()):
         name = entry.get("name") if isinstance(entry, dict) else None
         if isinstance(name, str):

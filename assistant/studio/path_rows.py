@@ -22,12 +22,12 @@ from assistant.program.statements import Follow
 from assistant.studio.stages import Stage
 from assistant.studio.studio import Studio
 
-NUMBERED: Final = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
-SAME: Final = 1e-6
+NUMBERED_NAME: Final = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
+SAME_POSE: Final = 1e-6
 """Of mm, and of parts of a quaternion."""
 
 
-class Rows:
+class NamedRows:
     """Names of the rows of the paths of a stage."""
 
     def __init__(self, studio: Studio, stage: Stage) -> None:
@@ -37,13 +37,13 @@ class Rows:
         """Name and pose of each row as its text declares them; none where that is not sure."""
         numbers: dict[str, dict[int, str]] = {}
         for name in self._names_at(follow):
-            match = NUMBERED.fullmatch(name)
+            match = NUMBERED_NAME.fullmatch(name)
             if match is not None and name in self._declared:
                 numbers.setdefault(match[1], {})[int(match[2])] = name
         for of_stem in numbers.values():
             for first in sorted(of_stem):
                 names = [of_stem.get(first + row, "") for row in range(len(follow.path))]
-                if all(names) and _are_at([self._declared[n][1] for n in names], follow.path):
+                if all(names) and _match_rows([self._declared[n][1] for n in names], follow.path):
                     return [self._declared[name] for name in names]
         return []
 
@@ -84,9 +84,9 @@ class Rows:
                     yield from map(str.lower, facts.names)
 
 
-def _are_at(poses: list[Pose], path: Path) -> bool:
+def _match_rows(poses: list[Pose], path: Path) -> bool:
     """Whether poses are those of the rows of a path."""
     positions = np.array([pose.position for pose in poses])
     turns = np.array([pose.quaternion for pose in poses])
-    alike = np.abs(np.sum(turns * path.quaternions, axis=1)) > 1.0 - SAME
-    return bool(np.abs(positions - path.positions).max() < SAME and alike.all())
+    alike = np.abs(np.sum(turns * path.quaternions, axis=1)) > 1.0 - SAME_POSE
+    return bool(np.abs(positions - path.positions).max() < SAME_POSE and alike.all())

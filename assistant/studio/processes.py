@@ -19,19 +19,19 @@ from assistant.sources.drawing import read_contents
 from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
-from assistant.studio.answering import findings, not_asked, plain
+from assistant.studio.answering import finding_records, not_asked, plain_value
 from assistant.studio.studio import Studio
-from assistant.studio.toml_edits import content_of, with_values, without_table
+from assistant.studio.toml_edits import toml_content, with_values, without_table
 
-LEFT_OUT: Final = "leave_out"
-LAYERS: Final = "layers"
-USED: Final = "used"
+LEAVE_OUT_KEY: Final = "leave_out"
+LAYERS_TABLE: Final = "layers"
+USED_FIELD: Final = "used"
 """Of a layer: whether it is worked; everything else is a key of its table."""
-MOST_POINTS: Final = 20_000
+MOST_DRAWN_POINTS: Final = 20_000
 """Of the picture of a drawing."""
-CHORDS: Final = 0.0002
+CHORD_SHARE: Final = 0.0002
 """Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
-FIELDS: Final = (
+FORM_FIELDS: Final = (
     ("tools", "tool", "tip"),
     ("frames", "work", "position"),
     ("frames", "work", "euler_zyx"),
@@ -40,17 +40,17 @@ FIELDS: Final = (
     ("motion", "speed"),
 )
 """What the page asks for beside the layers, in its order, by the names of a new process file."""
-CHOSEN: Final = {"tools": "tool", "frames": "frame"}
+CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
 """Which of a table's entries the motion takes, under `[motion]`."""
 
 
-def layers(studio: Studio, path: str) -> dict[str, Any]:
+def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
     """What a drawing holds, what becomes of each layer, and its lines from above."""
     drawing = studio.file(path)
     file = drawing.with_suffix(PROCESS_SUFFIX)
-    content, process, found = _stated(drawing, file)
+    content, process, found = _process_contents(drawing, file)
     seen = survey(drawing, process)
-    tables = content.get(LAYERS, {})
+    tables = content.get(LAYERS_TABLE, {})
     named = {name.casefold(): table for name, table in tables.items()}
     return {
         "path": path,
@@ -64,41 +64,41 @@ def layers(studio: Studio, path: str) -> dict[str, Any]:
                 "length": round(one.length, 3),
                 "locations": one.locations,
                 "use": one.use,
-                USED: _is_used(one, process),
-                "values": plain(named.get(one.name.casefold(), {})),
+                USED_FIELD: _is_worked(one, process),
+                "values": plain_value(named.get(one.name.casefold(), {})),
             }
             for one in seen.layers
             if one.kinds
         ],
-        "values": _values(content),
-        "lines": _lines(drawing, process),
-        "findings": findings([*seen.findings, *found]),
+        "values": _field_values(content),
+        "lines": _drawn_lines(drawing, process),
+        "findings": finding_records([*seen.findings, *found]),
     }
 
 
-def _values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     """What `FIELDS` are in a file, with the names that it has for its tool and its frame.
 
     A turn that the file tells by a quaternion is not asked for.
     """
     found = []
-    for field in FIELDS:
+    for field in FORM_FIELDS:
         table, *rest = field
-        said = _at(content, ("motion", CHOSEN.get(table, "")))
+        said = _value_at(content, ("motion", CHOSEN_ENTRIES.get(table, "")))
         key = (table, said, *rest[1:]) if isinstance(said, str) else field
-        if rest[-1] == "euler_zyx" and _at(content, (*key[:-1], "quaternion")) is not None:
+        if rest[-1] == "euler_zyx" and _value_at(content, (*key[:-1], "quaternion")) is not None:
             continue
-        value = plain(_at(content, key))
+        value = plain_value(_value_at(content, key))
         found.append({"field": ".".join(field), "key": list(key), "value": value})
     return found
 
 
-def _is_used(layer: SurveyedLayer, process: Process) -> bool:
+def _is_worked(layer: SurveyedLayer, process: Process) -> bool:
     something = layer.works or layer.locations > 0
     return something and layer.state == "on" and not process.leaves_out(layer.name)
 
 
-def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str, Any]:
+def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Writes the process file of a drawing with these values, a new one if there is none.
 
     values: tables in tables, as the file has them; None takes a key away. Raises Refused for what
@@ -106,58 +106,62 @@ def set_values(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str
     """
     drawing = studio.file(path)
     file = drawing.with_suffix(PROCESS_SUFFIX)
-    before = _text(drawing, file)
+    before = _process_text(drawing, file)
     _check_tables(before)
     text = before.text
     wanted = dict(values)
-    for name, table in _tables(wanted.pop(LAYERS, {})).items():
-        used = table.pop(USED, None)
+    for name, table in _table_names(wanted.pop(LAYERS_TABLE, {})).items():
+        used = table.pop(USED_FIELD, None)
         text = _with_use(text, name, used, file.name) if isinstance(used, bool) else text
         if used is not False:
-            text = with_values(text, {(LAYERS, name, k): v for k, v in table.items()}, file.name)
-    text = with_values(text, dict(_flat(wanted)), file.name)
+            text = with_values(
+                text, {(LAYERS_TABLE, name, k): v for k, v in table.items()}, file.name
+            )
+    text = with_values(text, dict(_flat_keys(wanted)), file.name)
     changed = replace(before, text=text)
-    _check(before, changed)
+    _refuse_new_errors(before, changed)
     write_all({file: encode(changed)})
-    return layers(studio, path)
+    return drawing_layers(studio, path)
 
 
 def _with_use(text: str, name: str, used: bool, file: str) -> str:
-    content = content_of(text) or {}
-    out = [one for one in content.get(LEFT_OUT, []) if one != name]
+    content = toml_content(text) or {}
+    out = [one for one in content.get(LEAVE_OUT_KEY, []) if one != name]
     if not used:
-        known = next((k for k in content.get(LAYERS, {}) if k.casefold() == name.casefold()), None)
-        text = text if known is None else without_table(text, (LAYERS, known), file)
+        known = next(
+            (k for k in content.get(LAYERS_TABLE, {}) if k.casefold() == name.casefold()), None
+        )
+        text = text if known is None else without_table(text, (LAYERS_TABLE, known), file)
         out.append(name)
-    if out != content.get(LEFT_OUT, []):
-        text = with_values(text, {(LEFT_OUT,): out}, file)
-    if used and name not in content.get(LAYERS, {}):
-        text = with_values(text, {(LAYERS, name, "speed"): 50}, file)
+    if out != content.get(LEAVE_OUT_KEY, []):
+        text = with_values(text, {(LEAVE_OUT_KEY,): out}, file)
+    if used and name not in content.get(LAYERS_TABLE, {}):
+        text = with_values(text, {(LAYERS_TABLE, name, "speed"): 50}, file)
     return text
 
 
 def _check_tables(source: SourceText) -> None:
     """Raises Refused, with its own findings, for a file that layers cannot be put into."""
-    content = content_of(source.text)
-    content = {LAYERS: None} if content is None else content
-    tables, out = content.get(LAYERS, {}), content.get(LEFT_OUT, [])
+    content = toml_content(source.text)
+    content = {LAYERS_TABLE: None} if content is None else content
+    tables, out = content.get(LAYERS_TABLE, {}), content.get(LEAVE_OUT_KEY, [])
     if not (isinstance(tables, dict) and isinstance(out, list)):
-        raise Refused(*_errors(source))
+        raise Refused(*_process_errors(source))
 
 
-def _check(before: SourceText, changed: SourceText) -> None:
+def _refuse_new_errors(before: SourceText, changed: SourceText) -> None:
     """Raises Refused for errors that were not there before."""
-    found = _errors(changed)
-    new = Counter(map(_about, found)) - Counter(map(_about, _errors(before)))
+    found = _process_errors(changed)
+    new = Counter(map(_layer_record, found)) - Counter(map(_layer_record, _process_errors(before)))
     if new:
-        raise Refused(*(one for one in found if _about(one) in new))
+        raise Refused(*(one for one in found if _layer_record(one) in new))
 
 
-def _about(finding: Diagnostic) -> tuple[str, str]:
+def _layer_record(finding: Diagnostic) -> tuple[str, str]:
     return finding.code, finding.message
 
 
-def _errors(source: SourceText) -> tuple[Diagnostic, ...]:
+def _process_errors(source: SourceText) -> tuple[Diagnostic, ...]:
     try:
         parse_process(source)
     except Refused as refused:
@@ -165,28 +169,30 @@ def _errors(source: SourceText) -> tuple[Diagnostic, ...]:
     return ()
 
 
-def _stated(drawing: FilePath, file: FilePath) -> tuple[dict[str, Any], Process, list[Any]]:
+def _process_contents(
+    drawing: FilePath, file: FilePath
+) -> tuple[dict[str, Any], Process, list[Any]]:
     """What the process file says, as it is and as it is read; a blank one without its blanks."""
     if not is_file(file):
         return {}, NO_PROCESS, []
-    source = _text(drawing, file)
-    content = content_of(source.text) or {}
+    source = _process_text(drawing, file)
+    content = toml_content(source.text) or {}
     try:
         return content, process_of(drawing), []
     except Refused as refused:
-        wanted = {"unit": content.get("unit"), LEFT_OUT: content.get(LEFT_OUT)}
-        left = wanted[LEFT_OUT] if isinstance(wanted[LEFT_OUT], list) else []
+        wanted = {"unit": content.get("unit"), LEAVE_OUT_KEY: content.get(LEAVE_OUT_KEY)}
+        left = wanted[LEAVE_OUT_KEY] if isinstance(wanted[LEAVE_OUT_KEY], list) else []
         unit = wanted["unit"] if isinstance(wanted["unit"], str) else None
         names = tuple(one for one in left if isinstance(one, str))
-        return content, _half(content, unit, names), list(refused.findings)
+        return content, _half_of_key(content, unit, names), list(refused.findings)
 
 
-def _half(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
+def _half_of_key(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
     from assistant.base.length_units import known_unit
     from assistant.sources.process import DEFAULT_MOTION, Layer
 
     found = replace(NO_PROCESS, leave_out=left)
-    tables = content.get(LAYERS, {})
+    tables = content.get(LAYERS_TABLE, {})
     named = tables if isinstance(tables, dict) else {}
     kept = {name: Layer(name, DEFAULT_MOTION.motion) for name in named}
     try:
@@ -195,7 +201,7 @@ def _half(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -
         return replace(found, layers=kept)
 
 
-def _text(drawing: FilePath, file: FilePath) -> SourceText:
+def _process_text(drawing: FilePath, file: FilePath) -> SourceText:
     if not is_file(file):
         seen: Survey = survey(drawing, NO_PROCESS)
         return SourceText(process_text(drawing.name, seen), str(file), "utf-8", "\n")
@@ -205,18 +211,18 @@ def _text(drawing: FilePath, file: FilePath) -> SourceText:
     return decode(read_file(file), str(file), ENCODINGS)
 
 
-def _lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
+def _drawn_lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
     """Curves from above, in mm of the drawing, as far as there is room."""
     import numpy as np
 
     from assistant.sources.contours.curves import chorded, sample
 
-    found, room = [], MOST_POINTS
+    found, room = [], MOST_DRAWN_POINTS
     curves = read_contents(drawing, replace(process, placement=None)).curves
     if not curves:
         return []
     size = float(np.ptp(sample(curves, (0.0, 0.3, 0.6, 1.0))[..., :2], axis=(0, 1)).max())
-    off = max(size * CHORDS, process.tolerance)
+    off = max(size * CHORD_SHARE, process.tolerance)
     for curve in curves:
         points = chorded(curve, off)[:, :2]
         room -= len(points)
@@ -226,21 +232,21 @@ def _lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
     return found
 
 
-def _tables(value: Any) -> dict[str, dict[str, Any]]:
+def _table_names(value: Any) -> dict[str, dict[str, Any]]:
     if not isinstance(value, dict) or not all(isinstance(one, dict) for one in value.values()):
         raise not_asked("`layers` is no table of tables")
     return {name: dict(table) for name, table in value.items()}
 
 
-def _flat(values: Mapping[str, Any], path: KeyPath = ()) -> list[tuple[KeyPath, Any]]:
+def _flat_keys(values: Mapping[str, Any], path: KeyPath = ()) -> list[tuple[KeyPath, Any]]:
     found: list[tuple[KeyPath, Any]] = []
     for key, value in values.items():
         here = (*path, key)
-        found += _flat(value, here) if isinstance(value, dict) else [(here, value)]
+        found += _flat_keys(value, here) if isinstance(value, dict) else [(here, value)]
     return found
 
 
-def _at(content: Mapping[str, Any], path: KeyPath) -> Any:
+def _value_at(content: Mapping[str, Any], path: KeyPath) -> Any:
     here: Any = content
     for key in path:
         here = here.get(key) if isinstance(here, dict) else None

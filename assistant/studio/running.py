@@ -21,9 +21,9 @@ from assistant.base.budgets import Reached, internal_error
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.simulated_run import unknown_visits
 from assistant.studio import rules
-from assistant.studio.answering import findings
-from assistant.studio.watching import Inputs, shown_data, shown_signals
-from assistant.studio.windows import Tell
+from assistant.studio.answering import finding_records
+from assistant.studio.watching import WatchedInputs, data_records, signal_records
+from assistant.studio.windows import Notify
 from assistant.virtual.debugging.break_points import (
     Holding,
     Step,
@@ -48,24 +48,24 @@ from assistant.virtual.tasks import Programs
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-State = Literal["running", "held", "waits", "asks", "ended"]
+RunState = Literal["running", "held", "waits", "asks", "ended"]
 """`waits`: for what never comes unless somebody switches it. `asks`: a person for an answer."""
-PATIENCE: Final = 5.0
+COMMAND_TIMEOUT: Final = 5.0
 """Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
-BETWEEN: Final = 0.2
+REPORT_PERIOD: Final = 0.2
 """Seconds between two reports of a run that goes on."""
-TICK: Final = 0.05
+LOCKSTEP_PERIOD: Final = 0.05
 """Seconds between two looks at what is asked for, of a run in step with real time."""
-SOON: Final = 0.3
+STEP_WAIT: Final = 0.3
 """Seconds in which a step is waited for, so that the answer tells where it led."""
-ENDING: Final = 2.0
+END_TIMEOUT: Final = 2.0
 """Seconds in which a run that is ended is waited for."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class RunRequest:
     """What runs, and how. real_time: as fast as the arm would be, else as fast as possible.
 
     path: of the file that was asked for. at_once: whether it is held before its first statement.
@@ -80,10 +80,10 @@ class Wanted:
     at_once: bool = False
 
 
-class Running:
+class StudioRun:
     """One run. points: lines with a break point by file. tell: is told how it stands."""
 
-    def __init__(self, wanted: Wanted, points: Mapping[str, list[int]], tell: Tell) -> None:
+    def __init__(self, wanted: RunRequest, points: Mapping[str, list[int]], tell: Notify) -> None:
         self.wanted, self._told = wanted, tell
         self.holding = Holding(pause="entry" if wanted.at_once else None)
         self._lines = statement_lines(wanted.programs)
@@ -94,7 +94,7 @@ class Running:
         self.log: list[dict[str, Any]] = []
         self.findings: list[Diagnostic] = []
         self.run: Run | None = None
-        self.state: State = "running"
+        self.state: RunState = "running"
         self.over = False
         self._reason = self._question = self._waits = ""
         self._answer: str | None = None
@@ -119,14 +119,14 @@ class Running:
         """Lets it run, and waits a little for where it stands; raises Refused for what cannot."""
         self._thread.start()
         self._ready.result()
-        self._stands.wait(SOON)
+        self._stands.wait(STEP_WAIT)
 
     def end(self) -> None:
         """Ends it before its next statement, wherever it is."""
         self.over = True
         self._commands.put(lambda: None)
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join(ENDING)
+            self._thread.join(END_TIMEOUT)
 
     def now(self) -> Mapping[str, Any]:
         """How it stood when it was told last."""
@@ -149,11 +149,11 @@ class Running:
             return does(self.kernel)
         self._commands.put(act)
         try:
-            return future.result(PATIENCE)
+            return future.result(COMMAND_TIMEOUT)
         except TimeoutError:
             if not self._thread.is_alive() and not future.done():
                 return does(self.kernel)
-            raise Refused(rules.RUN_BUSY(seconds=PATIENCE)) from None
+            raise Refused(rules.RUN_BUSY(seconds=COMMAND_TIMEOUT)) from None
 
     def pause(self) -> None:
         if self.state in ("running", "waits"):
@@ -175,7 +175,7 @@ class Running:
             self._stands.clear()
 
         self.ask(go)
-        self._stands.wait(SOON)
+        self._stands.wait(STEP_WAIT)
 
     def answer(self, text: str) -> None:
         """What a person says to the question; raises Refused if there is none."""
@@ -187,7 +187,7 @@ class Running:
             self._stands.clear()
 
         self.ask(say)
-        self._stands.wait(SOON)
+        self._stands.wait(STEP_WAIT)
 
     def switch(self, name: str, value: float) -> None:
         """Gives an input a value, as a hand does; raises Refused of a run that is over."""
@@ -198,7 +198,7 @@ class Running:
             if kernel.board.inputs.read(name) != value:
                 given = InputChange(kernel.now, name, value, len(kernel.log))
                 self.given.append(given)
-                self.log.append(_row(given))
+                self.log.append(_event_row(given))
             kernel.board.inputs.set(name, value)
             if self.state == "waits":
                 self._waits = ""
@@ -206,7 +206,7 @@ class Running:
             self._report()
 
         self.ask(put)
-        self._stands.wait(SOON)
+        self._stands.wait(STEP_WAIT)
 
     def told(self) -> Run:
         """The run as far as it has come, to be asked for in its thread while it goes on."""
@@ -239,7 +239,7 @@ class Running:
         settings = Settings(
             robot=wanted.robot,
             entry=wanted.entry,
-            inputs=Inputs({one.name: 0.0 for one in wanted.script.changes}),
+            inputs=WatchedInputs({one.name: 0.0 for one in wanted.script.changes}),
             pace=1.0 if wanted.real_time else None,
             options=wanted.script.options,
         )
@@ -253,19 +253,19 @@ class Running:
         kernel.told.append(self._hear)
         kernel.person.console = self._asked
         if wanted.real_time:
-            kernel.at(TICK, self._tick)
+            kernel.at(LOCKSTEP_PERIOD, self._tick)
         return kernel
 
     def _finish(self, run: Run) -> None:
         self.run = run
-        self.log = [_row(row) for row in log_rows(run.log, self.given)]
+        self.log = [_event_row(row) for row in log_rows(run.log, self.given)]
         wrong = end_finding(run, self.sources)
         self.findings += [NOTED(what=note) for note in run.notes]
         if wrong is not None:
             self.findings.append(wrong)
 
     def _hear(self, row: Logged) -> None:
-        self.log.append(_row(row))
+        self.log.append(_event_row(row))
 
     def _watch(self, task: Task) -> None:
         """Before each statement."""
@@ -275,7 +275,7 @@ class Running:
             self._hold(task, reason)
         if self.over:
             self.kernel.halt(task, Ending("until"))
-        if time.monotonic() - self._reported > BETWEEN:
+        if time.monotonic() - self._reported > REPORT_PERIOD:
             self._report()
 
     def _tick(self) -> None:
@@ -290,9 +290,9 @@ class Running:
         self.state = "waits" if self._waits else "running"
         if self.holding.pause is not None and kernel.tasks:
             self._hold(kernel.tasks[0], self.holding.pause)
-        if time.monotonic() - self._reported > BETWEEN:
+        if time.monotonic() - self._reported > REPORT_PERIOD:
             self._report()
-        kernel.at(kernel.clock + TICK, self._tick)
+        kernel.at(kernel.clock + LOCKSTEP_PERIOD, self._tick)
 
     def _stop(self) -> str:
         """Whether the program has come to a stop since it was looked at last."""
@@ -364,15 +364,15 @@ class Running:
             "robot": None if self.wanted.robot is None else self.wanted.robot.name,
             "time": kernel.clock,
             "task": "" if task is None else task.name,
-            **_at(place),
+            **_place_record(place),
             "reason": self._reason,
             "question": self._question,
             "waits": self._waits,
             "logged": len(self.log),
             "chain": self._chain(),
-            **shown_signals(kernel.board),
-            **(shown_data(task) if held and task is not None else {"stack": [], "data": []}),
-            "findings": findings(self.findings),
+            **signal_records(kernel.board),
+            **(data_records(task) if held and task is not None else {"stack": [], "data": []}),
+            "findings": finding_records(self.findings),
             "ended": "" if run is None else run.ended,
             "message": "" if run is None else run.message,
             "summary": "" if run is None else summary(run),
@@ -390,12 +390,12 @@ class Running:
         return list(robot.chained(joints)[0].tolist())
 
 
-def _row(row: Logged | InputChange) -> dict[str, Any]:
+def _event_row(row: Logged | InputChange) -> dict[str, Any]:
     place: Place | None = row.place if isinstance(row, Logged) else None
     what = row.what if isinstance(row, Logged) else row
     event = json_record(row)["event"]
-    return {"time": row.time, **_at(place), "event": event, "what": event_words(what)}
+    return {"time": row.time, **_place_record(place), "event": event, "what": event_words(what)}
 
 
-def _at(place: Place | None) -> dict[str, Any]:
+def _place_record(place: Place | None) -> dict[str, Any]:
     return {"path": None, "line": None} if place is None else {"path": place[0], "line": place[1]}

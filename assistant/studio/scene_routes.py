@@ -10,89 +10,91 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.studio.answering import Asked, asks, findings, not_asked, view_page
+from assistant.studio.answering import Question, asks, finding_records, not_asked, view_page
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
     from assistant.studio.stages import Handle, Stage
 
 
-def show(studio: Studio, asked: Asked) -> dict[str, Any]:
+def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """Works a file out for the scene as it stands in the window; its page is asked for by name."""
-    from assistant.studio.scenes import stage_of
+    from assistant.studio.scenes import make_stage
 
-    stage = stage_of(studio, asked.window, asked.text("path"))
+    stage = make_stage(studio, asked.window, asked.text("path"))
     return {
         "name": stage.name,
         "path": stage.path,
         "edits": stage.process or stage.path,
         "handles": [one.record() for one in stage.handles],
-        "findings": findings(_found(stage)),
+        "findings": finding_records(_shown_stage(stage)),
         "moves": stage.shown.simulation is not None,
     }
 
 
-def moved(studio: Studio, asked: Asked) -> dict[str, Any]:
+def drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """What would be if something stood elsewhere; nothing is changed."""
-    from assistant.studio.dragging import moved as told
+    from assistant.studio.dragging import drag_record as told
 
-    stage, handle = _held(studio, asked)
-    return told(stage, handle, handle.held_at(_place(asked)))
+    stage, handle = _held_handle(studio, asked)
+    return told(stage, handle, handle.held_at(_asked_position(asked)))
 
 
-def edit(studio: Studio, asked: Asked) -> dict[str, Any]:
+def edit_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """The edit that puts something elsewhere; the editor makes it, and can take it back."""
     from assistant.studio import moving
 
-    stage, handle = _held(studio, asked)
-    path, change = moving.edit(studio, asked.window, stage, handle, handle.held_at(_place(asked)))
+    stage, handle = _held_handle(studio, asked)
+    path, change = moving.move_edit(
+        studio, asked.window, stage, handle, handle.held_at(_asked_position(asked))
+    )
     start, end = change.range.start, change.range.end
     one = {"from": [start.line, start.column], "to": [end.line, end.column], "text": change.text}
     return {"path": path, "edits": [one], "line": start.line + 1}
 
 
-async def page(request: Request) -> Response:
+async def scene_page(request: Request) -> Response:
     """The page of a scene that was worked out."""
-    from assistant.studio.stages import stages
+    from assistant.studio.stages import stages_of
 
     studio: Studio = request.app.state.studio
     try:
-        stage = stages(studio).get(request.path_params["name"])
+        stage = stages_of(studio).get(request.path_params["name"])
     except Refused:
         return await view_page(request, None)
-    return await view_page(request, partial(_record, stage))
+    return await view_page(request, partial(_scene_record, stage))
 
 
-def _record(stage: Stage) -> dict[str, Any]:
+def _scene_record(stage: Stage) -> dict[str, Any]:
     return stage.record | {"handles": [one.record() for one in stage.handles]}
 
 
-def _found(stage: Stage) -> list[Diagnostic]:
+def _shown_stage(stage: Stage) -> list[Diagnostic]:
     placed = stage.shown.places.finding
     return [placed(one).within(stage.path) for one, _ in stage.shown.findings]
 
 
-def _held(studio: Studio, asked: Asked) -> tuple[Stage, Handle]:
-    from assistant.studio.stages import stages
+def _held_handle(studio: Studio, asked: Question) -> tuple[Stage, Handle]:
+    from assistant.studio.stages import stages_of
 
-    stage = stages(studio).get(asked.text("name"))
+    stage = stages_of(studio).get(asked.text("name"))
     at = asked.number("handle")
     if at != int(at) or not 0 <= at < len(stage.handles):
         raise not_asked("`handle` is no number of one")
     return stage, stage.handles[int(at)]
 
 
-def _place(asked: Asked) -> tuple[float, float, float]:
+def _asked_position(asked: Question) -> tuple[float, float, float]:
     place = asked.values.get("position")
     if not isinstance(place, list) or len(place) != 3:
         raise not_asked("`position` is no place")
-    x, y, z = (Asked({"it": value}).number("it") for value in place)
+    x, y, z = (Question({"it": value}).number("it") for value in place)
     return x, y, z
 
 
-ROUTES: Final = (
-    asks("/scene/show", show),
-    asks("/scene/moved", moved),
-    asks("/scene/edit", edit),
-    Route("/scene/{name}/page", page),
+SCENE_ROUTES: Final = (
+    asks("/scene/show", show_scene),
+    asks("/scene/moved", drag_in_scene),
+    asks("/scene/edit", edit_in_scene),
+    Route("/scene/{name}/page", scene_page),
 )

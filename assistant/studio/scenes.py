@@ -28,7 +28,7 @@ from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
-from assistant.project.stated import Stated, completed
+from assistant.project.stated import SourceOptions, completed_options
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.placement import (
@@ -38,42 +38,44 @@ from assistant.sources.process.placement import (
 )
 from assistant.sources.tables.taught import read_taught
 from assistant.studio import rules
-from assistant.studio.handles import handles
-from assistant.studio.stages import TAUGHT, Stage, stages
+from assistant.studio.handles import handles_of
+from assistant.studio.stages import TAUGHT_SUFFIX, Stage, stages_of
 from assistant.studio.studio import Studio
 from assistant.studio.texts import open_text, read_text
-from assistant.studio.tree import stamps
-from assistant.view.record import record
+from assistant.studio.tree import file_stamps
+from assistant.view.record import page_record
 from assistant.view.sheets import Sheet, shown_sheet
 
 if TYPE_CHECKING:
-    from assistant.report.drawn import Line
+    from assistant.report.drawn import DrawnLine
     from assistant.robots import Robot
 
-STATED: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
+STATED_OPTIONS: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
 """What a project says of the way in which a source is shown."""
 
 
-def stage_of(studio: Studio, window: str, path: str) -> Stage:
+def make_stage(studio: Studio, window: str, path: str) -> Stage:
     """The stage of a program, a table, a drawing or its process file; raises Refused.
 
     What is not saved counts as it stands in the window.
     """
-    source = _source_of(studio, path)
-    process = _process_of(studio, source)
+    source = _drawing_of_process(studio, path)
+    process = _process_of_drawing(studio, source)
     edited = process or source
     text = open_text(studio, window, edited)
-    name = hashlib.sha256(f"{source}\0{text}\0{stamps(studio.folder)}".encode()).hexdigest()[:24]
-    known = stages(studio).known(name)
+    name = hashlib.sha256(f"{source}\0{text}\0{file_stamps(studio.folder)}".encode()).hexdigest()[
+        :24
+    ]
+    known = stages_of(studio).known(name)
     if known is not None:
         return known
-    stage = _made(studio, source, process, text, name)
-    stage.handles = handles(studio, stage)
-    stages(studio).keep(stage)
+    stage = _load_and_place(studio, source, process, text, name)
+    stage.handles = handles_of(studio, stage)
+    stages_of(studio).keep(stage)
     return stage
 
 
-def _source_of(studio: Studio, path: str) -> str:
+def _drawing_of_process(studio: Studio, path: str) -> str:
     """The drawing of a process file; itself for anything else."""
     if not path.lower().endswith(PROCESS_SUFFIX):
         return path
@@ -84,19 +86,19 @@ def _source_of(studio: Studio, path: str) -> str:
     raise Refused(rules.NOT_SHOWN(path=path, name=path), exit_status=2)
 
 
-def _process_of(studio: Studio, source: str) -> str:
+def _process_of_drawing(studio: Studio, source: str) -> str:
     """The process file that places a drawing, empty if there is none."""
     if FilePath(source).suffix.lower() not in DRAWING_SUFFIXES:
         return ""
-    stated = completed(source, Stated(), ("process",)).process
+    stated = completed_options(source, SourceOptions(), ("process",)).process
     file = studio.file(source).with_suffix(PROCESS_SUFFIX) if stated is None else stated.absolute()
     return studio.named(file) if file.is_file() else ""
 
 
-def _made(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
-    given = completed(source, Stated(), STATED)
-    stands = open_cell(given.cell, given.robot or _only_robot(studio))
-    loaded = _loaded(studio, source, process, text, given, stands)
+def _load_and_place(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
+    given = completed_options(source, SourceOptions(), STATED_OPTIONS)
+    stands = open_cell(given.cell, given.robot or _common_robot(studio))
+    loaded = _load_text_of(studio, source, process, text, given, stands)
     found: list[Diagnostic] = []
     solved: Solved | None = None
     try:
@@ -113,16 +115,16 @@ def _made(studio: Studio, source: str, process: str, text: str, name: str) -> St
         Places(loaded.program, loaded.text),
         stands.robot if solved is None else solved.solution.robot,
         stands.scene if solved is None else solved.scene,
-        _lines(source, given, process, text),
+        _drawing_lines(source, given, process, text),
         solution=None if solved is None else solved.solution,
         plan=False,
     )
     shown = shown_sheet(sheet)
-    placed = _placed(process, text) if process else None
-    return Stage(name, source, process, text, shown, solved, loaded, placed, record(shown))
+    placed = _drawing_placement(process, text) if process else None
+    return Stage(name, source, process, text, shown, solved, loaded, placed, page_record(shown))
 
 
-def _placed(process: str, text: str) -> tuple[Pose, Pose] | None:
+def _drawing_placement(process: str, text: str) -> tuple[Pose, Pose] | None:
     """The frame of a drawing, and its place there; None where something else carries that."""
     stated = parse_process(source_of(text, process))
     name = stated.defaults.frame
@@ -132,14 +134,14 @@ def _placed(process: str, text: str) -> tuple[Pose, Pose] | None:
     return frame.pose, stated.placement or IDENTITY
 
 
-def _loaded(
-    studio: Studio, source: str, process: str, text: str, given: Stated, stands: InCell
+def _load_text_of(
+    studio: Studio, source: str, process: str, text: str, given: SourceOptions, stands: InCell
 ) -> Loaded:
     """As `load` gives it, of the text instead of the file that it stands for."""
     file = studio.file(source)
     suffix = file.suffix.lower()
     saved = text == read_text(read_bytes(studio.file(process or source)), source).text
-    if saved or (suffix in READERS and suffix != TAUGHT):
+    if saved or (suffix in READERS and suffix != TAUGHT_SUFFIX):
         loaded = load(
             source,
             process=given.process,
@@ -147,19 +149,21 @@ def _loaded(
             language=given.from_language,
             unit=given.unit,
             around=stands.around,
-            placement=None if saved else _placing(process, text),
+            placement=None if saved else _typed_placement(process, text),
         )
         found = tuple(one for one in loaded.findings if one.code != PLACED_BY_OPTIONS.code)
         loaded = replace(loaded, findings=found)
     else:
-        loaded = _typed(file, source_of(text, source), given, stands.robot)
+        loaded = _unsaved_text(file, source_of(text, source), given, stands.robot)
     return replace(loaded, program=with_entry(loaded.program, given.entry))
 
 
-def _typed(file: FilePath, text: SourceText, given: Stated, reader: Robot | None) -> Loaded:
+def _unsaved_text(
+    file: FilePath, text: SourceText, given: SourceOptions, reader: Robot | None
+) -> Loaded:
     """What stands in an editor and not on the disk."""
     suffix = file.suffix.lower()
-    if suffix == TAUGHT:
+    if suffix == TAUGHT_SUFFIX:
         reading = read_taught(text, file.stem, process_of(file, given.process))
         return Loaded(reading.program, None, reading.findings, joint_percent=reading.joint_percent)
     if suffix == pseudo.SUFFIX:
@@ -175,7 +179,7 @@ def _typed(file: FilePath, text: SourceText, given: Stated, reader: Robot | None
     return loaded if given.process is None else with_process(loaded, given.process)
 
 
-def _placing(process: str, text: str) -> DrawingPlacement | None:
+def _typed_placement(process: str, text: str) -> DrawingPlacement | None:
     """Where the text of a process file puts its drawing; None where it says nothing of that."""
     if not process:
         return None
@@ -183,17 +187,19 @@ def _placing(process: str, text: str) -> DrawingPlacement | None:
     return None if stated.placement is None else DrawingPlacement(stated.placement)
 
 
-def _lines(source: str, given: Stated, process: str, text: str) -> Sequence[Line]:
+def _drawing_lines(
+    source: str, given: SourceOptions, process: str, text: str
+) -> Sequence[DrawnLine]:
     """The lines of a drawing; none of another source, nor of one that cannot be read."""
     from assistant.report.drawn import drawn_lines
 
     try:
-        return drawn_lines(source, given.process, given.unit, _placing(process, text))
+        return drawn_lines(source, given.process, given.unit, _typed_placement(process, text))
     except Refused:
         return ()
 
 
-def _only_robot(studio: Studio) -> str | None:
+def _common_robot(studio: Studio) -> str | None:
     """The robot of a project whose controllers all have the same."""
     from assistant.controllers import controllers_of
 

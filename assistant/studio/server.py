@@ -123,9 +123,9 @@ def _listening(host: str, port: int) -> socket.socket:
 
 def _encrypt(config: object, host: str, folder: FilePath) -> None:
     from assistant.base.certificate import self_signed_context
-    from assistant.project.layout import inside
+    from assistant.project.layout import path_inside
 
-    file = inside(folder, CERTIFICATE.as_posix())
+    file = path_inside(folder, CERTIFICATE.as_posix())
     if file is None:  # a folder from elsewhere may hold a link to where it likes
         reason = f"`{CERTIFICATE.parent}` leads out of the project"
         raise Refused(rules.NOT_SERVED(where=host, reason=reason), exit_status=2)

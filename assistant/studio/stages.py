@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.view.shown import Shown
 
-KIND: Final = "scenes"
+LIVE_KIND: Final = "scenes"
 """Of what is live."""
-KEPT: Final = 4
+MOST_STAGES: Final = 4
 """Scenes that windows may ask about."""
-TAUGHT: Final = ".toml"
-DRAWING: Final = "drawing"
-TARGET: Final = "target"
+TAUGHT_SUFFIX: Final = ".toml"
+DRAWING_HANDLE: Final = "drawing"
+TARGET_HANDLE: Final = "target"
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,11 +124,11 @@ class Stages:
     def keep(self, stage: Stage) -> None:
         with self._lock:
             self._known[stage.name] = stage
-            while len(self._known) > KEPT:
+            while len(self._known) > MOST_STAGES:
                 self._known.popitem(last=False)
 
 
-def stages(studio: Studio) -> Stages:
-    found = studio.live.setdefault(KIND, Stages())
+def stages_of(studio: Studio) -> Stages:
+    found = studio.live.setdefault(LIVE_KIND, Stages())
     assert isinstance(found, Stages)
     return found

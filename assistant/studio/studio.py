@@ -18,7 +18,7 @@ from assistant.studio.windows import Windows
 if TYPE_CHECKING:
     from assistant.compiler.comparison import Comparison
 
-KEPT_OUT = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
+UNLISTED_FOLDERS = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
 """Folders that are not looked into."""
 
 
@@ -50,10 +50,10 @@ class Studio:
 
     def place(self, name: str) -> FilePath:
         """Where a file of the project is or would be; raises Refused for one outside of it."""
-        from assistant.project.layout import inside
+        from assistant.project.layout import path_inside
 
-        found = inside(self.folder, name)
-        if found is None or KEPT_OUT & set(found.relative_to(self.folder).parts):
+        found = path_inside(self.folder, name)
+        if found is None or UNLISTED_FOLDERS & set(found.relative_to(self.folder).parts):
             raise Refused(rules.OUTSIDE(name=name))
         return found
 

@@ -24,7 +24,7 @@ from assistant.editing.service import (
     Tokens,
     Workspace,
 )
-from assistant.studio.answering import Asked, Does, findings, not_asked
+from assistant.studio.answering import Answering, Question, finding_records, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
 
@@ -44,7 +44,7 @@ class State:
     """A state of a text that is asked about."""
 
     studio: Studio
-    asked: Asked
+    asked: Question
     document: Document
 
     @property
@@ -53,11 +53,11 @@ class State:
         return _place(self.asked.values.get("at"))
 
 
-def of_state(does: Callable[[State], dict[str, Any]]) -> Does:
+def of_state(does: Callable[[State], dict[str, Any]]) -> Answering:
     """An answer about the state of that number; STALE if the text is in another one by now."""
 
     @wraps(does)
-    def answer(studio: Studio, asked: Asked) -> dict[str, Any]:
+    def answer(studio: Studio, asked: Question) -> dict[str, Any]:
         found = desk(studio, asked.window).document(studio.place(asked.text("path")))
         current = found.version == asked.number("version")
         return does(State(studio, asked, found)) if current else STALE
@@ -65,7 +65,7 @@ def of_state(does: Callable[[State], dict[str, Any]]) -> Does:
     return answer
 
 
-def open_text(studio: Studio, asked: Asked) -> dict[str, Any]:
+def open_text(studio: Studio, asked: Question) -> dict[str, Any]:
     """A file's text, its stamp, and what it can be translated to."""
     path = asked.text("path")
     document, known = desk(studio, asked.window).open(studio.file(path), path)
@@ -81,12 +81,12 @@ def open_text(studio: Studio, asked: Asked) -> dict[str, Any]:
     }
 
 
-def close(studio: Studio, asked: Asked) -> dict[str, Any]:
+def close(studio: Studio, asked: Question) -> dict[str, Any]:
     desk(studio, asked.window).workspace.close(str(studio.place(asked.text("path"))))
     return {}
 
 
-def on_disk(studio: Studio, asked: Asked) -> dict[str, Any]:
+def on_disk(studio: Studio, asked: Question) -> dict[str, Any]:
     """What stands in a file now, while it is open; its text only if its stamp is a new one.
 
     Whatever was known of its program is asked anew.
@@ -100,7 +100,7 @@ def on_disk(studio: Studio, asked: Asked) -> dict[str, Any]:
     return {"stamp": stamp(data), "text": read_text(data, asked.text("path")).text}
 
 
-def change(studio: Studio, asked: Asked) -> dict[str, Any]:
+def change(studio: Studio, asked: Question) -> dict[str, Any]:
     """What was typed; findings and words of the lines that are seen come back."""
     path = studio.place(asked.text("path"))
     one, version = desk(studio, asked.window), int(asked.number("version"))
@@ -220,7 +220,7 @@ def translation(on: State) -> dict[str, Any]:
     }
 
 
-def save(studio: Studio, asked: Asked) -> dict[str, Any]:
+def save(studio: Studio, asked: Question) -> dict[str, Any]:
     """Writes the file; nothing if somebody else has changed it since."""
     path = asked.text("path")
     one = desk(studio, asked.window)
@@ -246,7 +246,7 @@ def _named(studio: Studio, path: str) -> str:
 
 
 def _finding(found: Found) -> dict[str, Any]:
-    (said,) = findings([found.diagnostic])
+    (said,) = finding_records([found.diagnostic])
     return {**said, **_range(found.range), "settled": found.settled}
 
 
@@ -282,7 +282,7 @@ def _item(item: OutlineItem) -> dict[str, Any]:
     }
 
 
-def _words(document: Document, asked: Asked) -> list[list[int | str]]:
+def _words(document: Document, asked: Question) -> list[list[int | str]]:
     """Line, column, length, sort and marks of each word of some lines."""
     first = int(asked.number("first", 0))
     last = min(int(asked.number("last", first)), first + LINES)
@@ -300,7 +300,7 @@ def _rows(tokens: Tokens) -> list[list[int | str]]:
     return [[line, at, length, SORTS[sort], marks] for line, at, length, sort, marks in rows]
 
 
-def _list(asked: Asked, key: str) -> list[Any]:
+def _list(asked: Question, key: str) -> list[Any]:
     value = asked.values.get(key)
     if not isinstance(value, list):
         raise not_asked(f"`{key}` is no list")

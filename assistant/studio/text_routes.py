@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from assistant.studio.answering import Asked, Does, asks, changes
+from assistant.studio.answering import Answering, Question, asks, changes
 from assistant.studio.studio import Studio
 
 
-def _later(name: str) -> Does:
-    def answer(studio: Studio, asked: Asked) -> Any:
+def _text_answer(name: str) -> Answering:
+    def answer(studio: Studio, asked: Question) -> Any:
         from assistant.studio import text_answers
 
         return getattr(text_answers, name)(studio, asked)
@@ -17,11 +17,11 @@ def _later(name: str) -> Does:
     return answer
 
 
-ASKED: Final = (
+TEXT_QUESTIONS: Final = (
     *("open_text", "close", "on_disk", "change", "words", "settled", "fixes", "completions"),
     *("hover", "definition", "renameable", "rename", "formatted", "translation"),
 )
-ROUTES: Final = (
-    *(asks(f"/text/{name}", _later(name)) for name in ASKED),
-    changes("/text/save", _later("save")),
+TEXT_ROUTES: Final = (
+    *(asks(f"/text/{name}", _text_answer(name)) for name in TEXT_QUESTIONS),
+    changes("/text/save", _text_answer("save")),
 )

@@ -12,12 +12,12 @@ from typing import Any, Final
 from assistant.base import toml_text
 from assistant.base.diagnostics import Refused
 from assistant.base.toml_text import KeyPath, key_spans, value_spans
-from assistant.project.drafting import WIDTH, quoted
+from assistant.project.drafting import COMMENT_COLUMN, toml_quoted
 from assistant.studio import rules
 from assistant.studio.answering import not_asked
 
-BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
-COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
+BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
+TRAILING_COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
 
 
 def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
@@ -26,24 +26,24 @@ def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
     A key that stands there behind a `#`, as a choice, gets its place. Raises Refused if the text
     would say anything else than before beside that. name: of the file, for the finding.
     """
-    meant = _meant(content_of(text), values)
-    changed = None if meant is None else _changed(text, values)
-    if changed is None or content_of(changed) != meant:
+    meant = _key_position(toml_content(text), values)
+    changed = None if meant is None else _changed_text(text, values)
+    if changed is None or toml_content(changed) != meant:
         key = ".".join(next(iter(values), ()))
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed
 
 
-def _changed(text: str, values: Mapping[KeyPath, Any]) -> str | None:
+def _changed_text(text: str, values: Mapping[KeyPath, Any]) -> str | None:
     """None if a value breaks the text."""
     for path, value in values.items():
-        text = _with_value(text, path, value)
-        if content_of(text) is None:
+        text = _with_one_value(text, path, value)
+        if toml_content(text) is None:
             return None
     return text
 
 
-def toml(value: Any) -> str:
+def toml_value(value: Any) -> str:
     """A value as TOML has it, in one line. Raises Refused for what it has nothing for."""
     match value:
         case bool():
@@ -53,31 +53,31 @@ def toml(value: Any) -> str:
         case float() if math.isfinite(value):
             return json.dumps(int(value) if value.is_integer() and abs(value) < 1e15 else value)
         case str():
-            return _quoted(value)
+            return _toml_text(value)
         case Mapping():
-            pairs = (f"{_key(str(key))} = {toml(one)}" for key, one in value.items())
+            pairs = (f"{_toml_key(str(key))} = {toml_value(one)}" for key, one in value.items())
             return "{" + ", ".join(pairs) + "}"
         case Sequence():
-            return "[" + ", ".join(map(toml, value)) + "]"
+            return "[" + ", ".join(map(toml_value, value)) + "]"
     raise not_asked(f"a TOML file has no {value}")
 
 
-def _with_value(text: str, path: KeyPath, value: Any) -> str:
+def _with_one_value(text: str, path: KeyPath, value: Any) -> str:
     there = value_spans(text).get(path)
     if there is not None:
         if value is None:
-            return _without_line(text, there.start)
-        return _replaced(text, there.start, there.end, toml(value))
+            return _without_key(text, there.start)
+        return _replaced_value(text, there.start, there.end, toml_value(value))
     if value is None:
         return text
-    return _added(text, path, f"{_key(path[-1])} = {toml(value)}")
+    return _with_new_key(text, path, f"{_toml_key(path[-1])} = {toml_value(value)}")
 
 
-def _replaced(text: str, start: int, end: int, value: str) -> str:
+def _replaced_value(text: str, start: int, end: int, value: str) -> str:
     """The value in its place; a comment behind it stays in its column as far as there is room."""
     stop = text.find("\n", end)
     rest = text[end : stop if stop >= 0 else len(text)]
-    match = COMMENT.match(rest)
+    match = TRAILING_COMMENT.match(rest)
     if match is None or match[1] is None:
         return text[:start] + value + text[end:]
     before = text[text.rfind("\n", 0, start) + 1 : start]
@@ -86,23 +86,23 @@ def _replaced(text: str, start: int, end: int, value: str) -> str:
     return f"{text[: start - len(before)]}{line:{column - 1}} {match[1]}{text[end + len(rest) :]}"
 
 
-def _without_line(text: str, at: int) -> str:
+def _without_key(text: str, at: int) -> str:
     start, stop = text.rfind("\n", 0, at) + 1, text.find("\n", at)
     return text[:start] + (text[stop + 1 :] if stop >= 0 else "")
 
 
-def _added(text: str, path: KeyPath, line: str) -> str:
+def _with_new_key(text: str, path: KeyPath, line: str) -> str:
     """Where the key stands as a choice in its table; else below the last line of that."""
-    start, stop = _region(text, path[:-1])
+    start, stop = _table_region(text, path[:-1])
     if start < 0:
-        header = ".".join(map(_key, path[:-1]))
+        header = ".".join(map(_toml_key, path[:-1]))
         gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
         return f"{text}{gap}[{header}]\n{line}\n"
-    choice = re.compile(rf"^# *{re.escape(_key(path[-1]))} *=[^\n]*$", re.MULTILINE)
+    choice = re.compile(rf"^# *{re.escape(_toml_key(path[-1]))} *=[^\n]*$", re.MULTILINE)
     found = choice.search(text, start, stop)
     if found is not None:
         about = re.search(r"[^\S\n]#(?=[^#]*$)(.*)$", found[0][1:])
-        said = f"{line:{WIDTH - 1}} #{about[1]}" if about else line
+        said = f"{line:{COMMENT_COLUMN - 1}} #{about[1]}" if about else line
         return text[: found.start()] + said + text[found.end() :]
     body = text[start:stop]
     last = max((m.end() for m in re.finditer(r"^[^#\s\[][^\n]*\n?", body, re.MULTILINE)), default=0)
@@ -111,7 +111,7 @@ def _added(text: str, path: KeyPath, line: str) -> str:
     return f"{text[:at]}{before}{line}\n{text[at:]}"
 
 
-def _region(text: str, table: KeyPath) -> tuple[int, int]:
+def _table_region(text: str, table: KeyPath) -> tuple[int, int]:
     """What belongs to a table: from behind its header to the next one; (-1, -1) if it has none."""
     headers = [m.start() for m in re.finditer(r"^[^\S\n]*\[", text, re.MULTILINE)]
     if not table:
@@ -127,14 +127,16 @@ def _region(text: str, table: KeyPath) -> tuple[int, int]:
     return start, min((at for at in headers if at >= start), default=len(text))
 
 
-def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dict[str, Any] | None:
+def _key_position(
+    content: dict[str, Any] | None, values: Mapping[KeyPath, Any]
+) -> dict[str, Any] | None:
     """None where a key would belong to what is no table, and for what no text says."""
     out = copy.deepcopy(content)
     for path, value in values.items():
         here: Any = out
         for key in path[:-1]:
             here = here.setdefault(key, {}) if isinstance(here, dict) else None
-        said = {"it": None} if value is None else content_of(f"it = {toml(value)}")
+        said = {"it": None} if value is None else toml_content(f"it = {toml_value(value)}")
         if not isinstance(here, dict) or said is None:
             return None
         if value is None:
@@ -144,7 +146,7 @@ def _meant(content: dict[str, Any] | None, values: Mapping[KeyPath, Any]) -> dic
     return out
 
 
-def content_of(text: str) -> dict[str, Any] | None:
+def toml_content(text: str) -> dict[str, Any] | None:
     """None for a text that is no TOML; raises Refused for one that takes too long to read."""
     try:
         return toml_text.parse_toml(text)
@@ -152,25 +154,25 @@ def content_of(text: str) -> dict[str, Any] | None:
         return None
 
 
-def _key(name: str) -> str:
-    return name if BARE.fullmatch(name) else _quoted(name)
+def _toml_key(name: str) -> str:
+    return name if BARE_KEY.fullmatch(name) else _toml_text(name)
 
 
-def _quoted(text: str) -> str:
+def _toml_text(text: str) -> str:
     if any("\ud800" <= character <= "\udfff" for character in text):
         raise not_asked("a text holds what is no character")
-    return quoted(text)
+    return toml_quoted(text)
 
 
 def without_table(text: str, table: KeyPath, name: str) -> str:
     """A text without a table and what it holds, with the comments in it. Raises Refused."""
-    start, stop = _region(text, table)
+    start, stop = _table_region(text, table)
     if start < 0:
         return text
     line = text.rfind("\n", 0, start - 1) + 1
     changed = text[:line] + text[stop:]
-    meant = _meant(content_of(text), {table: None})
-    if meant is None or content_of(changed) != meant:
+    meant = _key_position(toml_content(text), {table: None})
+    if meant is None or toml_content(changed) != meant:
         key = ".".join(table)
         raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
     return changed

@@ -12,11 +12,11 @@ from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.process.placement import DRAWING_SUFFIXES
-from assistant.studio.studio import KEPT_OUT
+from assistant.studio.studio import UNLISTED_FOLDERS
 
 MOST_FILES: Final = 5_000
 """That are listed."""
-KINDS: Final[Mapping[str, str]] = {
+SUFFIX_KINDS: Final[Mapping[str, str]] = {
     **dict.fromkeys(DRAWING_SUFFIXES, "drawing"),
     **dict.fromkeys((".stl", ".obj", ".glb", ".gltf"), "shape"),
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg"), "picture"),
@@ -26,19 +26,19 @@ KINDS: Final[Mapping[str, str]] = {
 """What files of these suffixes are, beside programs."""
 
 
-def tree(folder: FilePath) -> list[dict[str, Any]]:
+def file_tree(folder: FilePath) -> list[dict[str, Any]]:
     """Files with their kinds, in the order of their names."""
-    suffixes = programs()
+    suffixes = program_suffixes()
     return [
-        {"path": path, "kind": kind_of(path, suffixes), "size": size}
-        for path, (_, size) in sorted(stamps(folder).items())
+        {"path": path, "kind": file_kind(path, suffixes), "size": size}
+        for path, (_, size) in sorted(file_stamps(folder).items())
     ]
 
 
-def stamps(folder: FilePath) -> dict[str, tuple[int, int]]:
+def file_stamps(folder: FilePath) -> dict[str, tuple[int, int]]:
     """When each file was changed, in ns, and how many bytes it has."""
     found: dict[str, tuple[int, int]] = {}
-    for path, entry in _files(folder):
+    for path, entry in _listed_files(folder):
         try:
             facts = entry.stat()
         except OSError:
@@ -49,13 +49,13 @@ def stamps(folder: FilePath) -> dict[str, tuple[int, int]]:
     return found
 
 
-def programs() -> frozenset[str]:
+def program_suffixes() -> frozenset[str]:
     """Suffixes of programs, in lower case."""
     theirs = (s for name in languages.names() for s in languages.get(name).suffixes)
     return frozenset({pseudo.SUFFIX, *(suffix.lower() for suffix in theirs)})
 
 
-def kind_of(path: str, suffixes: frozenset[str]) -> str:
+def file_kind(path: str, suffixes: frozenset[str]) -> str:
     """drawing, process, program, table, settings, … or file."""
     name = PurePosixPath(path).name.lower()
     suffix = PurePosixPath(name).suffix
@@ -67,10 +67,10 @@ def kind_of(path: str, suffixes: frozenset[str]) -> str:
         return "project"
     if suffix in suffixes:
         return "program"
-    return KINDS.get(suffix, "table" if suffix in sources.READERS else "file")
+    return SUFFIX_KINDS.get(suffix, "table" if suffix in sources.READERS else "file")
 
 
-def _files(folder: FilePath) -> Iterator[tuple[str, os.DirEntry[str]]]:
+def _listed_files(folder: FilePath) -> Iterator[tuple[str, os.DirEntry[str]]]:
     """Without what is hidden, and without links that lead elsewhere."""
     waiting = [(folder, "")]
     while waiting:
@@ -81,7 +81,7 @@ def _files(folder: FilePath) -> Iterator[tuple[str, os.DirEntry[str]]]:
         except OSError:
             continue  # it may not be read, or has gone
         for entry in listed:
-            if entry.name in KEPT_OUT or entry.name.startswith(".") or entry.is_symlink():
+            if entry.name in UNLISTED_FOLDERS or entry.name.startswith(".") or entry.is_symlink():
                 continue
             path = f"{before}{entry.name}"
             if entry.is_dir(follow_symlinks=False):

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from assistant.studio.answering import plain
+from assistant.studio.answering import plain_value
 from assistant.virtual.kernel import Board, Signals, Task
 
-MOST_ROWS: Final = 200
+MOST_VALUES: Final = 200
 """Data, or signals, that are shown at once."""
-WIDEST: Final = 200
+WIDEST_VALUE: Final = 200
 """Characters of a value that are shown."""
 
 
-class Inputs(dict[str, float]):
+class WatchedInputs(dict[str, float]):
     """Inputs that nobody has set, as `Settings` has them. read: those that a program looked at."""
 
     def __init__(self, known: dict[str, float]) -> None:
@@ -25,23 +25,23 @@ class Inputs(dict[str, float]):
         return super().get(name, other)
 
 
-def shown_signals(board: Board) -> dict[str, Any]:
+def signal_records(board: Board) -> dict[str, Any]:
     """Inputs that were set or looked at, and outputs that were set, with what they are."""
-    return {"inputs": _signals(board.inputs), "outputs": _signals(board.outputs)}
+    return {"inputs": _signal_rows(board.inputs), "outputs": _signal_rows(board.outputs)}
 
 
-def _signals(signals: Signals) -> list[dict[str, Any]]:
+def _signal_rows(signals: Signals) -> list[dict[str, Any]]:
     source = signals.source
-    looked_at = source.read if isinstance(source, Inputs) else ()
-    names = sorted({*signals.values, *looked_at}, key=_by_number)[:MOST_ROWS]
-    return [{"name": name, "value": plain(signals.read(name))} for name in names]
+    looked_at = source.read if isinstance(source, WatchedInputs) else ()
+    names = sorted({*signals.values, *looked_at}, key=_number_order)[:MOST_VALUES]
+    return [{"name": name, "value": plain_value(signals.read(name))} for name in names]
 
 
-def _by_number(name: str) -> tuple[int, str]:
+def _number_order(name: str) -> tuple[int, str]:
     return (int(name), "") if name.isascii() and name.isdecimal() else (-1, name)
 
 
-def shown_data(task: Task) -> dict[str, Any]:
+def data_records(task: Task) -> dict[str, Any]:
     """The calls that run, the innermost first, and the data that it knows."""
     levels = task.levels()
     stack = [
@@ -50,15 +50,15 @@ def shown_data(task: Task) -> dict[str, Any]:
             "path": level.place and level.place[0],
             "line": level.place and level.place[1],
         }
-        for level in levels[:MOST_ROWS]
+        for level in levels[:MOST_VALUES]
     ]
     groups = levels[0].groups if levels else {}
     data = [
         {
             "title": title,
             "rows": [
-                {"name": one.name, "type": one.type, "value": one.value[:WIDEST]}
-                for one in shown()[:MOST_ROWS]
+                {"name": one.name, "type": one.type, "value": one.value[:WIDEST_VALUE]}
+                for one in shown()[:MOST_VALUES]
             ],
         }
         for title, shown in groups.items()

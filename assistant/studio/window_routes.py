@@ -15,7 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from assistant.studio.studio import Studio
 
-LOOKS: Final = 1.0
+FILE_LOOK_PERIOD: Final = 1.0
 """Seconds between two looks at the files of the project."""
 
 
@@ -31,19 +31,22 @@ async def window(line: WebSocket) -> None:
             loop.call_soon_threadsafe(news.put_nowait, message)
 
     name = studio.windows.opened(tell)
-    tasks = [asyncio.create_task(_sent(line, news)), asyncio.create_task(_looked(studio, tell))]
+    tasks = [
+        asyncio.create_task(_send_events(line, news)),
+        asyncio.create_task(_watch_files(studio, tell)),
+    ]
     try:
-        async for message in _said(line):
-            _heard(studio, name, message)
+        async for message in _hear_window(line):
+            _hear_beat(studio, name, message)
     finally:
         for task in tasks:
             task.cancel()
         left: list[object] = []
-        studio.windows.closed(name, lambda wrote: left.extend(_left(studio, name, wrote)))
+        studio.windows.closed(name, lambda wrote: left.extend(_release_window(studio, name, wrote)))
         await run_sync(studio.finish, left, limiter=line.app.state.urgent)
 
 
-async def _said(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
+async def _hear_window(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
     """What a window says, until it is gone or says what no page of ours says."""
     while True:
         try:
@@ -56,7 +59,7 @@ async def _said(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
             yield message
 
 
-def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
+def _hear_beat(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
     """A beat of a held key goes to what moves; nothing else is said here."""
     control = studio.live.get("control")
     beat = getattr(control, "beat", None)
@@ -64,35 +67,35 @@ def _heard(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
         beat(name, message)
 
 
-def _left(studio: Studio, name: str, wrote: bool) -> Sequence[object]:
+def _release_window(studio: Studio, name: str, wrote: bool) -> Sequence[object]:
     """What a window had under control, connected or started, which is to be ended."""
     mine = getattr(studio.live.get("control"), "window", None) == name
     own = ("control",) if mine or wrote else ()
     return studio.taken_off(*own, *(("connection", "run") if wrote else ()))
 
 
-async def _sent(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None:
+async def _send_events(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) -> None:
     while True:
         await line.send_text(json.dumps(await news.get(), allow_nan=False))
 
 
-async def _looked(studio: Studio, tell: Any) -> None:
+async def _watch_files(studio: Studio, tell: Any) -> None:
     """Tells of files that came, went or changed."""
-    from assistant.studio.tree import stamps  # readers and languages, after the page is there
+    from assistant.studio.tree import file_stamps  # readers and languages, after the page is there
 
-    before = await run_in_threadpool(stamps, studio.folder)
+    before = await run_in_threadpool(file_stamps, studio.folder)
     at: FilePath = studio.folder
     while True:
-        await asyncio.sleep(LOOKS)
+        await asyncio.sleep(FILE_LOOK_PERIOD)
         if studio.folder != at:
             at = studio.folder
-            before = await run_in_threadpool(stamps, at)
+            before = await run_in_threadpool(file_stamps, at)
             continue
-        now = await run_in_threadpool(stamps, at)
+        now = await run_in_threadpool(file_stamps, at)
         changed = sorted(name for name in {*before, *now} if before.get(name) != now.get(name))
         before = now
         if changed:
             tell({"kind": "disk", "files": changed})
 
 
-ROUTES: Final = (WebSocketRoute("/window", window),)
+WINDOW_ROUTES: Final = (WebSocketRoute("/window", window),)

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-Tell = Callable[[Mapping[str, object]], None]
+Notify = Callable[[Mapping[str, object]], None]
 """Tells a window something; may be called from any thread."""
 
 
@@ -15,10 +15,10 @@ Tell = Callable[[Mapping[str, object]], None]
 class Windows:
     """Those that are open, the oldest first: that one writes until it is closed."""
 
-    _open: dict[str, Tell] = field(default_factory=dict)
+    _open: dict[str, Notify] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def opened(self, tell: Tell) -> str:
+    def opened(self, tell: Notify) -> str:
         """A name for a new window, which nobody else can guess."""
         name = secrets.token_urlsafe(16)
         with self._lock:

@@ -14,20 +14,20 @@ from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.compiler.comparison import Comparison, paired_statements
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translation import LEVELS, Translation
-from assistant.report.names import renamed
-from assistant.view.motion import Record, column
+from assistant.report.names import renamed_items
+from assistant.view.motion import Record, column_text
 from assistant.view.moves import text_records
 
 NO_LEVEL: Final = len(LEVELS)
 """Of a line that is no statement."""
 MOST_REASONS: Final = 2_000
 
-Row = tuple[int, int, int]
+PairedLines = tuple[int, int, int]
 """A line of the source, one that it became, and a level; 0 where there is no line."""
 
 
 @dataclass(frozen=True, slots=True)
-class Beside:
+class SideBySide:
     """texts: of the source. rows: each line of them once or more often, and each line that was
     written at least once, in order of the source. Lines are counted through all texts from 1; a
     line stands beside one that it became. reasons: why a line is not said as it stands. heading: of
@@ -35,7 +35,7 @@ class Beside:
     """
 
     texts: Sequence[SourceText]
-    rows: Sequence[Row]
+    rows: Sequence[PairedLines]
     reasons: Mapping[int, str] = field(default_factory=dict)
     heading: str = "What each line became"
 
@@ -47,16 +47,18 @@ class Beside:
             "heading": self.heading,
             "texts": texts,
             "left": left,
-            "rows": column(rows),
+            "rows": column_text(rows),
             "reasons": reasons,
         }
 
 
-def beside(translation: Translation) -> Beside:
+def translation_side_by_side(translation: Translation) -> SideBySide:
     """The lines of a translation, with what was written, if anything was."""
     compiled, lifted = translation.compiled, translation.proof.lifted
-    source = _Counted(compiled.places.texts)
-    written = _Counted(Places(lifted).texts if translation.files and lifted is not None else ())
+    source = _CountedTexts(compiled.places.texts)
+    written = _CountedTexts(
+        Places(lifted).texts if translation.files and lifted is not None else ()
+    )
     levels: dict[int, int] = {}
     reasons: dict[int, str] = {}
     links = list[tuple[list[int], list[int]]]()
@@ -78,15 +80,15 @@ def beside(translation: Translation) -> Beside:
         if went:
             spans.setdefault(went, []).extend(range(first, first + max(1, count)))
     links += [(sources, list(went)) for went, sources in spans.items()]
-    links += _declared(translation, source, written)
-    return Beside(source.texts, _rows(source, written, links, levels), reasons)
+    links += _declaration_pairs(translation, source, written)
+    return SideBySide(source.texts, _paired_rows(source, written, links, levels), reasons)
 
 
-def compared(done: Comparison) -> Beside:
+def comparison_side_by_side(done: Comparison) -> SideBySide:
     """The lines of two compared programs, with their statements in pairs."""
     one, other = done.programs
-    own = _Counted(Places(one.program, one.text).texts)
-    others = _Counted(Places(other.program, other.text).texts)
+    own = _CountedTexts(Places(one.program, one.text).texts)
+    others = _CountedTexts(Places(other.program, other.text).texts)
     links, levels, reasons = list[tuple[list[int], list[int]]](), dict[int, int](), dict[int, str]()
     for row in done.rows or paired_statements(done):
         first = 0 if row.first is None else own.line(row.first)
@@ -101,11 +103,11 @@ def compared(done: Comparison) -> Beside:
         if place is not None and (line := own.line(place)):
             levels[line] = LEVELS.index("not")
             reasons[line] = visible(f"{difference.what}; with {difference.inputs}")
-    rows = _rows(own, others, links, levels)
-    return Beside(own.texts, rows, reasons, "Statements of both programs")
+    rows = _paired_rows(own, others, links, levels)
+    return SideBySide(own.texts, rows, reasons, "Statements of both programs")
 
 
-class _Counted:
+class _CountedTexts:
     """Texts whose lines are counted through all of them, from 1."""
 
     def __init__(self, texts: Sequence[SourceText]) -> None:
@@ -140,16 +142,16 @@ class _Counted:
                     yield line
 
 
-def _declared(
-    translation: Translation, source: _Counted, written: _Counted
+def _declaration_pairs(
+    translation: Translation, source: _CountedTexts, written: _CountedTexts
 ) -> Iterator[tuple[list[int], list[int]]]:
     """The lines that declare something in both, by its old and its new name."""
     lifted = translation.proof.lifted
     if lifted is None or not written.count:
         return
-    made = _declaring(Places(lifted))
-    own = _declaring(translation.compiled.places)
-    for old, new, place in renamed(translation):
+    made = _declaring_lines(Places(lifted))
+    own = _declaring_lines(translation.compiled.places)
+    for old, new, place in renamed_items(translation):
         if old.owner or not new:
             continue
         lines = own(old.name) or ([] if place is None else [source.line(place)])
@@ -158,7 +160,7 @@ def _declared(
             yield lines, found
 
 
-def _declaring(places: Places) -> Callable[[str], list[int]]:
+def _declaring_lines(places: Places) -> Callable[[str], list[int]]:
     """Tells the lines that declare what has a name, in no procedure.
 
     Many like declarations may be one part without a name: of these a line is told that gives a
@@ -173,20 +175,20 @@ def _declaring(places: Places) -> Callable[[str], list[int]]:
             known.setdefault(part.name.lower(), []).append(first)
         elif last > first > 0 and (place := places.of(part.span)) is not None:
             for number, line in enumerate(lines_of(place.text)):
-                for word in _VALUE.findall(line)[:1]:
+                for word in _ASSIGNED.findall(line)[:1]:
                     known.setdefault(word.lower(), []).append(first + number)
     return lambda name: known.get(name.lower(), [])
 
 
-_VALUE: Final = re.compile(r"(\w+)\s*:?=")
+_ASSIGNED: Final = re.compile(r"(\w+)\s*:?=")
 
 
-def _rows(
-    source: _Counted,
-    written: _Counted,
+def _paired_rows(
+    source: _CountedTexts,
+    written: _CountedTexts,
     links: Iterable[tuple[Sequence[int], Sequence[int]]],
     levels: Mapping[int, int],
-) -> list[Row]:
+) -> list[PairedLines]:
     """In order of the source; what was written for no line of it stands before the next line that
     was, or at the end.
 
@@ -205,7 +207,7 @@ def _rows(
     for line, lines in sorted(became.items()):
         for one in lines:
             sources_of.setdefault(one, line)
-    before, after, first, last = _alone(sources_of, written.count)
+    before, after, first, last = _unpaired_lines(sources_of, written.count)
     rows = [(0, one, NO_LEVEL) for one in first]
     for line in range(1, source.count + 1):
         level = levels.get(line, NO_LEVEL)
@@ -221,7 +223,7 @@ def _rows(
     return [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
 
 
-def _alone(
+def _unpaired_lines(
     sources_of: Mapping[int, int], written: int
 ) -> tuple[dict[int, list[int]], dict[int, list[int]], list[int], list[int]]:
     """Lines that were written for no line of the source: by the line that they stand before, by

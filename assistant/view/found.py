@@ -13,7 +13,7 @@ from assistant.cell.clearances import Closeness
 from assistant.cell.collision.model import Carriers
 from assistant.cell.scene import CORE_SUFFIX
 from assistant.program.program import Program
-from assistant.view.located import Located
+from assistant.view.located import LocatedTargets
 from assistant.view.motion import Motion, Record
 from assistant.view.moves import MOST_MOVES, Moves
 from assistant.view.shown import Marked, Shown
@@ -22,28 +22,28 @@ from assistant.view.still import StillMotion, StillMoves
 MOST_FINDINGS: Final = 500
 
 
-def findings(
+def finding_records(
     shown: Shown, motion: Motion | StillMotion, moves: Moves | StillMoves, program: Program
 ) -> list[Record]:
     """The first of them. program: that is shown."""
-    lines = _Lines(shown, moves)
-    located = Located(shown.told or program, shown.base)
+    lines = _CountedLines(shown, moves)
+    located = LocatedTargets(shown.told or program, shown.base)
     return [
-        _finding(shown, motion, moves, marked, lines, located)
+        _finding_record(shown, motion, moves, marked, lines, located)
         for marked in shown.findings[:MOST_FINDINGS]
     ]
 
 
-class _Lines:
+class _CountedLines:
     """Lines of the texts of a page, counted through all of them, by file and line."""
 
     def __init__(self, shown: Shown, moves: Moves | StillMoves) -> None:
         self._moves: dict[int, int] = {}
         for number, one in enumerate(moves.records()):
             self._moves.setdefault(one["global"], number)
-        self._own = _firsts([(one.path, one.line_count) for one in shown.places.texts])
+        self._own = _first_lines([(one.path, one.line_count) for one in shown.places.texts])
         beside = () if shown.beside is None else shown.beside.texts
-        self._beside = _firsts([(one.path, one.line_count) for one in beside])
+        self._beside = _first_lines([(one.path, one.line_count) for one in beside])
 
     def of(self, finding: Diagnostic, own: bool) -> tuple[int, int]:
         """In the text of the program, and in what it was made of; 0 for in none.
@@ -62,7 +62,7 @@ class _Lines:
         return self._moves.get(line) if line else None
 
 
-def _firsts(texts: list[tuple[str | None, int]]) -> dict[str | None, int]:
+def _first_lines(texts: list[tuple[str | None, int]]) -> dict[str | None, int]:
     found: dict[str | None, int] = {}
     first = 1
     for path, count in texts:
@@ -71,13 +71,13 @@ def _firsts(texts: list[tuple[str | None, int]]) -> dict[str | None, int]:
     return found
 
 
-def _finding(
+def _finding_record(
     shown: Shown,
     motion: Motion | StillMotion,
     moves: Moves | StillMoves,
     marked: Marked,
-    lines: _Lines,
-    located: Located,
+    lines: _CountedLines,
+    located: LocatedTargets,
 ) -> Record:
     finding, close = marked
     own = shown.spans is None or close is not None
@@ -87,7 +87,7 @@ def _finding(
     move = moves.of_finding(finding) if own and finding.line is None else lines.move(line)
     mark: Record | None = None
     if close is not None and isinstance(moves, Moves) and isinstance(motion, Motion):
-        mark = _contact(shown, motion, close)
+        mark = _contact_record(shown, motion, close)
         move = moves.places.get((close.procedure, close.number))
     return {
         "code": finding.code,
@@ -104,9 +104,9 @@ def _finding(
     }
 
 
-def _contact(shown: Shown, motion: Motion, close: Closeness) -> Record:
+def _contact_record(shown: Shown, motion: Motion, close: Closeness) -> Record:
     contact = close.contact
-    at = _own(shown, close.joints)
+    at = _own_joints(shown, close.joints)
     return {
         "one": visible(contact.one.removesuffix(CORE_SUFFIX)),
         "other": visible(contact.other.removesuffix(CORE_SUFFIX)),
@@ -118,7 +118,7 @@ def _contact(shown: Shown, motion: Motion, close: Closeness) -> Record:
     }
 
 
-def _own(shown: Shown, joints: Floats) -> Floats:
+def _own_joints(shown: Shown, joints: Floats) -> Floats:
     """Of a row of the joints of all robots those of the one that moves."""
     carriers = Carriers(shown.scene.robots)
     at = next(i for i, one in enumerate(shown.scene.robots) if one is shown.placed)

@@ -11,14 +11,14 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any, Final, Self
 
-HERE: Final = "127.0.0.1"
-NAMES: Final = (HERE, "localhost")
+LOCAL_HOST: Final = "127.0.0.1"
+HOST_NAMES: Final = (LOCAL_HOST, "localhost")
 """What a browser may call this computer: a page of another name that leads here gets nothing."""
 MOST_PAGES: Final = 16
 """Pages that are told at a time."""
-ALIVE: Final = 5.0
+KEEP_ALIVE: Final = 5.0
 """Seconds after which a page without news is sent an empty line, to see whether it is there."""
-PATIENCE: Final = 10.0
+SEND_TIMEOUT: Final = 10.0
 """Seconds in which a page must take what it is sent."""
 
 
@@ -38,10 +38,10 @@ class LivePage:
 
     @property
     def address(self) -> str:
-        return f"http://{HERE}:{self._server.server_address[1]}{self._path}"
+        return f"http://{LOCAL_HOST}:{self._server.server_address[1]}{self._path}"
 
     def __enter__(self) -> Self:
-        self._server = _Server((HERE, 0), _handler(self))
+        self._server = _Server((LOCAL_HOST, 0), _handler(self))
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.05,), name="live page", daemon=True
         )
@@ -75,11 +75,11 @@ class LivePage:
     def asked(self, request: BaseHTTPRequestHandler) -> None:
         """Answers a page that asks for itself, or for what happens; nobody else gets anything."""
         port = self._server.server_address[1]
-        hosts = {f"{name}:{port}" for name in NAMES}
+        hosts = {f"{name}:{port}" for name in HOST_NAMES}
         if request.headers.get("Host", "") not in hosts:
             request.send_error(HTTPStatus.FORBIDDEN)
         elif request.path == self._path:
-            _head(request, "text/html; charset=utf-8", len(self._text))
+            _response_head(request, "text/html; charset=utf-8", len(self._text))
             request.wfile.write(self._text)
         elif request.path == f"{self._path}events":
             self._follow(request)
@@ -96,12 +96,12 @@ class LivePage:
             request.send_error(HTTPStatus.SERVICE_UNAVAILABLE)
             return
         try:
-            _head(request, "text/event-stream", None)
+            _response_head(request, "text/event-stream", None)
             told, over = 0, False
             while not over:
                 with self._news:
                     if self._number == told and not self._over:
-                        self._news.wait(ALIVE)
+                        self._news.wait(KEEP_ALIVE)
                     event = self._event if self._number != told else b"\n"
                     told, over = self._number, self._over
                 request.wfile.write(event)
@@ -122,7 +122,7 @@ class _Server(ThreadingHTTPServer):
 def _handler(page: LivePage) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         server_version, sys_version = "robot-assistant", ""
-        timeout = PATIENCE
+        timeout = SEND_TIMEOUT
 
         def do_GET(self) -> None:
             with contextlib.suppress(OSError):  # it has gone
@@ -134,7 +134,7 @@ def _handler(page: LivePage) -> type[BaseHTTPRequestHandler]:
     return Handler
 
 
-def _head(request: BaseHTTPRequestHandler, kind: str, length: int | None) -> None:
+def _response_head(request: BaseHTTPRequestHandler, kind: str, length: int | None) -> None:
     request.send_response(HTTPStatus.OK)
     request.send_header("Content-Type", kind)
     if length is not None:

@@ -20,11 +20,11 @@ from assistant.program.program import Program
 from assistant.program.statements import Follow, Move, MoveCircular
 from assistant.report.track import Stop, stops
 
-Named = tuple[str, str]
+TargetName = tuple[str, str]
 """A kind and a name in lower case."""
 
 
-class Located:
+class LocatedTargets:
     """The targets of a program, by what findings call them.
 
     base: of the robot that runs it, in the world.
@@ -57,7 +57,7 @@ class Located:
             return
         for number, place in zip(stop.numbers, places, strict=True):
             self._numbers[stop.procedure.lower(), number] = place
-        for name, place in zip(_targets(statement), places, strict=True):
+        for name, place in zip(_target_names(statement), places, strict=True):
             if name is not None:
                 known = self._names.setdefault(name, place)
                 if known is not None and abs(known - place).max() > 1e-3:
@@ -79,7 +79,7 @@ class Located:
         return None
 
 
-def _targets(statement: object) -> Iterator[str | None]:
+def _target_names(statement: object) -> Iterator[str | None]:
     """The names of the targets of a move, None for one without."""
     targets: tuple[Expression, ...] = ()
     match statement:

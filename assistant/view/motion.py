@@ -21,7 +21,7 @@ MOST_SAMPLES: Final = 20_000
 """Places of the arm that a page holds."""
 COARSEST: Final = 0.1
 """Seconds between them at most; a page plays no more of a program than that allows."""
-NEAR: Final = 0.5
+NEAR_JOINTS: Final = 0.5
 """Degrees (mm) that a place on the time line is away from joints that it stands for, at most."""
 NEAR_PATH: Final = 1.0
 """mm of a place from the path of the tool, by which the tool comes to it."""
@@ -29,7 +29,7 @@ NEAR_PATH: Final = 1.0
 Record = dict[str, Any]
 
 
-def column(values: NDArray[Any]) -> str:
+def column_text(values: NDArray[Any]) -> str:
     """An array as base64 of its little-endian numbers: float32, or uint32 if it holds integers."""
     kind = "<u4" if np.issubdtype(values.dtype, np.integer) else "<f4"
     return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
@@ -59,12 +59,12 @@ class Motion:
     def record(self) -> Record:
         room, axis = room_left(self.robot, self.joints)
         return {
-            "times": column(self.times),
-            "joints": column(self.robot.chained(self.joints)),
-            "places": column(self.places),
-            "speeds": column(self.speeds),
-            "room": column(room),
-            "nearest": column(axis),
+            "times": column_text(self.times),
+            "joints": column_text(self.robot.chained(self.joints)),
+            "places": column_text(self.places),
+            "speeds": column_text(self.speeds),
+            "room": column_text(room),
+            "nearest": column_text(axis),
             "axes": len(self.robot.axes),
             "names": list(self.robot.axes),
             "held": self.held,
@@ -101,9 +101,9 @@ class Motion:
         along = np.einsum("ij,ij->i", joints - start, step)
         part = np.clip(along / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
         off = np.abs(start + part[:, None] * step - joints).max(axis=1)
-        if off.min() > NEAR:
+        if off.min() > NEAR_JOINTS:
             return None
-        at = int(np.flatnonzero(off <= off.min() + NEAR / 10.0)[0])
+        at = int(np.flatnonzero(off <= off.min() + NEAR_JOINTS / 10.0)[0])
         return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
 
 
@@ -123,16 +123,16 @@ def room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 def tool_held(simulation: Simulation) -> bool:
     """Whether the tool is at the arm, and no work piece, for all of the program."""
-    return all(mount.tool.held and not mount.frame.held for mount in _mounts(simulation))
+    return all(mount.tool.held and not mount.frame.held for mount in _tool_mounts(simulation))
 
 
-def tips(simulation: Simulation) -> list[Pose]:
+def tool_tips(simulation: Simulation) -> list[Pose]:
     """Tips of the tools that the arm carries, without the bare flange."""
-    found = {mount.tool.tip: None for mount in _mounts(simulation) if mount.tool.held}
+    found = {mount.tool.tip: None for mount in _tool_mounts(simulation) if mount.tool.held}
     return [tip for tip in found if tip != Pose()]
 
 
-def _mounts(simulation: Simulation) -> Iterator[Mount]:
+def _tool_mounts(simulation: Simulation) -> Iterator[Mount]:
     for passed in simulation.passed:
         for piece in passed.pieces:
             yield from piece.moves.mounts

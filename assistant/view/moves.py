@@ -17,8 +17,8 @@ from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.segments import Segment
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop, stretches_of
-from assistant.view.motion import Record, column
-from assistant.view.stages import stages
+from assistant.view.motion import Record, column_text
+from assistant.view.stages import motion_stages
 
 MOST_MOVES: Final = 2_000
 """Motion statements in the list."""
@@ -29,7 +29,7 @@ MOST_TEXT: Final = 200
 MOST_LINES: Final = 100_000
 """Lines of the program's texts."""
 
-Key = tuple[str, int]
+MoveKey = tuple[str, int]
 """Procedure, and number of a motion statement in it."""
 
 
@@ -61,13 +61,13 @@ class Moves:
         self.solution, self.labels, self.texts = solution, simulation.labels, places
         self.keys = list(simulation.labels)
         self.places = {key: i for i, key in enumerate(self.keys)}
-        self._in_run = set[Key]()  # statements that are a line each of a run with one span
+        self._in_run = set[MoveKey]()  # statements that are a line each of a run with one span
         self._run: tuple[Span, Sequence[str]] | None = None
         self._lines = dict(self._numbered())
         self.begins: list[tuple[float, int, int]] = []
         self.until = until
         known: dict[int, list[tuple[float, int, int]]] = {}
-        for start, passed in stages(simulation, until):
+        for start, passed in motion_stages(simulation, until):
             if len(self.begins) >= MOST_PLAYED:
                 self.until = start
                 break
@@ -97,9 +97,9 @@ class Moves:
     def played(self) -> Record:
         times, places, lines = zip(*self.begins, strict=True) if self.begins else ((), (), ())
         return {
-            "times": column(np.array(times, dtype=np.float64)),
-            "moves": column(np.array(places, dtype=np.int64)),
-            "lines": column(np.array(lines, dtype=np.int64)),
+            "times": column_text(np.array(times, dtype=np.float64)),
+            "moves": column_text(np.array(places, dtype=np.int64)),
+            "lines": column_text(np.array(lines, dtype=np.int64)),
             "until": self.until,
         }
 
@@ -111,7 +111,7 @@ class Moves:
         """The place in the list of the statement that a finding is at."""
         return None if finding.span is None else self.spans.get(finding.span.start)
 
-    def line_of(self, key: Key, row: int = 0) -> int:
+    def line_of(self, key: MoveKey, row: int = 0) -> int:
         """The line of a move, counted through all texts from 1; 0 if it stands in none."""
         rows = self._lines.get(key, ())
         return rows[row] if row < len(rows) else rows[0] if rows else 0
@@ -131,12 +131,12 @@ class Moves:
                 yield float(stretches.times[at]), self.places[key], line
             before = piece, line
 
-    def _leg(self, key: Key) -> Leg | None:
+    def _leg(self, key: MoveKey) -> Leg | None:
         procedure, number = key
         legs = self.solution.legs.get(procedure, ())
         return legs[number - 1] if number <= len(legs) else None
 
-    def _numbered(self) -> Iterator[tuple[Key, Sequence[int]]]:
+    def _numbered(self) -> Iterator[tuple[MoveKey, Sequence[int]]]:
         """Each statement with its line, or with those of its moves.
 
         A run of like lines has one span: if it has as many lines as moves, each is one of them.
@@ -148,7 +148,7 @@ class Moves:
                 first, last = (0, 0) if span is None else self.texts.lines(span)
                 if first == 0:
                     continue
-                moves = [_ends(leg) for _, leg in run]
+                moves = [_last_on_line(leg) for _, leg in run]
                 told = sum(map(len, moves)) and sum(sum(ends) for ends in moves) == last - first + 1
                 line = first
                 for (number, _), ends in zip(run, moves, strict=True):
@@ -166,7 +166,7 @@ class Moves:
             self._run = span, lines_of(text)
         return self._run[1]
 
-    def _record(self, key: Key, time: float | None) -> Record:
+    def _record(self, key: MoveKey, time: float | None) -> Record:
         procedure, number = key
         leg = self._leg(key)
         span = None if leg is None else leg.statement.span
@@ -190,7 +190,7 @@ class Moves:
         }
 
 
-def _ends(leg: Leg) -> list[bool]:
+def _last_on_line(leg: Leg) -> list[bool]:
     """Of each move of a statement whether a line of the text ends with it; two of an arc."""
     if leg.solved_run is None:
         return [True] if len(leg.joints) <= 1 else [False] * (len(leg.joints) - 1) + [True]

@@ -10,16 +10,16 @@ from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import Body, Scene
 from assistant.program.geometry import Pose
 from assistant.robots.timing import Simulation
-from assistant.view.stages import stages
+from assistant.view.stages import motion_stages
 
-MOST_STAGES: Final = 40_000
+MOST_RIDE_STAGES: Final = 40_000
 """Stretches of moves that are looked at; where bodies are behind them the page does not tell."""
 
 Ride = tuple[int, Pose] | None
 """The carrier of a body and its pose on it; None where only running the program tells."""
 
 
-def rides(
+def rides_of(
     simulation: Simulation, scene: Scene, until: float
 ) -> Mapping[str, list[tuple[float, Ride]]]:
     """What each body rides on, by seconds, of those that do not stay where they are at first.
@@ -31,16 +31,16 @@ def rides(
         return {}
     carriers = Carriers(scene.robots)
     at: dict[str, list[tuple[float, Ride]]] = {
-        name: [(0.0, ride)] for name, ride in _all(scene, scene, carriers).items()
+        name: [(0.0, ride)] for name, ride in _all_bodies(scene, scene, carriers).items()
     }
     known: dict[CarriedBodies, Mapping[str, Ride]] = {}
-    for time, holding in _held(simulation, until):
+    for time, holding in _carried_bodies(simulation, until):
         riding: Mapping[str, Ride]
         if holding is None:
             riding = {name: None for name, rode in at.items() if len(rode) > 1}
         else:
             if holding not in known:
-                known[holding] = _all(scene, holding.scene_now(), carriers)
+                known[holding] = _all_bodies(scene, holding.scene_now(), carriers)
             riding = known[holding]
         for name, ride in riding.items():
             if ride != at[name][-1][1]:
@@ -48,11 +48,13 @@ def rides(
     return {name: rode for name, rode in at.items() if len(rode) > 1}
 
 
-def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, CarriedBodies | None]]:
+def _carried_bodies(
+    simulation: Simulation, until: float
+) -> Iterator[tuple[float, CarriedBodies | None]]:
     """What is carried from when on; None from where nobody looks any more."""
     known: dict[int, list[tuple[float, CarriedBodies]]] = {}
-    for number, (start, passed) in enumerate(stages(simulation, until)):
-        if number >= MOST_STAGES:
+    for number, (start, passed) in enumerate(motion_stages(simulation, until)):
+        if number >= MOST_RIDE_STAGES:
             yield start, None
             return
         if id(passed) not in known:
@@ -65,12 +67,12 @@ def _held(simulation: Simulation, until: float) -> Iterator[tuple[float, Carried
             yield start + time, held
 
 
-def _all(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, Ride]:
+def _all_bodies(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, Ride]:
     """The bodies of a scene as they are in that of a moment, which lacks those that are lost."""
-    return {body.name: _ride(now, now.body(body.name), carriers) for body in scene.bodies}
+    return {body.name: _ride_of(now, now.body(body.name), carriers) for body in scene.bodies}
 
 
-def _ride(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
+def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
     """None also for what stands in a body that is lost."""
     upper = body
     while upper is not None and upper.parent not in carriers.names | now.frames.keys():

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from assistant.compiler.comparison import Comparison
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
-    from assistant.report.drawn import Line
+    from assistant.report.drawn import DrawnLine
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
-    from assistant.view.beside import Beside
+    from assistant.view.beside import SideBySide
     from assistant.view.shown import Shown
 
     _Marked = tuple[Diagnostic, Closeness | None]
@@ -42,9 +42,9 @@ class Sheet:
     places: Places | None = None
     arm: Robot | None = None
     scene: Scene | None = None
-    drawn: Sequence[Line] = ()
+    drawn: Sequence[DrawnLine] = ()
     notes: Sequence[str] = ()
-    beside: Beside | None = None
+    beside: SideBySide | None = None
     solution: SolvedProgram | None = None
     told: Program | None = None
     spans: Places | None = None
@@ -55,7 +55,7 @@ class Sheet:
 def compared_sheet(done: Comparison) -> Sheet:
     """Two compared programs side by side; the arm of the second one is simulated."""
     from assistant.compiler.source_map import Places
-    from assistant.view.beside import compared
+    from assistant.view.beside import comparison_side_by_side
 
     first, second = (PurePath(name).name for name in done.names)
     program, text = done.programs[1].program, done.programs[1].text
@@ -66,7 +66,7 @@ def compared_sheet(done: Comparison) -> Sheet:
         Places(program, text),
         done.arm,
         notes=(done.line(),),
-        beside=compared(done),
+        beside=comparison_side_by_side(done),
     )
 
 

@@ -11,10 +11,10 @@ from assistant.cell.scene import PlacedRobot, Scene
 from assistant.compiler.source_map import Places
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import Program
-from assistant.report.drawn import Line
+from assistant.report.drawn import DrawnLine
 from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.timing import Simulation
-from assistant.view.beside import Beside
+from assistant.view.beside import SideBySide
 
 Marked = tuple[Diagnostic, Closeness | None]
 """A finding, and where in the scene it is."""
@@ -41,11 +41,11 @@ class Shown:
     placed: PlacedRobot | None
     places: Places
     findings: Sequence[Marked] = ()
-    drawn: Sequence[Line] = ()
+    drawn: Sequence[DrawnLine] = ()
     live: str | None = None
     program: Program | None = None
     notes: Sequence[str] = ()
-    beside: Beside | None = None
+    beside: SideBySide | None = None
     told: Program | None = None
     spans: Places | None = None
     plan: bool = False

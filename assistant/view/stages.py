@@ -11,24 +11,24 @@ from assistant.robots.timing.segments import History
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 
 
-def stages(simulation: Simulation, until: float) -> Iterator[tuple[float, MovesWithoutStop]]:
+def motion_stages(simulation: Simulation, until: float) -> Iterator[tuple[float, MovesWithoutStop]]:
     """Stretches of moves with the seconds at which each begins, those of a loop in each round.
 
     until: seconds; those that begin later are left out.
     """
     by_plan = {id(passed.plan): passed for passed in reversed(simulation.passed)}
-    played = takewhile(lambda one: one[0] <= until, _plans(simulation.history, 0.0))
+    played = takewhile(lambda one: one[0] <= until, _stage_plans(simulation.history, 0.0))
     for start, plan in played:
         passed = by_plan.get(id(plan))
         if passed is not None:
             yield start, passed
 
 
-def _plans(history: History | None, start: float) -> Iterator[tuple[float, Plan]]:
+def _stage_plans(history: History | None, start: float) -> Iterator[tuple[float, Plan]]:
     for node in () if history is None else history.chain():
         if isinstance(node.done, Plan):
             yield start + node.start, node.done
         elif isinstance(node.done, tuple):
             inner, count = node.done
             for i in range(count if inner.last is not None else 0):
-                yield from _plans(inner, start + node.start + i * inner.seconds)
+                yield from _stage_plans(inner, start + node.start + i * inner.seconds)

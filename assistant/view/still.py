@@ -17,12 +17,12 @@ from assistant.program.program import Program, walk
 from assistant.program.statements import Moving
 from assistant.report.track import track
 from assistant.robots.timing.segments import label_of
-from assistant.view.motion import Record, column
-from assistant.view.moves import MOST_MOVES, MOST_TEXT, Key, text_records
+from assistant.view.motion import Record, column_text
+from assistant.view.moves import MOST_MOVES, MOST_TEXT, MoveKey, text_records
 
 MOST_PLACES: Final = 100_000
 """Of the path of a program that is only drawn."""
-NOTHING: Final = column(np.zeros(0))
+NO_NUMBERS: Final = column_text(np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class StillMotion:
     def record(self) -> Record:
         names = ("times", "joints", "places", "speeds", "room", "nearest")
         rest = {"axes": 0, "names": [], "held": True, "whole": 0.0}
-        return dict.fromkeys(names, NOTHING) | rest
+        return dict.fromkeys(names, NO_NUMBERS) | rest
 
     def passing(self, place: Floats) -> None:
         """No time at all."""
@@ -62,7 +62,7 @@ class StillMoves:
         return self._records[:MOST_MOVES]
 
     def played(self) -> Record:
-        return {"times": NOTHING, "moves": NOTHING, "lines": NOTHING, "until": 0.0}
+        return {"times": NO_NUMBERS, "moves": NO_NUMBERS, "lines": NO_NUMBERS, "until": 0.0}
 
     def lines(self) -> tuple[list[Record], int]:
         """The texts, see `text_records`."""
@@ -72,7 +72,7 @@ class StillMoves:
         """The place in the list of the statement that a finding is at."""
         return None if finding.span is None else self._spans.get(finding.span.start)
 
-    def _add(self, key: Key, statement: Moving) -> None:
+    def _add(self, key: MoveKey, statement: Moving) -> None:
         procedure, number = key
         span = statement.span
         place = None if span is None else self.texts.of(span)
@@ -100,4 +100,4 @@ def path_record(program: Program, base: Pose) -> Record:
     places: Floats = base.moved(way.positions[:MOST_PLACES])
     joint = (way.kinds[:MOST_PLACES] == Kind.JOINT).astype(np.int64)
     left = max(0, len(way) - MOST_PLACES)
-    return {"places": column(places), "joint": column(joint), "left": left}
+    return {"places": column_text(places), "joint": column_text(joint), "left": left}

@@ -10,7 +10,7 @@ from assistant.robots.timing import Simulation
 from assistant.view.motion import Record
 
 
-def times(simulation: Simulation, every: Sequence[Statement]) -> Record:
+def procedure_times(simulation: Simulation, every: Sequence[Statement]) -> Record:
     """seconds: of the program, in words. procedures: of each how long a call of it takes, with what
     it calls; its own motion statements, and how many mm and seconds these lead, each gone through
     once. unknown: what the times do not hold. every: the motion statements.

@@ -12,15 +12,15 @@ from assistant.program.motion import Kind
 from assistant.robots.timing import Simulation
 from assistant.robots.timing.course import join_moves, sums_by_move
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
-from assistant.view.stages import stages
+from assistant.view.stages import motion_stages
 
-MOST_STAGES: Final = 1_000
+MOST_ZONE_STAGES: Final = 1_000
 """Stretches of moves that are looked at."""
-LEAST: Final = 0.05
+SMALLEST_ZONE: Final = 0.05
 """mm below which a zone is none to be seen."""
 
 
-def zones(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
+def zones_of(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
     """(z, 4) centres in the world and radii, mm, of the way that is played until so many
     seconds, each place once.
 
@@ -28,11 +28,11 @@ def zones(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
     waits there is none. Of a tool that the arm does not carry none is told.
     """
     found: dict[int, MovesWithoutStop] = {}
-    for number, (_, passed) in enumerate(stages(simulation, until)):
-        if number >= MOST_STAGES:
+    for number, (_, passed) in enumerate(motion_stages(simulation, until)):
+        if number >= MOST_ZONE_STAGES:
             break
         found[id(passed)] = passed
-    parts = [_of(passed) for passed in found.values()]
+    parts = [_move_zones(passed) for passed in found.values()]
     every = np.concatenate([np.zeros((0, 4)), *parts])
     _, first = np.unique(every.round(2), axis=0, return_index=True)
     every = every[np.sort(first)]
@@ -40,7 +40,7 @@ def zones(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
     return every
 
 
-def _of(passed: MovesWithoutStop) -> Floats:
+def _move_zones(passed: MovesWithoutStop) -> Floats:
     moves = join_moves([piece.moves for piece in passed.pieces]).rest(passed.skipped)
     knots = passed.plan.course.knots
     half = sums_by_move(knots.row, knots.length, len(moves)) / 2.0
@@ -50,5 +50,5 @@ def _of(passed: MovesWithoutStop) -> Floats:
     held = np.array([one.tool.held and not one.frame.held for one in mounts])[moves.mount]
     tool = np.array([[m.tool for m in mounts].index(one.tool) for one in mounts])[moves.mount]
     through = moves.kinds[:-1] == Kind.VIA
-    seen = (radius > LEAST) & ~through & (tool[:-1] == tool[1:]) & held[:-1]
+    seen = (radius > SMALLEST_ZONE) & ~through & (tool[:-1] == tool[1:]) & held[:-1]
     return np.asarray(np.column_stack([moves.positions[:-1], radius])[seen])

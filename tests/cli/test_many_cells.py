@@ -23,8 +23,8 @@ from lxml import etree
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused, error
 from assistant.cli import main
-from assistant.cli.junit import junit
-from assistant.cli.many_cells import Manner, ended_in_order, run_many, write_junit
+from assistant.cli.junit import junit_report
+from assistant.cli.many_cells import RolloutOptions, end_in_order, run_rollout, write_junit
 from assistant.cli.presentation import Format
 from assistant.controllers import connect
 from assistant.controllers.address import parse
@@ -114,7 +114,7 @@ def cells_of(two, files, history, replace=()):
 def test_a_deployment_in_words_and_as_junit(two, files, tmp_path, capsys):
     report, kept = tmp_path / "report.xml", tmp_path / "kept"
     cells = cells_of(two, files, kept, [EVERY])
-    assert run_many(cells, Manner("cell1", 2, report), kept, False, Format.TEXT) == 0
+    assert run_rollout(cells, RolloutOptions("cell1", 2, report), kept, False, Format.TEXT) == 0
     told = capsys.readouterr()
     assert re.search(r"^cell1: done; 2 installed \(melfa://", told.out, re.M)
     assert told.out.endswith("2 of 2 controllers are done\n")
@@ -131,7 +131,7 @@ def test_a_deployment_in_words_and_as_junit(two, files, tmp_path, capsys):
 def test_a_conflict_as_json_and_as_junit(two, files, tmp_path, capsys):
     report, kept = tmp_path / "report.xml", tmp_path / "kept"
     cells = cells_of(two, files, kept)
-    assert run_many(cells, Manner(junit=report), kept, False, Format.JSON) == 1
+    assert run_rollout(cells, RolloutOptions(junit=report), kept, False, Format.JSON) == 1
     told = json.loads(capsys.readouterr().out)
     assert told["ok"] is False and "failed: cell2; not begun: cell1" in told["summary"]
     first, second = told["controllers"]
@@ -155,7 +155,7 @@ def test_a_table_on_a_terminal(two, files, tmp_path, capsys, monkeypatch):
     cells = cells_of(two, files, tmp_path / "kept", [EVERY])
     with os.fdopen(theirs, "w") as terminal, monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", terminal)
-        assert run_many(cells, Manner(), tmp_path / "kept", False, Format.TEXT) == 0
+        assert run_rollout(cells, RolloutOptions(), tmp_path / "kept", False, Format.TEXT) == 0
         terminal.flush()
         shown = ""
         while shown.count("\n") < 4:  # a terminal hands over what it has so far
@@ -185,19 +185,19 @@ def outcomes(text):
 
 
 def test_the_xml_is_well_formed_whatever_messages_hold(capsys):
-    root = read(junit(outcomes(NASTY)))
+    root = read(junit_report(outcomes(NASTY)))
     assert len(root) == 3 and [s.get("errors") for s in root] == ["0", "1", "0"]
     program, whole = root[0].iter("failure")
     assert MARKUP in program.text and MARKUP in whole.text and MARKUP in root[0].get("name")
     assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]", "".join(root.itertext()))
     for code in [*range(0x20), 0x7F, 0x80, 0x9F, 0xD800, 0xDFFF, 0xFFFE, 0xFFFF, 0x1FFFE]:
-        read(junit(outcomes(f"a{chr(code)}b")))
+        read(junit_report(outcomes(f"a{chr(code)}b")))
 
 
 def test_no_character_of_outside_steers_the_terminal(capsys):
-    from assistant.cli.many_cells import show
+    from assistant.cli.many_cells import print_rollout
 
-    show(outcomes(NASTY))
+    print_rollout(outcomes(NASTY))
     told = capsys.readouterr()
     assert "�[31m" in told.err and told.out.count("\n") == 4
     for text in (told.out, told.err):
@@ -221,7 +221,7 @@ def test_a_report_is_written_whole_or_not_at_all(tmp_path):
 def test_whatever_ends_the_program_asks_for_an_end_in_order(name):
     number = getattr(signal, name)
     before = signal.getsignal(number)
-    with ended_in_order() as halt:
+    with end_in_order() as halt:
         signal.raise_signal(number)
         signal.raise_signal(number)
         assert halt.asked

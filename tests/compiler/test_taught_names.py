@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import translate
-from assistant.report.names import renamed
+from assistant.report.names import renamed_items
 from tests.cli.test_commands import run
 
 HEAD = "1 Tool P_NTool\n2 Base P_NBase\n3 Spd 150\n4 Cnt 0\n"
@@ -64,7 +64,9 @@ def test_so_many_positions_that_they_become_a_path_are_reported(tmp_path: Path, 
     assert [(f.message.split(" lose ")[0], line) for line, f in found] == [
         (f"the 2101 positions `{stem}7` to `{stem}2107`", 5)
     ]
-    news = [(old.name, new) for old, new, _ in renamed(made) if old.name.startswith(f"{stem}2")]
+    news = [
+        (old.name, new) for old, new, _ in renamed_items(made) if old.name.startswith(f"{stem}2")
+    ]
     assert (f"{stem}2107", f"{stem}_2101") in news
     (text,) = (data.decode() for data in made.files.values())
     assert f"{stem}_2101:=" in text

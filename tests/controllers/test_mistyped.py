@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
 from assistant.cli import main
-from assistant.cli.secrets import check_arguments
+from assistant.cli.secrets import refuse_passwords
 from assistant.controllers import connect
 from assistant.controllers.address import holds_password, parse, without_password
 
@@ -64,7 +64,7 @@ def test_what_holds_none_is_shown(text):
 
 @pytest.mark.parametrize("word", ["C:/Users/me@firm/x.mod", 'text="a:b@c"', "me@firm/x.mod"])
 def test_what_only_looks_like_an_address_is_let_through(word):
-    check_arguments(["check", word])
+    refuse_passwords(["check", word])
 
 
 COMMANDS = (

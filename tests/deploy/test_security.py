@@ -21,7 +21,7 @@ import trustme
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused
 from assistant.cli import main
-from assistant.cli.junit import junit
+from assistant.cli.junit import junit_report
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Cell, deploy_to_all
 from assistant.virtual.irc5 import VirtualIrc5
@@ -159,7 +159,7 @@ def test_a_server_that_repeats_what_it_was_sent(project):
         said = "".join(f.message + f.cure + f.where() for f in rollout.outcomes[0].findings)
         assert "***" in said
         assert_nowhere(
-            SECRET, [project], said, repr(rollout), junit(rollout).decode(), repr(client)
+            SECRET, [project], said, repr(rollout), junit_report(rollout).decode(), repr(client)
         )
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.cli.debugging import NAMES
+from assistant.cli.debugging import LAUNCH_KEYS
 from assistant.editing.vscode.extension import FORMAT, extension, packed
 from tests.editing.typing import ROOT, kept
 
@@ -97,10 +97,10 @@ def test_what_debug_takes_can_be_written_in_a_launch_configuration():
     package = json.loads(extension("1.0.0")["package.json"])
     (debugger,) = package["contributes"]["debuggers"]
     attributes = debugger["configurationAttributes"]["launch"]
-    assert set(attributes["properties"]) == set(NAMES)
+    assert set(attributes["properties"]) == set(LAUNCH_KEYS)
     kinds = {"string": str, "integer": int, "boolean": bool}
     for name, said in attributes["properties"].items():
-        assert kinds[said["type"]] is NAMES[name]
+        assert kinds[said["type"]] is LAUNCH_KEYS[name]
 
 
 def test_no_folder_says_which_command_is_run():

@@ -37,7 +37,7 @@ from assistant.learning.maps.training import start_with, trained, usual
 from assistant.learning.maps.using import User
 from assistant.program import pseudo
 from assistant.project import project_of
-from assistant.project.kept import FILE, read_entries
+from assistant.project.kept import BUILD_FILE, read_build
 from assistant.report.scenes import record as said
 from assistant.robots import robot_file
 from assistant.sources.cell_values import read_cell
@@ -187,8 +187,8 @@ def kept(data: bytes) -> None:
     (place / ".robot-assistant").mkdir(parents=True, exist_ok=True)
     (place / "assistant.toml").write_text("")
     there = project_of(place)
-    (there.kept / FILE).write_bytes(data)
-    read_entries(there)
+    (there.kept / BUILD_FILE).write_bytes(data)
+    read_build(there)
 
 
 # ------------------------------------------------------------------------------ seeds

@@ -10,28 +10,34 @@ import pytest
 from assistant import languages
 from assistant.languages.language_types import Choice
 from assistant.program.settings_tables import Wrong
-from assistant.project.schema import schema, schema_text
-from assistant.project.tables import CONTROLLER, DEPLOYING, PROGRAM, STYLE, TARGET
+from assistant.project.schema import project_schema, schema_text
+from assistant.project.tables import (
+    CONTROLLER_KEYS,
+    DEPLOY_KEYS,
+    PROGRAM_KEYS,
+    STYLE_TABLE_KEYS,
+    TARGET_KEYS,
+)
 from assistant.resources import resource
 
 TABLES = {
-    "controllers": CONTROLLER,
-    "programs": PROGRAM,
-    "targets": TARGET,
-    "deploy": DEPLOYING,
-    "style": STYLE,
+    "controllers": CONTROLLER_KEYS,
+    "programs": PROGRAM_KEYS,
+    "targets": TARGET_KEYS,
+    "deploy": DEPLOY_KEYS,
+    "style": STYLE_TABLE_KEYS,
 }
 VALUES = (
     *("", " ", "x", "T_ROB1", "1x", "a b", "mm", "rapid", "melfa-basic-5", "base", "irb", "Base"),
     *(True, False, 0, 1, 9, 10, 256, 257, 2**31, 10**8, -1, 0.5, 3599.5, 3600.5),
     *([], ["x"], ["x", "y"], ["x", 1], [""], {}, {"x": 1}),
 )
-WHOLE = jsonschema.Draft7Validator(schema())
+WHOLE = jsonschema.Draft7Validator(project_schema())
 
 
 def test_it_is_a_schema():
-    jsonschema.Draft7Validator.check_schema(schema())
-    assert json.loads(schema_text()) == schema()
+    jsonschema.Draft7Validator.check_schema(project_schema())
+    assert json.loads(schema_text()) == project_schema()
 
 
 @pytest.mark.parametrize("table", TABLES)
@@ -46,7 +52,7 @@ def test_each_key_takes_what_its_reader_takes(table):
 
 
 def test_it_knows_the_keys_of_all_tables():
-    properties = schema()["properties"]
+    properties = project_schema()["properties"]
     controllers = properties["controllers"]["additionalProperties"]["anyOf"][1]
     of = {
         "controllers": controllers,
@@ -72,9 +78,9 @@ def test_it_knows_the_keys_of_all_tables():
 
 
 def test_it_knows_the_tables_that_the_reader_knows():
-    from assistant.project.layout import tables
+    from assistant.project.layout import project_tables
 
-    assert set(schema()["properties"]) == set(tables())
+    assert set(project_schema()["properties"]) == set(project_tables())
     assert not WHOLE.is_valid({"target": {}})
 
 

@@ -9,15 +9,15 @@ from assistant import __version__, deploy
 from assistant.base.diagnostics import Refused
 from assistant.project import build, project_of, targets_of
 from assistant.project.checking import check
-from assistant.project.starting import AROUND, EXAMPLE, start
+from assistant.project.starting import EXAMPLE_FILES, REPOSITORY_FILES, start_project
 from tests.project.conftest import Home
 
 
 def test_a_new_user_builds_checks_and_deploys(home):
-    started = start(home.folder)
+    started = start_project(home.folder)
     assert started.findings == ()
     written = {file.relative_to(home.folder).as_posix() for file in started.written}
-    assert written == {*EXAMPLE, *AROUND, "assistant.schema.json"}
+    assert written == {*EXAMPLE_FILES, *REPOSITORY_FILES, "assistant.schema.json"}
     done = build(project_of(), jobs=1)
     assert done.ok and not [f for f in done.findings if f.severity != "info"]
     checked = check(project_of())
@@ -30,14 +30,14 @@ def test_a_new_user_builds_checks_and_deploys(home):
 
 
 def test_nothing_is_overwritten(home):
-    mine = {name: f"mine {name}" for name in (*AROUND, "assistant.schema.json")}
+    mine = {name: f"mine {name}" for name in (*REPOSITORY_FILES, "assistant.schema.json")}
     for name, text in mine.items():
         home.put(name, text)
-    started = start(home.folder)
+    started = start_project(home.folder)
     assert {name: (home.folder / name).read_text() for name in mine} == mine
     assert [finding.code for finding in started.findings] == ["PR301"] * len(mine)
-    assert len(started.written) == len(EXAMPLE)
-    assert start(home.folder).written == ()
+    assert len(started.written) == len(EXAMPLE_FILES)
+    assert start_project(home.folder).written == ()
 
 
 @pytest.mark.parametrize(
@@ -46,21 +46,25 @@ def test_nothing_is_overwritten(home):
 )
 def test_a_project_that_is_there_gets_no_example(home, name, text):
     home.put(name, text)
-    written = {file.relative_to(home.folder).as_posix() for file in start(home.folder).written}
-    assert written == {*AROUND, "assistant.schema.json"}
+    written = {
+        file.relative_to(home.folder).as_posix() for file in start_project(home.folder).written
+    }
+    assert written == {*REPOSITORY_FILES, "assistant.schema.json"}
 
 
 def test_a_link_out_of_the_folder_is_not_followed(home, tmp_path_factory):
     outside = tmp_path_factory.mktemp("outside")
     (home.folder / ".github").symlink_to(outside)
     with pytest.raises(Refused, match="outside"):
-        start(home.folder)
+        start_project(home.folder)
     assert list(outside.iterdir()) == []
 
 
 def test_no_secret_stands_in_what_is_written(home):
-    start(home.folder)
-    text = "".join((home.folder / name).read_text("utf-8") for name in (*AROUND, *EXAMPLE))
+    start_project(home.folder)
+    text = "".join(
+        (home.folder / name).read_text("utf-8") for name in (*REPOSITORY_FILES, *EXAMPLE_FILES)
+    )
     given = re.findall(r"PASSWORD *[:=] *(.*)", text)
     assert set(given) == {"${{ secrets.ROBOT_ASSISTANT_CELL1_PASSWORD }}"}
 
@@ -71,7 +75,7 @@ def test_what_pipelines_run_are_commands_of_this_program(home):
 
     from assistant.cli.app import app
 
-    start(home.folder)
+    start_project(home.folder)
     known = get_command(app).commands
     files = (".pre-commit-config.yaml", ".github/workflows/robot.yml", ".gitlab-ci.yml")
     text = "\n".join((home.folder / name).read_text("utf-8") for name in files)
@@ -85,7 +89,7 @@ def test_what_pipelines_run_are_commands_of_this_program(home):
 
 def test_pipelines_take_us_from_no_index(home):
     """Where anybody could put something else by our name."""
-    start(home.folder)
+    start_project(home.folder)
     wheel = f"./wheels/robot_assistant-{__version__}-py3-none-any.whl[virtual,rws]"
     for name in (".github/workflows/robot.yml", ".gitlab-ci.yml"):
         text = (home.folder / name).read_text("utf-8")
@@ -104,6 +108,6 @@ def test_editors_are_told_where_the_schema_is():
 def test_a_folder_that_cannot_be_made(home):
     file = home.put("file", "")
     with pytest.raises(Refused) as caught:
-        start(file / "inside")
+        start_project(file / "inside")
     assert caught.value.exit_status == 2
     assert Home(home.folder).folder.is_dir()

@@ -14,8 +14,8 @@ from assistant.base.source_text import SourceText
 from assistant.cli import main
 from assistant.project import build, project_of
 from assistant.project.checking import check
-from assistant.project.drafting import CHOICES, LAYER, TOP
-from assistant.project.starting import AROUND, start
+from assistant.project.drafting import CHOICE_KEYS, LAYER_ROWS, TOP_ROWS
+from assistant.project.starting import REPOSITORY_FILES, start_project
 from assistant.sources.process import file as process_layers
 from assistant.sources.process.file import parse_process, read_process
 
@@ -60,10 +60,16 @@ def fill_in(file: Path) -> None:
 
 
 def test_a_project_of_a_drawing_builds_once_its_blanks_are_filled_in(home, drawing: Path) -> None:
-    started = start(home.folder, [drawing])
+    started = start_project(home.folder, [drawing])
     written = {file.relative_to(home.folder).as_posix() for file in started.written}
     copied = "drawings/Teil (ä) 7.dxf"
-    assert written == {copied, PROCESS, "assistant.toml", "assistant.schema.json", *AROUND}
+    assert written == {
+        copied,
+        PROCESS,
+        "assistant.toml",
+        "assistant.schema.json",
+        *REPOSITORY_FILES,
+    }
     assert (home.folder / copied).read_bytes() == drawing.read_bytes()
     assert started.blank == (home.folder / PROCESS,)
     blank = check(project_of())
@@ -82,7 +88,7 @@ def test_a_project_of_a_drawing_builds_once_its_blanks_are_filled_in(home, drawi
 
 
 def test_the_process_file_says_what_the_drawing_has(home, drawing: Path) -> None:
-    start(home.folder, [drawing])
+    start_project(home.folder, [drawing])
     fill_in(home.folder / PROCESS)
     process = read_process(home.folder / PROCESS)
     assert (process.unit, process.leave_out) == ("in", ("OFF", "NOTES"))
@@ -96,23 +102,23 @@ def test_the_process_file_says_what_the_drawing_has(home, drawing: Path) -> None
 def test_every_key_of_a_layer_is_there_and_can_be_had_by_taking_the_mark_away(
     home, drawing: Path
 ) -> None:
-    start(home.folder, [drawing])
+    start_project(home.folder, [drawing])
     fill_in(home.folder / PROCESS)
     text = (home.folder / PROCESS).read_text("utf-8")
     text = re.sub(r"^# (?=\[signals|direction = \"|number|offset|depth)", "", text, flags=re.M)
-    for choice, _ in CHOICES:
+    for choice, _ in CHOICE_KEYS:
         assert choice in text or choice.removeprefix("# ") in text
         taken = text.replace(choice, choice.removeprefix("# "))
         assert not codes(taken) & {"CT301", "CT302", "CT303", "CT304", "CT309"}, choice
-    told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER, *CHOICES)}
+    told = {row[0].removeprefix("# ").split(" = ")[0] for row in (*LAYER_ROWS, *CHOICE_KEYS)}
     assert told | {"tool", "frame"} == set(process_layers.LAYER_KEYS)
 
 
 def test_what_stands_at_the_top_can_be_had_by_taking_the_mark_away(home, drawing: Path) -> None:
-    start(home.folder, [drawing])
+    start_project(home.folder, [drawing])
     fill_in(home.folder / PROCESS)
     text = (home.folder / PROCESS).read_text("utf-8")
-    for choice, _ in TOP:
+    for choice, _ in TOP_ROWS:
         assert f"\n{choice} " in text.partition("[motion]")[0]
         text = text.replace(choice, choice.removeprefix("# "))
     process = tomllib.loads(text)
@@ -122,14 +128,14 @@ def test_what_stands_at_the_top_can_be_had_by_taking_the_mark_away(home, drawing
 
 def test_a_unit_that_nobody_names_can_be_stated(home, tmp_path_factory) -> None:
     drawing = draw(tmp_path_factory.mktemp("mail") / "a.dxf", units=0)
-    started = start(home.folder, [drawing], "in")
+    started = start_project(home.folder, [drawing], "in")
     assert started.findings == ()
     assert 'unit = "in"' in (home.folder / "drawings/a.process.toml").read_text("utf-8")
 
 
 def test_a_unit_that_is_assumed_is_said(home, tmp_path_factory) -> None:
     drawing = draw(tmp_path_factory.mktemp("mail") / "a.dxf", units=0)
-    started = start(home.folder, [drawing])
+    started = start_project(home.folder, [drawing])
     assert [finding.code for finding in started.findings] == ["DX101"]
     text = (home.folder / "drawings/a.process.toml").read_text("utf-8")
     assert re.search(r'^unit = "mm" +# assumed, as the drawing names none', text, re.M)
@@ -137,7 +143,7 @@ def test_a_unit_that_is_assumed_is_said(home, tmp_path_factory) -> None:
 
 def test_a_drawing_of_the_project_stays_where_it_is(home) -> None:
     draw(home.folder / "parts/a.dxf")
-    start(home.folder, [home.folder / "parts/a.dxf"])
+    start_project(home.folder, [home.folder / "parts/a.dxf"])
     assert (home.folder / "parts/a.process.toml").is_file()
     assert not (home.folder / "drawings").exists()
     project = tomllib.loads((home.folder / "assistant.toml").read_text("utf-8"))
@@ -147,14 +153,14 @@ def test_a_drawing_of_the_project_stays_where_it_is(home) -> None:
 
 def test_two_drawings_are_two_programs(home, tmp_path_factory) -> None:
     one, two = (draw(tmp_path_factory.mktemp("mail") / name) for name in ("a-b.dxf", "A b.dxf"))
-    start(home.folder, [one, two])
+    start_project(home.folder, [one, two])
     assert list(project_of().programs) == ["a_b", "A_b_2"]
 
 
 def test_a_project_that_is_there_is_told_what_to_add(home, drawing: Path) -> None:
-    start(home.folder)
+    start_project(home.folder)
     before = (home.folder / "assistant.toml").read_bytes()
-    started = start(home.folder, [drawing])
+    started = start_project(home.folder, [drawing])
     assert (home.folder / "assistant.toml").read_bytes() == before
     (finding,) = [f for f in started.findings if f.code == "PR302"]
     assert '[programs.Teil_ae_7] with source = "drawings/Teil (ä) 7.dxf"' in finding.cure
@@ -162,14 +168,14 @@ def test_a_project_that_is_there_is_told_what_to_add(home, drawing: Path) -> Non
         "assistant.toml",
         before.decode() + '\n[programs.Teil_ae_7]\nsource = "drawings/Teil (ä) 7.dxf"\n',
     )
-    assert "PR302" not in [f.code for f in start(home.folder, [drawing]).findings]
+    assert "PR302" not in [f.code for f in start_project(home.folder, [drawing]).findings]
 
 
 def test_what_somebody_filled_in_is_never_written_over(home, drawing: Path) -> None:
-    start(home.folder, [drawing])
+    start_project(home.folder, [drawing])
     fill_in(home.folder / PROCESS)
     filled = (home.folder / PROCESS).read_bytes()
-    started = start(home.folder, [drawing])
+    started = start_project(home.folder, [drawing])
     assert (started.written, started.blank) == ((), ())
     assert [finding.code for finding in started.findings] == ["PR301"]
     assert (home.folder / PROCESS).read_bytes() == filled
@@ -178,11 +184,11 @@ def test_what_somebody_filled_in_is_never_written_over(home, drawing: Path) -> N
 def test_another_drawing_of_that_name_is_refused_before_anything_is_written(
     home, drawing: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    start(home.folder, [drawing])
+    start_project(home.folder, [drawing])
     other = draw(tmp_path_factory.mktemp("other") / drawing.name, layer="OTHER")
     before = sorted(file for file in home.folder.rglob("*"))
     with pytest.raises(Refused) as caught:
-        start(home.folder, [other])
+        start_project(home.folder, [other])
     assert [finding.code for finding in caught.value.findings] == ["PR303"]
     assert sorted(file for file in home.folder.rglob("*")) == before
 
@@ -190,7 +196,7 @@ def test_another_drawing_of_that_name_is_refused_before_anything_is_written(
 def test_what_is_no_drawing_writes_nothing(home) -> None:
     home.put("a.dxf", "no drawing")
     with pytest.raises(Refused):
-        start(home.folder / "cell", [home.folder / "a.dxf"])
+        start_project(home.folder / "cell", [home.folder / "a.dxf"])
     assert not (home.folder / "cell").exists()
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from assistant.compiler import translate
 from assistant.report.costs import costs
-from assistant.report.translation import Translated, markdown, record
+from assistant.report.translation import Translated, report_markdown, report_record
 
 MODULE = """MODULE Cell
   PROC main()
@@ -37,14 +37,14 @@ def test_like_statements_have_one_reason_and_the_most_come_first(tmp_path: Path)
 
 
 def test_a_record_tells_them_with_the_share_that_is_said(tmp_path: Path) -> None:
-    answer = record(translated(tmp_path))
+    answer = report_record(translated(tmp_path))
     assert answer["totals"]["not"] == 3
     assert answer["said_percent"] == 57.1  # of main, which is counted, and six statements
     assert [r["statements"] for r in answer["reasons"][:2]] == [2, 1]
 
 
 def test_markdown_is_a_comment_that_no_program_can_leave(tmp_path: Path) -> None:
-    told = markdown([translated(tmp_path)])
+    told = report_markdown([translated(tmp_path)])
     assert "| 4 | " not in told.splitlines()[0]
     assert "Cell`s.mod ``" in told.splitlines()[2]
     assert "| 57.1 % |" in told.splitlines()[2]
@@ -55,5 +55,5 @@ def test_markdown_is_a_comment_that_no_program_can_leave(tmp_path: Path) -> None
 def test_a_program_that_is_whole_costs_nothing(tmp_path: Path) -> None:
     one = translated(tmp_path, "MODULE m\nPROC main()\nWaitTime 1;\nENDPROC\nENDMODULE\n")
     assert costs(one.translation.rows) == []
-    assert record(one)["said_percent"] == 100
-    assert "reason" not in markdown([one])
+    assert report_record(one)["said_percent"] == 100
+    assert "reason" not in report_markdown([one])

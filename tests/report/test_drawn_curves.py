@@ -10,7 +10,7 @@ import pytest
 from assistant.cli import main
 from assistant.report.drawn import drawn_lines
 from assistant.report.track import arc_points
-from assistant.studio.processes import _lines
+from assistant.studio.processes import _drawn_lines
 from tests.sources.contours.exports import apart
 
 
@@ -59,7 +59,7 @@ def test_the_studio_draws_it_as_far_as_is_seen(waves):
     from assistant.sources.process import NO_PROCESS
 
     path, points = waves
-    (line,) = _lines(path, NO_PROCESS)
+    (line,) = _drawn_lines(path, NO_PROCESS)
     assert apart(points, np.array(line["points"])).max() <= 0.1
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant.report import figures
-from assistant.report.points import Poses, passed, point_plot
+from assistant.report.points import Poses, passed_poses, point_plot
 
 
 def turned(degrees):
@@ -25,33 +25,33 @@ def line(x, degrees=None, y=0.0):
 def test_poses_are_those_between_two_looks():
     points = line([0, 10, 25, 40], [0, 20, 50, 80])
     seen = line([-5, 17, 40], [-10, 34, 80])
-    there = passed(points, seen)
+    there = passed_poses(points, seen)
     assert there.positions == pytest.approx(points.positions, abs=1e-9)
     assert points.deviation(there) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 def test_the_largest_deviation_is_that_of_the_worst_point():
     points, seen = line([0, 10, 20], [0, 0, 3]), line([0, 10, 20], y=1.5)
-    assert points.deviation(passed(points, seen)) == pytest.approx((1.5, 3.0), abs=1e-6)
+    assert points.deviation(passed_poses(points, seen)) == pytest.approx((1.5, 3.0), abs=1e-6)
 
 
 def test_a_place_that_is_passed_twice_is_that_of_its_turn():
     """There and back: the second point at 10 mm is passed on the way back."""
     points = line([0, 10, 20, 10, 0], [0, 10, 20, 30, 40])
     seen = line([0, 20, 0], [0, 20, 40])
-    there = passed(points, seen)
+    there = passed_poses(points, seen)
     assert points.deviation(there) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 def test_a_motion_that_ends_early_is_at_its_end():
     points = line([0, 10, 20])
-    assert passed(points, line([0, 12])).positions[:, 0] == pytest.approx([0, 10, 12])
-    assert passed(points, line([4])).positions[:, 0] == pytest.approx([4, 4, 4])
+    assert passed_poses(points, line([0, 12])).positions[:, 0] == pytest.approx([0, 10, 12])
+    assert passed_poses(points, line([4])).positions[:, 0] == pytest.approx([4, 4, 4])
 
 
 def test_an_arm_that_waits_is_no_other_point():
     points = line([0, 10])
-    assert passed(points, line([0, 0, 0, 10, 10])).positions[:, 0] == pytest.approx([0, 10])
+    assert passed_poses(points, line([0, 0, 0, 10, 10])).positions[:, 0] == pytest.approx([0, 10])
 
 
 def test_the_sign_of_a_quaternion_is_not_drawn():

@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from assistant.studio.answering import Asked
-from assistant.studio.run_routes import RUN, log, start
+from assistant.studio.answering import Question
+from assistant.studio.run_routes import RUN_NAME, run_log, start_run
 from assistant.studio.studio import Studio
 from tests.cli.test_commands import SAMPLES, run
 from tests.studio.browsing import clean, studio_page, until
@@ -299,15 +299,17 @@ def test_what_a_run_did_is_there_when_its_end_is_told(
 
     def window(message: Mapping[str, object]) -> None:
         if message["kind"] == "run":
-            rows = log(studio, Asked({}))["rows"] if RUN in studio.live else []
+            rows = run_log(studio, Question({}))["rows"] if RUN_NAME in studio.live else []
             told.append((str(message["state"]), len(rows)))
 
     name = studio.windows.opened(window)
     path = module(folder, 'TPWrite "one";', 'TPWrite "two";')
-    start(studio, Asked({"path": path, "robot": "", "script": "", "points": {}}, window=name))
+    start_run(
+        studio, Question({"path": path, "robot": "", "script": "", "points": {}}, window=name)
+    )
     until_told(told)
     assert told[-1] == ("ended", 2)
-    studio.drop(RUN)
+    studio.drop(RUN_NAME)
 
 
 def until_told(told: list[tuple[str, int]]) -> None:

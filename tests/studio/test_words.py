@@ -10,8 +10,8 @@ from typing import Final
 import pytest
 
 from assistant import studio
-from assistant.studio.page import FIRST, words
-from assistant.studio.tree import KINDS
+from assistant.studio.page import FIRST_LANGUAGE, words
+from assistant.studio.tree import SUFFIX_KINDS
 
 FOLDER: Final = Path(studio.__file__).parent
 USED: Final = (
@@ -33,7 +33,7 @@ def sources() -> dict[str, str]:
 
 
 def test_every_word_that_is_asked_for_has_a_row() -> None:
-    known = table(FIRST)
+    known = table(FIRST_LANGUAGE)
     asked = {
         (name, key)
         for name, text in sources().items()
@@ -46,15 +46,15 @@ def test_every_word_that_is_asked_for_has_a_row() -> None:
 
 def test_every_row_is_asked_for() -> None:
     names = set(re.findall(r"\w+", "\n".join(sources().values())))
-    kinds = {*KINDS.values(), "process", "program", "project", "settings", "table", "file"}
+    kinds = {*SUFFIX_KINDS.values(), "process", "program", "project", "settings", "table", "file"}
     composed = {f"kind_{kind}" for kind in kinds}  # of files, as the tree has them
-    assert sorted(set(table(FIRST)) - names - composed) == []
-    assert composed <= set(table(FIRST))
+    assert sorted(set(table(FIRST_LANGUAGE)) - names - composed) == []
+    assert composed <= set(table(FIRST_LANGUAGE))
 
 
-@pytest.mark.parametrize("language", sorted(set(words()) - {FIRST}))
+@pytest.mark.parametrize("language", sorted(set(words()) - {FIRST_LANGUAGE}))
 def test_every_language_has_every_word(language: str) -> None:
-    known, theirs = table(FIRST), table(language)
+    known, theirs = table(FIRST_LANGUAGE), table(language)
     assert sorted(set(known) ^ set(theirs)) == []
     assert all(isinstance(text, str) and text.strip() == text != "" for text in theirs.values())
     assert "<" not in "".join(theirs.values())

@@ -17,7 +17,7 @@ from assistant.cell.collision.model import Carriers
 from assistant.cell.link_bodies import place_robot
 from assistant.program.geometry import Pose
 from assistant.view.live import LivePage
-from assistant.view.page import filled
+from assistant.view.page import filled_page
 from docs.browsing import chromium, installed
 from tests.cell.test_holding import CELL, PICK
 from tests.cli.test_commands import SAMPLES, run
@@ -277,7 +277,7 @@ def test_a_page_that_follows_stands_as_it_is_told(opened: tuple[Any, str], brows
     data = data_of(opened[1]) | {"live": "cell <b>one</b>"}
     robot = robots.get("irb1200-7-0.7")
     carriers = Carriers((place_robot("arm", robot, Pose((50.0, 0.0, 20.0))),))
-    with LivePage(filled(data)) as served:
+    with LivePage(filled_page(data)) as served:
         events = f"{served.address}events"
         with looking(browser, served.address, (events,)) as page:
             assert page.locator("#state").inner_text() == "cell <b>one</b>: waiting for it"

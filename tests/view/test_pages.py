@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.view.page import filled
+from assistant.view.page import filled_page
 from tests.cli.test_commands import SAMPLES, run
 from tests.view.cases import data_of, numbers, written
 
@@ -37,7 +37,7 @@ def test_a_page_needs_no_other_file(page: str) -> None:
 
 def test_no_text_of_a_program_ends_a_script() -> None:
     data = {"title": "<!--</script><b>\u2028&amp;", "moves": ["<script>{{ data }}"]}
-    page = filled(data)
+    page = filled_page(data)
     assert page.count("</script>") == 3
     assert "<b>" not in page
     assert data_of(page) == data

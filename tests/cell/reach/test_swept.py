@@ -21,7 +21,7 @@ from assistant.program.geometry import JointTarget, Pose
 from assistant.program.motion import FINE, MAXIMUM_SPEED
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, MoveJoints
-from assistant.report.swept_space import surface, swept_glb
+from assistant.report.swept_space import swept_glb, swept_surface
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation, simulate
 from tests.cell.gantry import gantry, joints
@@ -166,7 +166,7 @@ def test_the_surface_is_closed_and_holds_what_is_swept():
 
     cells = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1], [-3, 2, 5]])
     found = SweptSpace(10.0, cells, {"tool": np.ones(5, dtype=bool)})
-    mesh = surface(found)
+    mesh = swept_surface(found)
     shape = trimesh.Trimesh(mesh.points, mesh.triangles)
     assert shape.is_watertight
     assert np.isclose(shape.volume, 5000.0)

@@ -25,7 +25,7 @@ from assistant.compiler import simulated_run
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.cyclic.setpoint_source import Settings
 from assistant.program.pseudo.words import FIRST_WORDS
-from assistant.project.schema import schema
+from assistant.project.schema import project_schema
 from assistant.sources import cell_values as of_data
 from assistant.sources import process
 from assistant.sources.process import file, placement
@@ -211,7 +211,7 @@ def keys() -> frozenset[str]:
         ROBOTS,
         WAYPOINTS,
     )
-    return frozenset().union(*read, _properties(schema()))
+    return frozenset().union(*read, _properties(project_schema()))
 
 
 @cache
@@ -221,7 +221,7 @@ def tables() -> frozenset[str]:
         *of_processes.TOP_TABLES,
         of_processes.PLACEMENT_TABLE,
         *of_data.TABLE_OF_KIND.values(),
-        *schema()["properties"],
+        *project_schema()["properties"],
         *simulated_run.SCRIPT_KEYS,
     }
     return frozenset({*said, "targets", "world", "robots", "bodies"})
