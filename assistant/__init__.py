@@ -14,9 +14,8 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from assistant import deploy, languages, robots
+    from assistant.api.analysis import check, simulate
     from assistant.api.arrays import from_joints, from_poses
-    from assistant.api.checking import check
-    from assistant.api.simulating import simulate
     from assistant.base.diagnostics import Refused
     from assistant.cell.cell_file import read_scene
     from assistant.cell.planning.planner import plan
@@ -28,7 +27,7 @@ _LAZY: Final = {
     "Pose": ("assistant.program.geometry", "Pose"),
     "Proving": ("assistant.compiler", "Proving"),
     "Refused": ("assistant.base.diagnostics", "Refused"),
-    "check": ("assistant.api.checking", "check"),
+    "check": ("assistant.api.analysis", "check"),
     "compare": ("assistant.compiler", "compare"),
     "compile": ("assistant.compiler", "compile"),
     "connect": ("assistant.controllers", "connect"),
@@ -40,7 +39,7 @@ _LAZY: Final = {
     "plan": ("assistant.cell.planning.planner", "plan"),
     "read_scene": ("assistant.cell.cell_file", "read_scene"),
     "robots": ("assistant.robots", None),
-    "simulate": ("assistant.api.simulating", "simulate"),
+    "simulate": ("assistant.api.analysis", "simulate"),
     "translate": ("assistant.compiler", "translate"),
 }
 """Public names, imported when first used so that the command line starts fast."""
@@ -75,11 +74,11 @@ draw_by(
         "Check": ("assistant.api.notebook", "check_html"),
         "Compiled": ("assistant.api.notebook", "compiled_html"),
         "Diagnostic": ("assistant.api.notebook", "finding_html"),
-        "Path": ("assistant.api.notebook_columns", "path_html"),
+        "Path": ("assistant.api.notebook", "path_html"),
         "Program": ("assistant.api.notebook", "program_html"),
-        "Recording": ("assistant.api.notebook_columns", "recording_html"),
-        "Robot": ("assistant.api.notebook_columns", "robot_html"),
-        "Samples": ("assistant.api.notebook_columns", "samples_html"),
+        "Recording": ("assistant.api.notebook", "recording_html"),
+        "Robot": ("assistant.api.notebook", "robot_html"),
+        "Samples": ("assistant.api.notebook", "samples_html"),
         "Simulated": ("assistant.api.notebook", "simulated_html"),
         "Translation": ("assistant.api.notebook", "translation_html"),
     }

@@ -23,7 +23,7 @@ from assistant.controllers import controllers_of
 from assistant.findings import rulebook
 from assistant.findings.severities import severities_for
 from assistant.program import pseudo
-from assistant.project.schema import project_schema
+from assistant.project.project_file import project_schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.options import choose

@@ -47,8 +47,8 @@ EXCEPTIONS: Final = {
     ("cli/app.py", "rapid"): "help: what the program is for",
     ("cli/app.py", "reset"): "the name of a command",
     ("cli/app.py", "melfa"): "help: what the program is for",
-    ("cli/demo_cells.py", "j_curr"): "what the second program on its virtual controller sends",
-    ("cli/looking.py", "reset"): "the name of our own command",
+    ("cli/demo.py", "j_curr"): "what the second program on its virtual controller sends",
+    ("cli/controller_commands.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
     ("editing/answers.py", "function"): "a sort of word",
     ("editing/answers.py", "readonly"): "what editors call it",
@@ -73,7 +73,7 @@ EXCEPTIONS: Final = {
     ("sources/drawing/attributes.py", "mov"): "what people write into drawings",
     ("sources/drawing/attributes.py", "mvs"): "what people write into drawings",
     ("studio/controller_routes.py", "connect"): "the name of a route",
-    ("studio/guard.py", "connect"): "a word of the policy that browsers keep to",
+    ("studio/app.py", "connect"): "a word of the policy that browsers keep to",
 }
 """File and word → why it stays."""
 

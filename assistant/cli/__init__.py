@@ -77,9 +77,8 @@ def _discard_leaks() -> None:
 
 def _run(arguments: list[str] | None) -> None:
     from assistant.base.file_sets import reporting_leftovers
-    from assistant.cli.app import app
+    from assistant.cli.app import app, refuse_passwords
     from assistant.cli.presentation import print_findings, print_refused
-    from assistant.cli.secrets import refuse_passwords
 
     try:
         refuse_passwords(sys.argv[1:] if arguments is None else arguments)

@@ -1,45 +1,94 @@
-"""The commands of `robot-assistant`; each imports what it needs when it runs."""
+"""The commands of `robot-assistant`, and what is refused before one of them runs.
+
+`COMMANDS` names the module of each command, which is imported when the command is asked for. An
+argument that looks like an address with a password in it is refused before anything can repeat it:
+passwords come from the environment, the keyring or a question.
+"""
 
 from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Iterator, Mapping, MutableMapping
+import re
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Final
 
 import typer
 from typer.core import TyperGroup
 
 from assistant import __version__
+from assistant.base.diagnostics import Refused
+
+NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
+"""What gives something a value, `text="a:b@c"`, and what stands on a drive of Windows."""
+
+
+def refuse_passwords(words: Sequence[str]) -> None:
+    """Raises Refused, of exit status 2, if one looks like an address that holds a password.
+
+    Whichever command and option it belongs to: what takes no address would take it for a file.
+    """
+    for word in words:
+        if not ("@" in word or "%" in word) or NOT_AN_ADDRESS.match(word) or _path_exists(word):
+            continue
+        from assistant.controllers import rules
+        from assistant.controllers.address import holds_password, without_password
+
+        if holds_password(word):
+            _adopt_format(words)
+            finding = rules.PASSWORD_IN_ADDRESS(place=without_password(word))
+            raise Refused(finding, exit_status=2)
+
+
+def _path_exists(word: str) -> bool:
+    """Whether it is the name of a file or a folder."""
+    try:
+        return Path(word).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _adopt_format(words: Sequence[str]) -> None:
+    """What reads the options has not been there yet."""
+    from assistant.cli.presentation import FindingFormat, PlanFormat, answer_as
+
+    text = " ".join(words)
+    for format in (one for one in FindingFormat if one is not FindingFormat.TEXT):
+        if re.search(rf"--format[ =]{format}\b", text):
+            answer_as(format)
+    if re.search(rf"--format[ =]{PlanFormat.MARKDOWN}\b", text):
+        answer_as(PlanFormat.MARKDOWN)
+
 
 COMMANDS: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         ("compile", "translate", "compare", "show", "check", "explain", "fmt", "coverage"),
-        "on_programs",
+        "program_commands",
     ),
-    **dict.fromkeys(("simulate", "view", "info", "scene"), "on_cells"),
-    **dict.fromkeys(("kinematics", "fmu"), "on_blocks"),
-    "see": "object_commands",
-    "learn": "learning_commands",
+    **dict.fromkeys(("simulate", "view", "info", "scene"), "cell_views"),
+    **dict.fromkeys(("kinematics", "fmu"), "block_export"),
+    "see": "known_objects",
+    "learn": "learning",
     **dict.fromkeys(("run", "debug"), "virtual_runs"),
-    "lsp": "editors",
-    "gateway": "gateways",
-    "studio": "studios",
-    "answer": "answering_sights",
+    "lsp": "services",
+    "gateway": "services",
+    "studio": "services",
+    "answer": "services",
     **dict.fromkeys(("init", "build"), "projects"),
-    **dict.fromkeys(("plan", "deploy", "rollback", "deployments", "verify"), "deployments"),
-    **dict.fromkeys(("ls", "get", "put", "rm", "backup", "restore"), "on_controllers"),
-    **dict.fromkeys(("monitor", "log", "inputs", "outputs", "parameters"), "on_controllers"),
-    **dict.fromkeys(("variables", "reset", "stop", "teach"), "on_controllers"),
-    **dict.fromkeys(("motors", "jog", "start", "hand", "follow", "servo"), "on_arms"),
-    "demo": "demo_command",
-    "virtual": "virtual_commands",
-    "robots": "robot_commands",
-    "exchange": "exchanges",
-    "reach": "reaching",
-    "explore": "explorations",
-    "camera": "camera_commands",
-    "objects": "object_commands",
+    **dict.fromkeys(("plan", "deploy", "rollback", "deployments", "verify"), "deployment"),
+    **dict.fromkeys(("ls", "get", "put", "rm", "backup", "restore"), "controller_commands"),
+    **dict.fromkeys(("monitor", "log", "inputs", "outputs", "parameters"), "controller_commands"),
+    **dict.fromkeys(("variables", "reset", "stop", "teach"), "controller_commands"),
+    **dict.fromkeys(("motors", "jog", "start", "hand", "follow", "servo"), "arm_commands"),
+    "demo": "demo",
+    "virtual": "virtual_controllers",
+    "robots": "robots",
+    "exchange": "pose_exchange",
+    "reach": "reach",
+    "explore": "exploration_commands",
+    "camera": "cameras",
+    "objects": "known_objects",
 }
 """Command, in the order of the help → the module of this folder that has it under its name: a
 function, or the `Typer` of a group.

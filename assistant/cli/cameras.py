@@ -1,16 +1,25 @@
-"""What the commands of cameras do."""
+"""Cameras: calibrate them, look through them, check them, and draw what they would see.
+
+`camera calibrate` finds lenses and mounts from pictures of a board; `camera check` compares the
+cameras with each other; `camera draw` draws pictures for tests without a camera.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Annotated, Final, cast
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
     from assistant.program.geometry import Pose
     from assistant.vision.calibration.hand_eye import Mounting
     from assistant.vision.calibration.rigs import RigFound
@@ -18,6 +27,117 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.capture import Frame
     from assistant.vision.cameras.checking import Agreement
+    from assistant.vision.cameras.drawing import Thing
+
+
+camera: Final = typer.Typer(
+    help="Calibrate, look through and check cameras; draw what they would see of a cell.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+)
+CamerasArgument = Annotated[
+    Path, typer.Argument(metavar="CAMERAS", help="File of the cameras, .toml.")
+]
+BoardOption = Annotated[
+    str, typer.Option("--board", help="`chessboard 9x6 25` or `charuco 7x5 40 30`: mm.")
+]
+
+
+class MountingChoice(StrEnum):
+    """Where a camera is that an arm calibrates."""
+
+    HAND = "hand"
+    STAND = "stand"
+
+
+class DrawnThing(StrEnum):
+    """What is shown to drawn cameras."""
+
+    BALL = "ball"
+    WAND = "wand"
+    BOARD = "board"
+
+
+@camera.command()
+def calibrate(
+    pictures: Annotated[
+        list[str],
+        typer.Argument(metavar="NAME=FOLDER", help="A camera and its pictures of the board."),
+    ],
+    board: BoardOption,
+    output: Annotated[Path, typer.Option("--output", "-o", help="File of the cameras, .toml.")],
+    poses: Annotated[
+        Path | None,
+        typer.Option(help="Table of the poses of the flange, a row a picture: CSV, NPY, JSON."),
+    ] = None,
+    mounting: Annotated[
+        MountingChoice,
+        typer.Option(help="With --poses: the first camera is in the hand, or stands."),
+    ] = MountingChoice.STAND,
+    flange: Annotated[
+        str, typer.Option(help="How the cell calls the flange that carries the camera.")
+    ] = "flange",
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Find lenses from pictures of a board, and where the cameras stand."""
+    raise typer.Exit(run_calibrate(pictures, board, output, poses, mounting.value, flange, format))
+
+
+@camera.command()
+def view(
+    cameras: CamerasArgument,
+    name: Annotated[str, typer.Argument(help="Of the camera.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Picture to write, .png.")],
+    source: Annotated[
+        str | None, typer.Option(help="Device, stream, file or folder instead of the file's.")
+    ] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Write what a camera sees, with the axes of the frame that it stands in drawn over it."""
+    raise typer.Exit(run_view(cameras, name, output, source, format))
+
+
+@camera.command()
+def check(
+    cameras: CamerasArgument,
+    board: Annotated[
+        str | None,
+        typer.Option("--board", help="A board that all of them see now: whether they agree."),
+    ] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Look whether cameras give pictures that are good enough, and whether they agree."""
+    raise typer.Exit(run_check(cameras, board, format))
+
+
+@camera.command()
+def draw(
+    cameras: CamerasArgument,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder; a folder of pictures each camera.")
+    ],
+    cell: Annotated[Path | None, typer.Option(help="Cell file of what else is seen.")] = None,
+    show: Annotated[DrawnThing, typer.Option(help="What is shown.")] = DrawnThing.WAND,
+    at: Annotated[
+        Path | None,
+        typer.Option(help="Table of the poses at which it is shown, a row a picture."),
+    ] = None,
+    poses: Annotated[
+        Path | None,
+        typer.Option(help="Table of poses of the flange that carries cameras, a row a picture."),
+    ] = None,
+    board: Annotated[
+        str, typer.Option("--board", help="With --show board: which one.")
+    ] = "charuco 7x5 40 30",
+    noise: Annotated[float, typer.Option(help="Grey levels, one sigma.", min=0.0)] = 2.0,
+    seed: Annotated[int, typer.Option(help="Of the noise.", min=0)] = 0,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Draw what cameras would see: to try all of it without a camera."""
+    shown = None if at is None else (show.value, at, board)
+    raise typer.Exit(run_draw(cameras, output, cell, shown, poses, noise, seed, format))
+
 
 NOT_A_CAMERA_FOLDER: Final = error(
     "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
@@ -278,3 +398,92 @@ def write_png(file: Path, picture: object) -> None:
     done, data = opencv().imencode(".png", picture)
     assert done, "a picture of eight bits can be written as PNG"
     write_files({file.name: bytes(data)}, file.parent)
+
+
+NOTHING_TO_DRAW: Final = error(
+    "CL503", "there is nothing to draw", "name a table of poses by --at, or a cell by --cell"
+)
+UNEQUAL_ROWS: Final = error(
+    "CL505",
+    "{at} has {count} rows and {poses} has {other}",
+    "write as many in both, or a single one in one of them",
+)
+DrawnScene = tuple[str, Path, str]
+"""What is shown, the table of where, and the board that it may be."""
+
+
+def run_draw(
+    file: Path,
+    output: Path,
+    cell: Path | None,
+    shown: DrawnScene | None,
+    poses: Path | None,
+    noise: float,
+    seed: int,
+    format: Format,
+) -> int:
+    from assistant.cell.cell_file import read_scene
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.drawing import Optics, draw, things_of
+
+    rig = read_cameras(file)
+    if shown is None and cell is None:
+        raise Refused(NOTHING_TO_DRAW(), exit_status=2)
+    scene, findings = (None, ()) if cell is None else read_scene(cell)
+    print_findings(findings)
+    around = [] if scene is None else things_of(scene)
+    moments = _drawn_moments(shown, poses)
+    for number, (place, flange) in enumerate(moments):
+        things = [*around, *([] if shown is None or place is None else _drawn_things(shown, place))]
+        for name, camera in rig.cameras.items():
+            stands = _camera_in_world(camera, scene, flange)
+            picture = draw(stands, things, Optics(noise=noise), seed=seed + number)
+            write_png(output / name / f"{number:04}.png", picture)
+    if format is Format.JSON:
+        print_json({"cameras": list(rig.cameras), "pictures": len(moments)})
+    else:
+        for name in rig.cameras:
+            say(f"{name}: {len(moments)} pictures in {output / name}")
+    return 0
+
+
+def _drawn_moments(
+    shown: DrawnScene | None, poses: Path | None
+) -> Sequence[tuple[Pose | None, Pose | None]]:
+    """Of each picture where something is shown and where the flange is, None for neither."""
+    at: list[Pose | None] = [None] if shown is None else [*read_poses(shown[1])]
+    flanges: list[Pose | None] = [None] if poses is None else [*read_poses(poses)]
+    count = max(len(at), len(flanges))
+    if not {len(at), len(flanges)} <= {1, count}:
+        places = "" if shown is None else str(shown[1])
+        finding = UNEQUAL_ROWS(at=places, count=len(at), poses=str(poses), other=len(flanges))
+        raise Refused(finding, exit_status=2)
+    return [(at[min(i, len(at) - 1)], flanges[min(i, len(flanges) - 1)]) for i in range(count)]
+
+
+def _camera_in_world(camera: Camera, scene: Scene | None, flange: Pose | None) -> Camera:
+    from assistant.vision.cameras import rules
+    from assistant.vision.cameras.camera import WORLD
+    from assistant.vision.cameras.standing import in_world
+
+    if camera.parent == WORLD:
+        return camera
+    if flange is not None:
+        return camera.carried(flange)
+    if scene is None:
+        finding = rules.NOT_DRAWN(name=camera.name, parent=camera.parent)
+        raise Refused(finding, exit_status=2)
+    return in_world(camera, scene)
+
+
+def _drawn_things(shown: DrawnScene, place: Pose) -> list[Thing]:
+    from assistant.vision.calibration.boards import Board
+    from assistant.vision.cameras.drawing import Card, Thing
+    from assistant.vision.pointing.devices import DEVICES
+    from assistant.vision.pointing.showing import things_of_device
+
+    what, _, board = shown
+    if what != "board":
+        return things_of_device(DEVICES[what](), place)
+    wanted = Board.parse(board)
+    return [Thing(Card(wanted.size, wanted.picture(40)), place @ wanted.on_card.inverse())]

@@ -1,26 +1,159 @@
-"""`demo`: a trajectory and a drawing on two virtual controllers, and a page of both."""
+"""The demo: a trajectory and a drawing on two virtual controllers, and a page of both.
+
+Each source is compiled for an ABB and a Mitsubishi robot, installed on its virtual controller and
+run there. The poses at which the arm passed its points are plotted beside those of the source.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final, cast
+
+import typer
 
 from assistant.base.diagnostics import Refused, Severity
-from assistant.cli.compiling import working
-from assistant.cli.demo_cells import ABB, MITSUBISHI, Cell, start_cells
-from assistant.cli.presentation import print_findings, say
+from assistant.cli.compilation import working
+from assistant.cli.presentation import LengthUnit, print_findings, say
 from assistant.resources import resource
 
 if TYPE_CHECKING:
+    from assistant.base.arrays import Floats
     from assistant.cell.scene import Scene
     from assistant.compiler import Compiled
+    from assistant.controllers import Controller, Programs
+    from assistant.controllers.mitsubishi.data_link import Joints
+    from assistant.program.geometry import Pose
     from assistant.program.program import Program
     from assistant.program.se3 import Unit
-    from assistant.report.points import Poses
+    from assistant.report.figures import Poses
     from assistant.view.sheets import Sheet
+    from assistant.virtual.cr import VirtualCr
+
+
+def demo(
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for what it makes.")
+    ] = Path("out/demo"),
+    unit: Annotated[
+        LengthUnit, typer.Option(help="Unit of the positions that are drawn.")
+    ] = LengthUnit.MM,
+) -> None:
+    """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
+    raise typer.Exit(run_demo(output, unit.value))
+
+
+ABB: Final = "irb1200-7-0.7"
+MITSUBISHI: Final = "rv-2aj"
+TIME_FACTOR: Final = 2.0
+"""Simulated seconds for each real one."""
+LOOK_PERIOD: Final = 0.01
+"""Seconds between two looks at an arm."""
+JOINT_SENDER: Final = b"""10 WAIT M_RUN(1)=1
+20 OPEN "COM2:" AS #1
+30 PRINT #1,J_CURR
+40 DLY 0.02
+50 IF M_RUN(1)=1 THEN 30
+60 PRINT #1,J_CURR
+70 PRINT #1,"END"
+80 CLOSE #1
+90 END
+"""
+"""Sends the joints on a data link while slot 1 runs, as a second task."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A virtual controller with its arm.
+
+    programs: where programs are installed. play: starts the program of a name, and returns the
+    joints (n, a) that the arm had until its end.
+    """
+
+    robot: str
+    programs: Programs
+    play: Callable[[str], Floats]
+
+    def seen(self, name: str, tip: Pose) -> Poses:
+        """Return the poses of the tip of a tool while the program of that name runs."""
+        import numpy as np
+
+        from assistant import robots
+        from assistant.base import rotations
+        from assistant.report.figures import Poses
+
+        flange, turns = robots.get(self.robot).fk(self.play(name))
+        tips = flange + rotations.rotate(turns, np.array(tip.position))
+        return Poses(tips, rotations.multiply(turns, np.array(tip.quaternion)))
+
+
+def start_cells(stack: ExitStack) -> Mapping[str, Cell]:
+    """Start a controller for each robot, both empty, until `stack` is closed."""
+    from assistant.controllers import connect
+    from assistant.virtual.cr import VirtualCr
+    from assistant.virtual.irc5 import VirtualIrc5
+
+    home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
+    irc5 = stack.enter_context(VirtualIrc5(home, rate=TIME_FACTOR / 2.0))  # it is seen more seldom
+    cr = stack.enter_context(VirtualCr(MITSUBISHI, pace=TIME_FACTOR))
+
+    def play_rapid(name: str) -> Floats:
+        with connect(irc5.rws_address, password=irc5.password) as controller:
+            return _run_and_watch(cast("Controller", controller), name)
+
+    return {
+        ABB: Cell(ABB, connect(irc5.address, password=irc5.password), play_rapid),
+        MITSUBISHI: Cell(MITSUBISHI, connect(cr.address), lambda name: _run_and_receive(cr, name)),
+    }
+
+
+def _run_and_watch(controller: Controller, name: str) -> Floats:
+    """Run a program and ask for the joints, by the line that it was started on."""
+    import numpy as np
+
+    controller.load(name)
+    controller.motors(True)
+    controller.start()
+    rows = []
+    for sample in controller.watch(LOOK_PERIOD):
+        rows.append(sample.position.joints)
+        if not sample.state.running:
+            break
+    controller.motors(False)
+    return np.array(rows, dtype=np.float64)
+
+
+def _run_and_receive(cr: VirtualCr, name: str) -> Floats:
+    """Run a program, and have a second one send the joints on a data link meanwhile.
+
+    The line of the commands answers five times a second, and a data link as often as is sent.
+    """
+    import numpy as np
+
+    from assistant import robots
+    from assistant.controllers import connect
+    from assistant.controllers.mitsubishi.data_link import DataLink, Form
+
+    form = Form.parse("J_CURR")
+    host, port = cr.data_ports["COM2:"]
+    rows = []
+    with cast("Controller", connect(cr.address)) as controller:
+        controller.write("STATUS", JOINT_SENDER)
+        controller.load("STATUS", task="2")
+        controller.load(name)
+        controller.motors(True)
+        controller.start("2")
+        with DataLink(f"{host}:{port}") as line:
+            controller.start("1")
+            while (text := line.receive()) != "END":
+                (joints,) = form.read(text)
+                rows.append(cast("Joints", joints).values)
+        controller.motors(False)
+    return np.array(rows, dtype=np.float64)[:, list(robots.get(MITSUBISHI).places)]
+
 
 DRAWING: Final = "plate.dxf"
 TRAJECTORY: Final = "positioning.csv"
@@ -47,7 +180,7 @@ class Source:
 
 
 def run_demo(output: Path, unit: Unit) -> int:
-    from assistant.cli.pages import PageRequest, write_page
+    from assistant.cli.report_pages import PageRequest, write_page
 
     sheets: list[Sheet] = []
     with ExitStack() as stack:
@@ -98,7 +231,7 @@ def _run_on_each_robot(
 ) -> Iterator[Sheet]:
     """A source for each robot, as it is installed and played there, with a plot of it."""
     from assistant import robots
-    from assistant.cli.sheets import compiled_sheet, drawing_lines
+    from assistant.cli.report_pages import compiled_sheet, drawing_lines
     from assistant.report.track import track
 
     given = source.given
@@ -111,10 +244,12 @@ def _run_on_each_robot(
             passed[robot], note = _run_and_compare(compiled, there[robot])
             notes.append(note)
         elif robot == ROBOTS[0]:
-            from assistant.report import plots
+            from assistant.report import figures
 
             title = f"{source.name}: the TCP over its way"
-            _write_pose_plot(output, source, plots.pose_plot(track(compiled.program), title, unit))
+            _write_pose_plot(
+                output, source, figures.pose_plot(track(compiled.program), title, unit)
+            )
         scene = _demo_scene(robot) if (source.name, robot) == SHOWN_IN_CELL else None
         found = (
             replace(one, path=source.name if one.path == str(given) else one.path)
@@ -124,7 +259,7 @@ def _run_on_each_robot(
         sheet = compiled_sheet(source.name, compiled, scene, robots.get(robot), drawn)
         yield replace(sheet, notes=(*sheet.notes, *notes))
     if passed:
-        from assistant.report.points import point_plot
+        from assistant.report.figures import point_plot
 
         title = f"{source.name}: the TCP at its {POSES} points"
         _write_pose_plot(
@@ -143,7 +278,7 @@ def _write_pose_plot(output: Path, source: Source, plot: bytes) -> None:
 
 def _program_points(compiled: Compiled) -> Poses:
     """The points of a program, in the order of its statements."""
-    from assistant.report.points import Poses
+    from assistant.report.figures import Poses
     from assistant.report.track import track
 
     way = track(compiled.program)
@@ -152,7 +287,7 @@ def _program_points(compiled: Compiled) -> Poses:
 
 def _run_and_compare(compiled: Compiled, cell: Cell) -> tuple[Poses, str]:
     """Run the program; returns the poses at which the arm passed its points, and a note on them."""
-    from assistant.report.points import passed_poses
+    from assistant.report.figures import passed_poses
 
     tool = compiled.program.tools[TOOL]
     name = cell.programs.name_for(next(iter(compiled.files)))

@@ -1,14 +1,19 @@
-"""Arguments and options that several commands share."""
+"""Options that several commands share, and their defaults from the project.
+
+An option that is not given takes what `assistant.toml` states for the source, if the project makes
+it in one way only. `--signals` and `--seed` need `--prove`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from assistant.base.diagnostics import FailOn
+from assistant.base.diagnostics import FailOn, Refused, error
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
@@ -19,6 +24,7 @@ from assistant.cli.presentation import (
 )
 
 if TYPE_CHECKING:
+    from assistant.compiler.motion_proof import Proving
     from assistant.sources.process.placement import DrawingPlacement
 
 
@@ -202,3 +208,39 @@ def placement_of(place: str | None, marks: Sequence[str] | None) -> DrawingPlace
     from assistant.sources.process.placement import placement_of_options
 
     return placement_of_options(place, marks or ())
+
+
+SIGNALS_WITHOUT_PROOF = error(
+    "CL020", "--signals says nothing without --prove", "add --prove, or leave it out"
+)
+
+
+def proof_settings(wanted: bool, signals: Path | None, seed: int) -> Proving | None:
+    """How a proof by motion is sought, None for none; raises Refused (exit status 2)."""
+    from assistant.compiler.motion_proof import Proving
+
+    if not wanted:
+        if signals is not None:
+            raise Refused(SIGNALS_WITHOUT_PROOF(), exit_status=2)
+        return None
+    return Proving(script=signals, seed=seed)
+
+
+T = TypeVar("T")
+
+
+def with_project_defaults(source: str, options: T) -> T:
+    """Options of a command, a record, with what the project of a source says of the rest.
+
+    Raises Refused where it says several things.
+    """
+    if source == "-" or not Path(source).is_file():
+        return options
+    from assistant.project.source_options import OPTIONS, SourceOptions, completed_options
+
+    assert is_dataclass(options) and not isinstance(options, type)
+    names = [field.name for field in fields(options) if field.name in OPTIONS]
+    given = SourceOptions(**{name: getattr(options, name) for name in names})
+    done = completed_options(source, given, names)
+    changed: dict[str, Any] = {name: getattr(done, name) for name in names}
+    return replace(options, **changed)

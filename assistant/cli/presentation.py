@@ -1,4 +1,7 @@
-"""Findings and results for people (with colours on a terminal) and for programs (JSON)."""
+"""Present findings and results: for people, with colours on a terminal, and as JSON.
+
+What a command answers goes to standard output; findings and progress go to standard error.
+"""
 
 from __future__ import annotations
 

@@ -1,12 +1,16 @@
-"""The commands of a project as a whole: `init` and `build`; `check` without files is one more."""
+"""A project as a unit: `init`, `build`, and `check` without files."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from assistant.base.diagnostics import FailOn, Refused, error, fold_files
+from assistant.cli.compilation import working
 from assistant.cli.options import (
     DropEditOption,
     FindingFormatOption,
@@ -14,7 +18,17 @@ from assistant.cli.options import (
     OverwriteOption,
     UnitOption,
 )
-from assistant.cli.presentation import FindingFormat
+from assistant.cli.presentation import (
+    FindingFormat,
+    print_findings,
+    print_for_programs,
+    print_json,
+    say,
+)
+
+if TYPE_CHECKING:
+    from assistant.compiler.merge_edits import MergeChoices
+
 
 JobsOption = Annotated[
     int | None,
@@ -37,7 +51,6 @@ def build(
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Compile the programs of the project for its targets, into build/TARGET/."""
-    from assistant.cli.building import run_build
     from assistant.compiler.merge_edits import MergeChoices
 
     wishes = MergeChoices.of(overwrite, keep_edit or (), drop_edit or ())
@@ -55,6 +68,100 @@ def init(
     unit: UnitOption = None,
 ) -> None:
     """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
-    from assistant.cli.building import run_init
-
     raise typer.Exit(run_init(paths or (), unit))
+
+
+ONE_FOLDER = error(
+    "CL051",
+    "a project has one folder, and `{name}` is another one",
+    "name one folder, and drawings that end in .dxf",
+)
+NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name one, or leave it out")
+
+
+def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
+    from assistant.project.new_project import BLANK_KEYS, start_project
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
+
+    drawings = [
+        path for path in paths if path.suffix.lower() in DRAWING_SUFFIXES and not path.is_dir()
+    ]
+    folders = [path for path in paths if path not in drawings]
+    if len(folders) > 1:
+        raise Refused(ONE_FOLDER(name=folders[1]), exit_status=2)
+    if unit is not None and not drawings:
+        raise Refused(NO_DRAWING(), exit_status=2)
+    folder = folders[0] if folders else Path()
+    started = start_project(folder, drawings, unit)
+    print_findings(started.findings)
+    for file in started.written:
+        say(f"wrote {file}")
+    for file in started.blank:
+        say(f"fill in {' and '.join(BLANK_KEYS)} in {file}")
+    inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
+    first = (
+        "check, then build and deploy" if started.blank else "build, then robot-assistant deploy"
+    )
+    say(f"next, {inside}robot-assistant {first}")
+    return 0
+
+
+def check_project(given: Mapping[str, object], format: FindingFormat, fail_on: FailOn) -> int:
+    """`check` of the project here. given: options of files, by name."""
+    from assistant.project import project_of, rules
+    from assistant.project.builds import check
+
+    stated = [option for option, value in given.items() if value is not None]
+    if stated:
+        raise Refused(*(rules.ONLY_WITH_FILES(option=one) for one in stated), exit_status=2)
+    done = check(project_of(), working=lambda count: working(f"checking {_program_count(count)}"))
+    if format is not FindingFormat.TEXT:
+        print_for_programs(done.findings, done.ignored, format, fail_on, done.sources)
+    else:
+        print_findings(fold_files(done.findings), explained=True)
+        count = len(done.findings)
+        ignored = f", {len(done.ignored)} ignored" if done.ignored else ""
+        say(
+            f"{_program_count(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}"
+        )
+    return fail_on.status(done.findings, unreadable=done.unreadable)
+
+
+def run_build(
+    names: Sequence[str],
+    jobs: int | None,
+    anew: bool,
+    format: FindingFormat,
+    wishes: MergeChoices | None = None,
+) -> int:
+    from assistant.project import State, build, project_of
+    from assistant.project.builds import build_record
+
+    done = build(project_of(), names, jobs=jobs, anew=anew, working=_build_spinner, wishes=wishes)
+    if format is FindingFormat.JSON:
+        print_json(build_record(done, _path_from_here))
+    elif format is not FindingFormat.TEXT:
+        print_for_programs(done.findings, (), format)
+    else:
+        print_findings(done.findings)
+        for one in done.programs:
+            said = ", ".join(map(_path_from_here, one.files)) if one.state is State.BUILT else ""
+            say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
+            for line in one.proof:
+                say(f"  {line}")
+            for diff in one.diffs.values():
+                say(diff.rstrip("\n"))
+    return done.status
+
+
+def _build_spinner(count: int) -> AbstractContextManager[None]:
+    return working(f"building {_program_count(count)}")
+
+
+def _program_count(count: int) -> str:
+    return f"{count} program{'s' * (count != 1)}"
+
+
+def _path_from_here(file: Path) -> str:
+    here = Path.cwd()
+    return str(file.relative_to(here) if file.is_relative_to(here) else file)

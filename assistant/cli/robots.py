@@ -1,10 +1,161 @@
-"""`robots` and `robots show`: the catalogue, one robot of it or of the user's own, its drawing."""
+"""Robots: the catalogue, one robot with its drawing, and robots corrected by measured poses.
+
+`robots calibrate` estimates zeros of axes, lengths and the measured point from rows of joints and
+positions; `robots poses` suggests poses to measure. The result is a new robot file: the file of
+the measured robot is never replaced. Lengths are mm, angles degrees.
+"""
 
 from __future__ import annotations
 
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-from assistant.cli.presentation import Format, print_findings, print_json, say
+import typer
+
+from assistant.base.diagnostics import Refused, error
+from assistant.cli.options import FormatOption, complete_robot
+from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
+
+if TYPE_CHECKING:
+    from assistant.learning.calibration.problem import Known
+    from assistant.vision.cameras.camera import Camera
+
+
+class Estimated(enum.StrEnum):
+    """What of an arm is estimated."""
+
+    ZEROS = "zeros"
+    LENGTHS = "lengths"
+    CHAIN = "chain"
+
+
+RobotArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="ROBOT",
+        help="A robot of the catalogue, or a robot file.",
+        autocompletion=complete_robot,
+    ),
+]
+EstimateOption = Annotated[
+    Estimated,
+    typer.Option(
+        help="Zeros of the axes; with the lengths of the robot file; or a free chain of axes."
+    ),
+]
+InBase = Annotated[
+    bool, typer.Option("--in-base", help="The points are measured in the base of the arm.")
+]
+CamerasOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="File of the cameras that see the point.")
+]
+AnswerOption = Annotated[
+    Format | None, typer.Option("--format", help="For people or for programs.")
+]
+
+
+def calibrate(
+    context: typer.Context,
+    robot: RobotArgument,
+    measured: Annotated[
+        Path, typer.Argument(metavar="MEASURED", help="CSV: joints beside measured points.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE", help="The corrected robot, as TOML.")
+    ],
+    estimate: EstimateOption = Estimated.LENGTHS,
+    tool: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Measured point in the flange, mm, if it is known."),
+    ] = None,
+    in_base: InBase = False,
+    noise: Annotated[
+        float | None, typer.Option(metavar="MM", help="Of the measured points, if it is known.")
+    ] = None,
+    cameras: CamerasOption = None,
+    format: AnswerOption = None,
+) -> None:
+    """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
+    asked = _calibration_options(context, format)
+    options = CalibrationOptions(output, estimate.value, tool, in_base, noise, cameras, asked)
+    raise typer.Exit(run_calibrate(robot, measured, options))
+
+
+def poses(
+    context: typer.Context,
+    robot: RobotArgument,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
+    ],
+    count: Annotated[int, typer.Option(help="How many.")] = 40,
+    estimate: EstimateOption = Estimated.LENGTHS,
+    tool: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Point in the flange, mm, roughly.")
+    ] = None,
+    in_base: InBase = False,
+    box: Annotated[
+        str | None,
+        typer.Option(metavar="X0,X1,Y0,Y1,Z0,Z1", help="Where the point may be, mm of the base."),
+    ] = None,
+    cameras: CamerasOption = None,
+    format: AnswerOption = None,
+) -> None:
+    """Suggest poses to measure an arm in, which tell most of its errors."""
+    asked = _calibration_options(context, format)
+    options = PoseOptions(output, count, estimate.value, tool, in_base, box, cameras, asked)
+    raise typer.Exit(run_poses(robot, options))
+
+
+def _calibration_options(context: typer.Context, format: Format | None) -> Format:
+    before = context.parent.params["format"] if context.parent else Format.TEXT
+    return answer_as(format or Format(before))
+
+
+robots: Final = typer.Typer(
+    help="List the robots there are; `show` tells all of one, `calibrate` corrects one.",
+    invoke_without_command=True,
+    rich_markup_mode=None,
+    add_completion=False,
+)
+
+
+@robots.callback()
+def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
+    """List the robots of the catalogue; `robots show NAME` tells all of one."""
+    if context.invoked_subcommand is None:
+        raise typer.Exit(list_robots(format))
+
+
+robots.command("calibrate")(calibrate)
+robots.command("poses")(poses)
+
+
+@robots.command("show")
+def robots_show(
+    context: typer.Context,
+    robot: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="A robot of the catalogue, or a robot file.",
+            autocompletion=complete_robot,
+        ),
+    ],
+    draw: Annotated[
+        Path | None,
+        typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
+    ] = None,
+    format: Annotated[
+        Format | None, typer.Option("--format", help="For people or for programs.")
+    ] = None,
+) -> None:
+    """Print the data of a robot with their source, and draw it."""
+    before = context.parent.params["format"] if context.parent else Format.TEXT
+    asked = answer_as(format or Format(before))
+    raise typer.Exit(show_robot(robot, draw, Format(asked)))
 
 
 def list_robots(format: Format) -> int:
@@ -31,8 +182,8 @@ def show_robot(name: str, draw: Path | None, format: Format) -> int:
     drawn = None
     if draw is not None:
         from assistant.base.file_sets import write_files
-        from assistant.report.arm_drawing import arm_drawing
         from assistant.report.figures import format_of
+        from assistant.report.robots import arm_drawing
 
         picture = arm_drawing(robot, format_of(draw.name))
         (drawn,) = write_files({draw.name: picture}, draw.parent)
@@ -44,3 +195,163 @@ def show_robot(name: str, draw: Path | None, format: Format) -> int:
     if drawn is not None:
         say(f"drawing: {drawn}")
     return 0
+
+
+NOT_A_ROBOT_FILE: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
+NOT_NUMBERS: Final = error(
+    "CL541", "`{given}` is not {wanted}", "write numbers with commas between, in mm"
+)
+BAD_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
+FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
+OWN_FILE: Final = error(
+    "CL544", "`{name}` is a file of the robot that was measured", "name another one"
+)
+FEWEST_POSES: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationOptions:
+    """tool: x,y,z of the measured point in the flange, if it is known. in_base: whether the points
+    are measured in the base of the arm. noise: mm, one sigma, None to take it from the residuals.
+    """
+
+    output: Path
+    estimate: Literal["zeros", "lengths", "chain"]
+    tool: str | None
+    in_base: bool
+    noise: float | None
+    cameras: Path | None
+    format: Format
+
+
+def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> int:
+    """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
+    from assistant.base.diagnostics import Severity
+    from assistant.base.file_sets import write_files
+    from assistant.compiler.arms import robot_of
+    from assistant.learning.calibration import telling
+    from assistant.learning.calibration.calibrating import calibrate
+    from assistant.learning.calibration.corrected_file import corrected_files
+    from assistant.learning.calibration.measured import read_measured
+
+    output = options.output
+    if output.suffix.lower() != ".toml" or not output.stem:
+        raise Refused(NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
+    if options.noise is not None and not options.noise > 0.0:
+        raise Refused(BAD_NOISE(given=options.noise), exit_status=2)
+    known = _known_parts(options.tool, in_base=options.in_base)
+    arm = robot_of(robot)
+    assert arm is not None
+    poses = read_measured(measured, arm, _read_given_cameras(options.cameras))
+    done = calibrate(arm, poses, estimate=options.estimate, known=known, noise=options.noise)
+    files = corrected_files(done, output.stem)
+    _refuse_own_file(robot, [output.parent / name for name in files])
+    written = write_files(files, output.parent)
+    print_findings(done.findings)
+    if options.format is Format.JSON:
+        print_json(telling.record(done) | {"files": [str(file) for file in written]})
+    else:
+        for line in telling.lines(done):
+            say(line)
+        say(f"corrected robot: {', '.join(str(file) for file in written)}")
+    return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
+
+
+@dataclass(frozen=True, slots=True)
+class PoseOptions:
+    """box: x0,x1,y0,y1,z0,z1 mm of the base, None for no bounds."""
+
+    output: Path
+    count: int
+    estimate: Literal["zeros", "lengths", "chain"]
+    tool: str | None
+    in_base: bool
+    box: str | None
+    cameras: Path | None
+    format: Format
+
+
+def run_poses(robot: str, options: PoseOptions) -> int:
+    import numpy as np
+
+    from assistant.base.file_sets import write_files
+    from assistant.compiler.arms import robot_of
+    from assistant.learning.calibration import telling
+    from assistant.learning.calibration.poses import suggested
+
+    if options.count < FEWEST_POSES:
+        raise Refused(FEW_POSES(count=options.count, least=FEWEST_POSES), exit_status=2)
+    arm = robot_of(robot)
+    assert arm is not None
+    a, b, c = _finite_numbers(options.tool or "0,0,0", 3, "x,y,z")
+    box = None
+    if options.box is not None:
+        box = np.array(_finite_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
+    seen = tuple((_read_given_cameras(options.cameras) or {}).values())
+    found = suggested(
+        arm,
+        options.count,
+        estimate=options.estimate,
+        tool=(a, b, c),
+        known=_known_parts(None, in_base=options.in_base),
+        box=box,
+        cameras=seen,
+    )
+    units = ("mm" if slides else "deg" for slides in arm.sliding)
+    header = [f"{axis.lower()}_{unit}" for axis, unit in zip(arm.axes, units, strict=True)]
+    rows = [",".join(f"{value:.2f}" for value in row) for row in found.joints]
+    text = "\n".join([",".join(header), *rows]) + "\n"
+    (written,) = write_files({options.output.name: text.encode()}, options.output.parent)
+    if options.format is Format.JSON:
+        names = [one.name for one in found.parameters]
+        sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
+        print_json({"poses": str(written), "count": options.count, "sigmas": sigmas})
+        return 0
+    for line in telling.suggestion(found):
+        say(line)
+    say(f"poses: {written}")
+    return 0
+
+
+def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
+    """Raises Refused for what would take the place of the measured robot, or of a URDF beside it,
+    which may be its own.
+    """
+    own = Path(robot)
+    if own.suffix.lower() not in (".toml", ".urdf") or not own.exists():
+        return
+    for file in files:
+        beside = file.suffix == ".urdf" and file.parent.resolve() == own.parent.resolve()
+        if file.exists() and (file.samefile(own) or beside):
+            raise Refused(OWN_FILE(name=file.name), exit_status=2)
+
+
+def _known_parts(tool: str | None, *, in_base: bool) -> Known:
+    from assistant.learning.calibration.problem import Known
+    from assistant.program.geometry import IDENTITY
+
+    base = IDENTITY if in_base else None
+    if tool is None:
+        return Known(base)
+    a, b, c = _finite_numbers(tool, 3, "x,y,z")
+    return Known(base, (a, b, c))
+
+
+def _read_given_cameras(file: Path | None) -> dict[str, Camera] | None:
+    if file is None:
+        return None
+    from assistant.vision.cameras.camera_file import read_cameras
+
+    return dict(read_cameras(file).cameras)
+
+
+def _finite_numbers(given: str, count: int, wanted: str) -> list[float]:
+    import numpy as np
+
+    try:
+        found = [float(part) for part in given.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != count or not np.isfinite(found).all():
+        raise Refused(NOT_NUMBERS(given=given, wanted=wanted), exit_status=2)
+    return found

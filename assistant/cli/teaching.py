@@ -1,4 +1,4 @@
-"""`teach`: where the arm is, under a name into a file, at a key press or when a signal comes."""
+"""Teach: store where the arm is as a target in a file, at a key press or when a signal rises."""
 
 from __future__ import annotations
 
@@ -14,12 +14,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.cells import connected, joints_line, pose_line, record, robot_of_cell
+from assistant.cli.controller_session import (
+    connected,
+    joints_line,
+    pose_line,
+    record,
+    robot_of_cell,
+)
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.compiler.taught_targets import TargetOptions
     from assistant.controllers import Controller
+
 
 SEVERAL_TRIGGERS: Final = error(
     "CL230", "a key, a signal or at once: targets are stored at one of them", "keep --on or --now"

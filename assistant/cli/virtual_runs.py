@@ -1,12 +1,30 @@
-"""The commands that run programs on a virtual controller: `run` and `debug`."""
+"""Run programs on a virtual controller: `run`, and `debug` for an editor.
+
+No robot moves. `run` prints a log of outputs, waits and motions, or writes a trace; times of
+motions need a robot. `debug` speaks the Debug Adapter Protocol on standard input and output.
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from io import FileIO
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
+from assistant.cli.compilation import (
+    NO_FILE_NAME,
+    STANDARD,
+    TWICE,
+    keep_sources,
+    standard_input,
+    working,
+)
 from assistant.cli.options import (
     AskAtOption,
     EntryOption,
@@ -20,7 +38,27 @@ from assistant.cli.options import (
     UnitOption,
     placement_of,
 )
-from assistant.cli.presentation import Format
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.run_environment import (
+    INPUT_IS_PROGRAM,
+    answer_from_input,
+    check_disk_folder,
+    hosts_of,
+    line_named,
+    line_targets,
+    time_or_line,
+)
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+    from assistant.sources.process.placement import DrawingPlacement
+    from assistant.sources.sights import Seeing
+    from assistant.virtual.debugging.break_points import Lines
+    from assistant.virtual.debugging.messages import Object
+    from assistant.virtual.events import Place, Run
+    from assistant.virtual.kernel import Kernel, Task
+    from assistant.virtual.kernel.script import Script
+    from assistant.virtual.tasks import Programs
 
 
 def run(
@@ -105,7 +143,6 @@ def run(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Run programs on a virtual controller and tell what they do. No robot moves."""
-    from assistant.cli.running import RunOptions, run_run
     from assistant.sources.sights import seeing
 
     options = RunOptions(
@@ -136,6 +173,430 @@ def run(
 
 def debug() -> None:
     """Run a program as an editor says, over the Debug Adapter Protocol; see docs/debugging.md."""
-    from assistant.cli.debugging import run_debug
-
     raise typer.Exit(run_debug())
+
+
+NOT_A_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
+STEPPED_AS_JSON: Final = error(
+    "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
+)
+PLOT_WITHOUT_ROBOT: Final = error(
+    "CL029", "without a robot there is no motion to draw", "name one with --robot"
+)
+BAD_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
+NOT_REACHED: Final = warning(
+    "CL024", "the run never came to {where}", "name a line with a statement that is run"
+)
+NO_MOTION: Final = info(
+    "CL025",
+    "no robot is named, so motions take no time and reach anything",
+    "name one with --robot; `robot-assistant robots` lists them",
+)
+NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the script", "{cure}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunOptions:
+    """How programs are run. until, breaks: times and places as they are written."""
+
+    robot: str | None
+    process: Path | None
+    unit: str | None
+    placement: DrawingPlacement | None
+    from_language: str | None
+    entry: str | None
+    signals: Path | None
+    until: str | None
+    breaks: Sequence[str]
+    step: bool
+    trace: Path | None
+    plot: Path | None
+    max_steps: int
+    max_time: float
+    period: float | None
+    real_time: bool
+    disk: Path | None
+    hosts: Sequence[str]
+    lines: Sequence[str]
+    ask: bool
+    seeing: Seeing
+
+
+def run_run(named: Sequence[str], options: RunOptions, format: Format) -> int:
+    """0 if the programs came to their end, 1 if they did not."""
+    from assistant.compiler.arms import known_robot, robot_of
+    from assistant.compiler.simulated_run import read_script
+    from assistant.virtual.kernel.script import Script
+
+    _check_options(options)
+    if format is Format.JSON and (options.step or options.breaks):
+        raise Refused(STEPPED_AS_JSON(), exit_status=2)
+    arm = robot_of(options.robot)
+    script = read_script(options.signals) if options.signals is not None else Script()
+    programs = _load_programs(named, options, arm)
+    if arm is None and programs.program is not None:
+        arm = known_robot(programs.program.robot)
+    if options.plot is not None and arm is None:
+        raise Refused(PLOT_WITHOUT_ROBOT(), exit_status=2)
+    files = [path for path in (options.trace, options.plot) if path is not None]
+    keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
+    return _PrintedRun(programs, options, arm, script, format).run()
+
+
+def _check_options(options: RunOptions) -> None:
+    """Raises Refused for what no program could be run with."""
+    if options.trace is not None and options.trace.suffix.lower() != ".npz":
+        raise Refused(NOT_A_TRACE(name=options.trace), exit_status=2)
+    check_disk_folder(options.disk)
+    if options.plot is not None:
+        from assistant.report.figures import format_of
+
+        format_of(options.plot.name)
+    for path in (options.trace, options.plot):
+        if path is not None and not path.stem.strip("."):
+            raise Refused(NO_FILE_NAME(path=str(path), name=path), exit_status=2)
+    limits = {"max-steps": options.max_steps, "max-time": options.max_time}
+    if options.period is not None:
+        limits["period"] = options.period
+    for option, value in limits.items():
+        if not value > 0:
+            raise Refused(BAD_LIMIT(option=option, value=value), exit_status=2)
+
+
+def _load_programs(named: Sequence[str], options: RunOptions, arm: Robot | None) -> Programs:
+    from assistant.compiler.simulated_run import programs, programs_of_text
+
+    if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
+        raise Refused(TWICE(), exit_status=2)
+    if STANDARD in named and options.ask:
+        raise Refused(INPUT_IS_PROGRAM(), exit_status=2)
+    if STANDARD in named:
+        text, spoken = standard_input(options.from_language)
+        return programs_of_text(
+            text, language=spoken, robot=arm, entry=options.entry, seeing=options.seeing
+        )
+    return programs(
+        named,
+        language=options.from_language,
+        robot=arm,
+        process=options.process,
+        unit=options.unit,
+        placement=options.placement,
+        entry=options.entry,
+        seeing=options.seeing,
+    )
+
+
+class _PrintedRun:
+    """One run, with what is printed of it."""
+
+    def __init__(
+        self,
+        programs: Programs,
+        options: RunOptions,
+        arm: Robot | None,
+        script: Script,
+        format: Format,
+    ) -> None:
+        from assistant.compiler.simulated_run import unknown_visits
+        from assistant.virtual.kernel.script import follow
+        from assistant.virtual.program_run import Settings, prepared
+        from assistant.virtual.run_log import ColumnWidths
+
+        self.programs, self.options, self.format = programs, options, format
+        self.arm, self.sources = arm, programs.sources()
+        self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
+        self.findings = [
+            *self.read,
+            *_unused_signals(programs, script),
+            *unknown_visits(script, self.sources),
+        ]
+        settings = Settings(
+            robot=arm,
+            entry=options.entry,
+            inputs={one.name: 0.0 for one in script.changes},  # which are signals, if they are used
+            most_steps=options.max_steps,
+            most_time=options.max_time,
+            pace=1.0 if options.real_time else None,
+            disk=options.disk,
+            hosts=hosts_of(options.hosts),
+            lines=line_targets(options.lines),
+            options=script.options,
+        )
+        self.kernel = prepared(programs, settings)
+        if arm is None:
+            self.findings.append(NO_MOTION())
+        self.given = follow(self.kernel, script, self.sources)
+        self.tasks = [task.name for task in self.kernel.tasks]
+        self.columns = ColumnWidths.of(self.tasks, self.sources)
+        self.printed = self.changed = 0
+        self.until = time_or_line(options.until, self.sources)
+        self.points = [line_named(point, self.sources) for point in options.breaks]
+        self.reached: set[Place] = set()
+        self.interrupted = False
+        if self.live:
+            self.kernel.told.append(lambda _: self.flush())
+        if options.ask:
+            answer_from_input(self.kernel, self.flush if self.live else lambda: None)
+
+    @property
+    def live(self) -> bool:
+        """Whether what happens is printed while it does."""
+        one = self.options
+        lasts = one.real_time or one.ask or one.disk is not None or bool(one.lines)
+        return lasts and self.format is Format.TEXT
+
+    def run(self) -> int:
+        from assistant.virtual.run_log import NOTED, end_finding, summary
+
+        self._prepare_stops()
+        quiet = self.live or self.options.step or bool(self.points)
+        shown = nullcontext() if quiet else working(f"running {self.programs.title}")
+        with shown, self._ended_by_hand():
+            run = self.kernel.run()
+        wrong = end_finding(run, self.sources)
+        notes = [NOTED(what=note) for note in run.notes]
+        findings = [*self.findings, *notes, *self._missed(), *([] if wrong is None else [wrong])]
+        written = self._written(run)
+        if self.format is Format.JSON:
+            print_json(self._answer(run, findings, written))
+        else:
+            self.flush()
+            say(f"{self.programs.title}: {_ENDINGS[run.ended]}: {summary(run)}")
+            sys.stdout.flush()
+            print_findings(findings, explained=True)
+            for path in written:
+                say(f"wrote {path}")
+        # What is odd about a source, as a drawing, keeps nothing from running.
+        bad = (f for f in findings if f not in self.read and f.severity is not Severity.INFO)
+        if self.interrupted:
+            raise KeyboardInterrupt
+        return 1 if any(bad) else 0
+
+    @contextmanager
+    def _ended_by_hand(self) -> Iterator[None]:
+        """Ctrl-C ends the run before its next statement; what it did until then is told.
+
+        So do SIGTERM and SIGHUP; a second one ends the command at once.
+        """
+        from assistant.base.termination import ORDINARY_SIGNALS, Terminated, signals_handled
+        from assistant.virtual.kernel import Ending
+
+        def interrupt(number: int, _frame: object) -> None:
+            if self.interrupted:
+                raise Terminated(number)
+            self.interrupted = True
+            self.kernel.watch = lambda task: self.kernel.halt(task, Ending("until"))
+
+        if self.options.step or self.points or self.options.ask:
+            yield  # A person is asked there, who can end the run.
+            return
+        with signals_handled(interrupt, ORDINARY_SIGNALS):
+            yield
+
+    # ------------------------------------------------------------------------------- stops
+
+    def _prepare_stops(self) -> None:
+        """Has the run end or be held where the options say."""
+        from assistant.cli.step_console import StepConsole
+        from assistant.virtual.kernel import Ending
+
+        stepping = None
+        if self.options.step or self.points:
+            stepping = StepConsole(self.kernel, self.sources, self.flush)
+            stepping.begin(self.points, at_once=self.options.step)
+        place = None
+        if isinstance(self.until, float):
+            self.kernel.at(self.until, lambda: self.kernel.end(Ending("until")))
+        else:
+            place = self.until
+        wanted = {*self.points, *([] if place is None else [place])}
+        if not wanted and stepping is None:
+            return
+
+        def watch(task: Task) -> None:
+            here = task.where()
+            if here in wanted:
+                self.reached.add(here)
+            if here is not None and here == place:
+                self.kernel.halt(task, Ending("until"))
+            if stepping is not None:
+                stepping.watch(task)
+
+        self.kernel.watch = watch
+
+    def _missed(self) -> Iterator[Diagnostic]:
+        wanted = [*self.points, *([self.until] if isinstance(self.until, tuple) else [])]
+        for place in dict.fromkeys(wanted):
+            if place not in self.reached:
+                yield NOT_REACHED(path=place[0], line=place[1], where=f"{place[0]}:{place[1]}")
+
+    # ---------------------------------------------------------------------------- printing
+
+    def flush(self) -> None:
+        """Prints what happened since the last time."""
+        from assistant.virtual.events import Logged
+        from assistant.virtual.run_log import ColumnWidths, log_rows
+
+        first, log = self.printed, self.kernel.log[self.printed :]
+        given = self.given[self.changed :]
+        self.printed, self.changed = first + len(log), len(self.given)
+        if not {row.task for row in log} <= {*self.tasks}:  # that others have started
+            self.tasks = list(dict.fromkeys((*self.tasks, *(row.task for row in log))))
+            self.columns = ColumnWidths.of(self.tasks, self.sources)
+        for row in log_rows(log, given, first):
+            if isinstance(row, Logged):
+                say(self.columns.line(row.time, row.task, row.place, row.what))
+            else:
+                say(self.columns.line(row.time, "", None, row))
+        if self.live:
+            sys.stdout.flush()
+
+    def _answer(
+        self, run: Run, findings: Sequence[Diagnostic], written: Sequence[Path]
+    ) -> dict[str, Any]:
+        from assistant.findings.formats import finding_record
+        from assistant.virtual.run_log import json_record, log_rows
+
+        path, line = run.place or (None, None)
+        return {
+            "programs": self.programs.title,
+            "robot": None if self.arm is None else self.arm.name,
+            "ended": run.ended,
+            "message": run.message,
+            "task": run.task or None,
+            "file": path,
+            "line": line,
+            "seconds": run.seconds,
+            "statements": run.steps,
+            "events": [json_record(row) for row in log_rows(run.log, self.given)],
+            "findings": [finding_record(finding) for finding in findings],
+            "written": [str(path) for path in written],
+        }
+
+    def _written(self, run: Run) -> list[Path]:
+        from assistant.base.file_sets import write_all
+        from assistant.virtual.run_log import event_columns, motion_columns, npz
+
+        trace, plot = self.options.trace, self.options.plot
+        if trace is None and plot is None:
+            return []
+        samples = motion_columns(run, self.given, self.kernel.motion, self.options.period)
+        files: dict[Path, bytes] = {}
+        if trace is not None:
+            files[trace] = npz({**event_columns(run, self.given), **samples})
+        if plot is not None and self.arm is not None:
+            from assistant.report.figures import format_of, run_plot
+
+            title = f"{PurePath(self.programs.title).name} on {self.arm.title}"
+            files[plot] = run_plot(samples, self.arm, title, format_of(plot.name))
+        return list(write_all(files))
+
+
+def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
+    """Signals of a script that no program uses, most likely misspelled."""
+    from assistant.program.settings_tables import nearest
+    from assistant.virtual.kernel.script import When
+
+    known = programs.signals()
+    if known is None:
+        return
+    for name in dict.fromkeys(
+        [one.name for one in script.changes]
+        + [one.when.name for one in script.changes if isinstance(one.when, When)]
+    ):
+        if name not in known:
+            near = nearest(name, known)
+            cure = f"write `{near}`" if near else "name a signal that they use"
+            yield NOT_USED(name=name, cure=cure)
+
+
+_ENDINGS: Final = {
+    "end": "came to its end",
+    "stopped": "stands and cannot go on",
+    "steps": "was broken off",
+    "time": "was broken off",
+    "error": "ended with an error",
+    "unknown": "was broken off",
+    "until": "was ended as asked",
+}
+
+
+WRONG_LAUNCH: Final = error(
+    "CL120",
+    "the editor's launch request is wrong: {reason}",
+    "name program, and where wanted {known}, in the configuration that the editor launches",
+)
+BROKEN_MESSAGE: Final = error(
+    "CL121",
+    "what was read is no message of the Debug Adapter Protocol: {reason}",
+    "let an editor start this command; to run a program in a terminal there is `run`",
+)
+LAUNCH_KEYS: Final[Mapping[str, type]] = {
+    "program": str,
+    "robot": str,
+    "language": str,
+    "signals": str,
+    "entry": str,
+    "maxSteps": int,
+    "stopOnEntry": bool,
+}
+"""What a configuration may say; `program` may be a list of texts too."""
+EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
+"""What editors add, with names that begin with two underscores."""
+
+
+def run_debug() -> int:
+    """0 when the editor has left, 2 if what it said was no message."""
+    from assistant.virtual.debugging import Adapter
+
+    # Not buffered: a reading thread that holds the buffer's lock would stop Python from ending.
+    source = FileIO(sys.stdin.fileno(), closefd=False)
+    adapter = Adapter(source, sys.stdout.buffer, _launched_programs)
+    adapter.serve()
+    if adapter.broken:
+        print_findings([BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
+        return 2
+    return 0
+
+
+def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
+    """The programs of a launch request, ready to run, and their lines; raises Refused."""
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.simulated_run import programs
+    from assistant.virtual.debugging.break_points import statement_lines
+    from assistant.virtual.program_run import MOST_STEPS, Settings, prepared
+
+    for name, value in wanted.items():
+        if name.startswith("__") or name in EDITOR_KEY_PREFIX:
+            continue
+        if name not in LAUNCH_KEYS:
+            raise _wrong_launch(f"`{name}` is not known")
+        if name == "program" and isinstance(value, list):
+            continue
+        if not isinstance(value, LAUNCH_KEYS[name]):
+            raise _wrong_launch(f"`{name}` is no {TYPE_NAMES[LAUNCH_KEYS[name]]}")
+    program = wanted.get("program")
+    named = program if isinstance(program, list) else [program]
+    if not named or not all(isinstance(one, str) and one for one in named):
+        raise _wrong_launch("`program` names no file")
+    texts = {name: value for name, value in wanted.items() if isinstance(value, str)}
+    robot = robot_of(texts.get("robot"))
+    steps = wanted.get("maxSteps")
+    found = programs(
+        [str(one) for one in named],
+        language=texts.get("language"),
+        robot=robot,
+        entry=texts.get("entry"),
+    )
+    most = steps if isinstance(steps, int) and steps > 0 else MOST_STEPS
+    settings = Settings(robot=robot, entry=texts.get("entry"), most_steps=most)
+    return prepared(found, settings), statement_lines(found)
+
+
+def _wrong_launch(reason: str) -> Refused:
+    known = ", ".join(name for name in LAUNCH_KEYS if name != "program")
+    return Refused(WRONG_LAUNCH(reason=reason, known=known), exit_status=2)
+
+
+TYPE_NAMES: Final[Mapping[type, str]] = {str: "text", int: "whole number", bool: "truth"}

@@ -23,8 +23,8 @@ from assistant.editing.live_findings import Seen, Unseen, Watch
 from assistant.editing.text_lines import Lines
 from assistant.findings.severities import apply_severities
 from assistant.program.editor_support import LineFacts
-from assistant.project.layout import project_of
-from assistant.project.stated import SourceOptions, completed_options
+from assistant.project.project_file import project_of
+from assistant.project.source_options import SourceOptions, completed_options
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Final
 from assistant.lazy import offered
 
 if TYPE_CHECKING:
-    from assistant.project.building import Build, Built, State, build
-    from assistant.project.layout import Place, Project, Recipe, project_of
-    from assistant.project.target import Target, targets_of
+    from assistant.project.builds import Build, Built, State, build
+    from assistant.project.deployment import Target, targets_of
+    from assistant.project.project_file import Place, Project, Recipe, project_of
 
 _LAZY: Final = {
-    "Build": ("assistant.project.building", "Build"),
-    "Built": ("assistant.project.building", "Built"),
-    "Place": ("assistant.project.layout", "Place"),
-    "Project": ("assistant.project.layout", "Project"),
-    "Recipe": ("assistant.project.layout", "Recipe"),
-    "State": ("assistant.project.building", "State"),
-    "Target": ("assistant.project.target", "Target"),
-    "build": ("assistant.project.building", "build"),
-    "project_of": ("assistant.project.layout", "project_of"),
-    "targets_of": ("assistant.project.target", "targets_of"),
+    "Build": ("assistant.project.builds", "Build"),
+    "Built": ("assistant.project.builds", "Built"),
+    "Place": ("assistant.project.project_file", "Place"),
+    "Project": ("assistant.project.project_file", "Project"),
+    "Recipe": ("assistant.project.project_file", "Recipe"),
+    "State": ("assistant.project.builds", "State"),
+    "Target": ("assistant.project.deployment", "Target"),
+    "build": ("assistant.project.builds", "build"),
+    "project_of": ("assistant.project.project_file", "project_of"),
+    "targets_of": ("assistant.project.deployment", "targets_of"),
 }
 
 __all__ = [

@@ -1,15 +1,26 @@
-"""What is known of robots: a table of several, all of one; for people and as plain data."""
+"""Robots for people and as data: a table of several, all of one, and a drawing of its arm.
+
+The drawing shows the arm at home from the side and from above, with its axes and what the wrist
+reaches. Figures without a confirmed source carry the mark `DOUBT`. Lengths are mm, angles degrees.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
-from typing import Any, Final
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.report import figures
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
 DOUBT: Final = "?"
@@ -175,3 +186,190 @@ def _doubt_mark(robot: Robot, field: str) -> str:
 def _without_noise(values: Sequence[float]) -> list[float]:
     """Without the noise of arithmetic: a ten-thousandth of a mm, six places of a quaternion."""
     return [float(v) for v in np.round(values, 6) + 0.0]
+
+
+PROBE_MOTION: Final = 10.0
+"""degrees or mm by which a joint is moved to see its axis."""
+AREA_STEPS: Final = 49
+"""Angles of a joint over its range for the area that an arm reaches."""
+SAME_POINT: Final = 1e-3
+"""mm between points that are one."""
+ARM_VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
+AXIS_COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
+WRIST_POINT: Final = 4
+"""Of the points of a vertical arm."""
+SIDE_COLUMNS: Final = [AXIS_COLUMNS["x"], AXIS_COLUMNS["z"]]
+SHORTEST_SEEN: Final = 0.1
+"""Length in a view below which a unit vector points at the reader."""
+CROWDED_SHARE: Final = 0.05
+"""Of the reach, between axes whose names would be printed over each other."""
+NAME_OFFSET: Final = 11.0
+"""Points from an axis to its name."""
+ARM_COLOUR, AREA_COLOUR, AXIS_COLOUR, REACH_COLOUR = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
+
+
+@dataclass(frozen=True, slots=True)
+class JointAxis:
+    """name: of the joint. point: (3,) mm on its axis, at the arm. direction: (3,) unit vector."""
+
+    name: str
+    point: Floats
+    direction: Floats
+
+
+def arm_drawing(robot: Robot, format: str = "png") -> bytes:
+    """The picture as PNG or SVG; raises Refused, naming the extra, without matplotlib."""
+    drawn = figures.new_figure(11.0, 6.5)
+    chain = robot.chain(robot.home)[0]
+    axes = joint_axes(robot)
+    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), ARM_VIEWS.items(), strict=True):
+        seen = [AXIS_COLUMNS[across], AXIS_COLUMNS[up]]
+        _reached_area(view, robot, seen)
+        _draw_arm(view, chain[:, seen])
+        _draw_axes(view, axes, seen, robot.reach)
+        view.set(xlabel=f"{across} in mm", ylabel=f"{up} in mm", title=title, aspect="equal")
+        view.grid(visible=True, alpha=0.3)
+    drawn.suptitle(f"{robot.title} at home, reach {robot.reach:g} mm")
+    handles, labels = view.get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figures.picture(drawn, format)
+
+
+def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
+    """Where the axis of each joint is at home, found by moving the joints one by one."""
+    home = np.asarray(robot.home, dtype=np.float64)
+    moved = home + PROBE_MOTION * np.eye(len(home))
+    p, q = robot.fk(np.vstack([home, moved]))
+    chain = robot.chain(home)[0]
+    found = []
+    for i, name in enumerate(robot.axes, start=1):
+        if robot.sliding[i - 1]:
+            way = p[i] - p[0]
+            found.append(JointAxis(name, chain[-1], way / np.linalg.norm(way)))
+            continue
+        turn = rotations.multiply(q[i], rotations.conjugate(q[0]))
+        direction = turn[1:] * np.sign(turn[0]) / np.linalg.norm(turn[1:])
+        matrix = rotations.to_matrix(turn)
+        shift = p[i] - matrix @ p[0]
+        # Of all points with p = turn · p + shift the one nearest to the origin.
+        point = np.linalg.pinv(np.eye(3) - matrix) @ shift
+        found.append(JointAxis(name, _axis_point(point, direction, chain), direction))
+    return tuple(found)
+
+
+def _axis_point(point: Floats, direction: Floats, chain: Floats) -> Floats:
+    """The middle of the first link along an axis, or the point of the axis nearest to the arm."""
+    along = (chain - point) @ direction
+    feet = point + along[:, None] * direction
+    off = np.linalg.norm(chain - feet, axis=1)
+    near = feet[off < off.min() + SAME_POINT]
+    apart = near[np.linalg.norm(near - near[0], axis=1) > SAME_POINT]
+    return np.asarray(near[0] if not len(apart) else (near[0] + apart[0]) / 2.0)
+
+
+def _reached_area(view: Axes, robot: Robot, seen: list[int]) -> None:
+    """What the wrist gets to, and from above the circle of the stretched arm."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Circle
+
+    said: dict[str, Any] = {
+        "color": AREA_COLOUR,
+        "zorder": 0,
+        "label": f"{'wrist' if _wrist_of(robot) else 'flange'} within the limits",
+    }
+    swept = _wrist_points(robot, seen)
+    if seen == SIDE_COLUMNS or isinstance(robot.arm, Scara):
+        corners = swept[..., seen]
+        cells = np.stack(
+            [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]], axis=2
+        )
+        view.add_collection(
+            PolyCollection(list(cells.reshape(-1, 4, 2)), linewidths=0.5, rasterized=True, **said)
+        )
+    else:
+        view.fill(*_area_outline(robot, swept.reshape(-1, 3)).T, linewidth=0.0, **said)
+    if seen != SIDE_COLUMNS:
+        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH_COLOUR, linestyle="--")
+        ring.set_label("reach")
+        view.add_patch(ring)
+    view.autoscale_view()
+
+
+def _area_outline(robot: Robot, swept: Floats) -> Floats:
+    """(k, 2) how far points (n, 3) come from axis 1 in each direction when it turns."""
+    low, high = robot.limits[0] - robot.home[0]
+    radii, azimuths = np.hypot(*swept.T[:2]), np.degrees(np.arctan2(*swept.T[1::-1]))
+    directions = np.arange(0.0, 360.0, 1.0)
+    turns = (directions[:, None] - azimuths - low) % 360.0
+    farthest = np.where(turns <= high - low, radii, 0.0).max(axis=1)
+    angles = np.radians(directions)
+    return np.asarray(farthest[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
+
+
+def _wrist_points(robot: Robot, seen: list[int]) -> Floats:
+    """(STEPS, STEPS, 3) where the wrist is with two joints over their ranges, the rest at home.
+
+    They are axes 2 and 3, which a vertical arm moves in its plane; of a SCARA seen from above 1
+    and 2.
+    """
+    scara = isinstance(robot.arm, Scara)
+    first = 0 if scara and seen != SIDE_COLUMNS else min(1, len(robot.axes) - 2)
+    joints = np.tile(robot.home, (AREA_STEPS, AREA_STEPS, 1))
+    steps = np.linspace(0.0, 1.0, AREA_STEPS)
+    low, high = robot.limits.T
+    for axis, at in ((first, steps[:, None]), (first + 1, steps)):
+        joints[..., axis] = low[axis] + (high[axis] - low[axis]) * at
+    chain = robot.chain(joints.reshape(-1, len(robot.axes)))
+    return np.asarray(
+        chain[:, WRIST_POINT if _wrist_of(robot) else -1].reshape(AREA_STEPS, AREA_STEPS, 3)
+    )
+
+
+def _wrist_of(robot: Robot) -> bool:
+    return isinstance(robot.arm, SixAxis | FiveAxis | Placed)
+
+
+def _draw_arm(view: Axes, points: Floats) -> None:
+    view.plot(
+        *points.T, color=ARM_COLOUR, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm"
+    )
+    view.plot(*points.T, "o", color="white", markeredgecolor=ARM_COLOUR, markersize=7.0)
+    view.plot(*points[-1], "s", color=ARM_COLOUR, markersize=8.0, label="flange")
+
+
+def _draw_axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) -> None:
+    """A dash-dotted line along each axis, or a ring where it points at the reader, and its name.
+
+    Names that would be printed over each other are one text.
+    """
+    named: list[tuple[Floats, Floats, list[str]]] = []
+    for axis in axes:
+        point, direction = axis.point[seen], axis.direction[seen]
+        if np.linalg.norm(direction) < SHORTEST_SEEN:
+            view.plot(*point, "o", color="none", markeredgecolor=AXIS_COLOUR, markersize=13.0)
+            aside = np.array([1.0, 1.0])
+        else:
+            ends = point + np.outer([-0.1, 0.1], direction) * reach
+            view.plot(*ends.T, color=AXIS_COLOUR, linewidth=1.0, linestyle="-.")
+            aside = np.array([direction[1], -direction[0]])
+        for place, _, names in named:
+            if np.linalg.norm(place - point) < CROWDED_SHARE * reach:
+                names.append(axis.name)
+                break
+        else:
+            named.append((point, aside, [axis.name]))
+    for place, aside, names in named:
+        view.annotate(
+            ", ".join(names),
+            (float(place[0]), float(place[1])),
+            xytext=(NAME_OFFSET * float(aside[0]), NAME_OFFSET * float(aside[1])),
+            textcoords="offset points",
+            color=AXIS_COLOUR,
+            ha="left"
+            if aside[0] > SHORTEST_SEEN
+            else "right"
+            if aside[0] < -SHORTEST_SEEN
+            else "center",
+            va="center",
+            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5},
+        )

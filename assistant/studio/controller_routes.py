@@ -1,9 +1,13 @@
-"""The controller: connecting, looking, deploying, setting, and backups; `control_routes` moves."""
+"""Routes of the controller: connect, look, deploy, set, back up, and control of the arm.
+
+Control is taken by typing the controller's name. `stop` is answered for any window at any time, in
+threads that other requests cannot use up.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path as FilePath
@@ -11,14 +15,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
-from assistant.studio.answering import Question, asks, changes, finding_records, looks
-from assistant.studio.connections import Connection
+from assistant.studio.controller_session import Connection
+from assistant.studio.route_answers import Question, asks, changes, finding_records, looks
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named, Programs
     from assistant.deploy import Plan
     from assistant.project import Target
+    from assistant.studio.controller_session import Control
+
 
 MOST_EVENTS: Final = 50
 BACKUP_FOLDER: Final = "backups"
@@ -49,7 +55,7 @@ def refuse_unconfirmed(one: Named, asked: Question, what: str) -> None:
 def controller(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """What is connected to, and whether somebody has control of it."""
     from assistant.controllers.states import record
-    from assistant.studio.control import Control
+    from assistant.studio.controller_session import Control
 
     found = studio.live.get("connection")
     if not isinstance(found, Connection):
@@ -114,7 +120,7 @@ def leave(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 
 def _kept_name(studio: Studio) -> FilePath:
     from assistant.project import project_of
-    from assistant.project.layout import STATE_FOLDER
+    from assistant.project.project_file import STATE_FOLDER
 
     with suppress(Refused):  # of another table than that of its controllers
         return project_of(studio.folder).kept
@@ -188,7 +194,7 @@ def _controller_targets(studio: Studio, one: Named) -> list[Target]:
 
 def plan(studio: Studio, asked: Question) -> dict[str, Any]:
     """What a deployment would change, with the differences; `plan` names it for `deploy`."""
-    from assistant.project.deploying import plan_record
+    from assistant.project.deployment import plan_record
 
     found = connection_of(studio)
 
@@ -210,7 +216,7 @@ def plan(studio: Studio, asked: Question) -> dict[str, Any]:
 def deploy(studio: Studio, asked: Question) -> dict[str, Any]:
     """Sends what the plan of that name showed; raises Refused where that is another one by now."""
     from assistant import deploy as deploying
-    from assistant.project.deploying import plan_record
+    from assistant.project.deployment import plan_record
 
     found, shown = connection_of(studio), asked.text("plan", "")
 
@@ -232,7 +238,7 @@ def _plan_each(
     studio: Studio, one: Named, session: Programs, asked: Question
 ) -> list[tuple[Target, Plan]]:
     """Of each target. replace: programs that go there though no deployment left them like that."""
-    from assistant.project.deploying import checked_plan
+    from assistant.project.deployment import checked_plan
 
     replace = asked.texts("replace")
     return [
@@ -266,7 +272,7 @@ def _plan_name(plans: Sequence[tuple[Target, Plan]]) -> str:
 def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Whether everything is as it was left, and what was changed there since."""
     from assistant import deploy as deploying
-    from assistant.project.deploying import verified_record
+    from assistant.project.deployment import verified_record
 
     found = connection_of(studio)
 
@@ -284,7 +290,7 @@ def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 def roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
     """What was there before the last deployment is there again."""
     from assistant import deploy as deploying
-    from assistant.project.deploying import deployment_record
+    from assistant.project.deployment import deployment_record
 
     found, replace = connection_of(studio), asked.texts("replace")
     history = _controller_targets(studio, found.one)[0].history
@@ -367,4 +373,119 @@ CONTROLLER_ROUTES: Final = (
     looks("/controller/backups", backups),
     changes("/controller/backup", backup),
     changes("/controller/restore", restore),
+)
+
+
+def control_of(studio: Studio, asked: Question) -> Control:
+    """The control that the window has; raises Refused if it has none."""
+    from assistant.studio.controller_session import Control
+
+    found = studio.live.get("control")
+    if not isinstance(found, Control) or found.window != asked.window:
+        raise Refused(rules.NO_CONTROL())
+    return found
+
+
+def take_control(studio: Studio, asked: Question) -> dict[str, Any]:
+    """From now on the window may move the arm; its name has to be typed."""
+    with studio.beginning:
+        return _control_record(studio, asked)
+
+
+def _control_record(studio: Studio, asked: Question) -> dict[str, Any]:
+    from assistant.compiler.commanded_motion import check_position
+    from assistant.studio.controller_session import FASTEST_STEP, WATCH, Control
+
+    found = connection_of(studio)
+    refuse_unconfirmed(found.one, asked, "lets this window move the arm")
+    told = check_position(found.do(lambda one: one.position()), found.robot)
+    studio.drop("control")
+
+    def say(message: Mapping[str, object]) -> None:
+        studio.windows.tell_one(asked.window, message)
+
+    def over() -> None:
+        if studio.live.get("control") is made:
+            studio.drop("control")
+            studio.windows.tell({"kind": "controller"})
+
+    def left_on(told: Sequence[Diagnostic]) -> None:
+        studio.left_on = tuple(told)
+        if told:
+            studio.windows.tell(
+                {"kind": "control", "left_on": True, "findings": finding_records(told)}
+            )
+
+    made = Control(found, asked.window, say, over, left_on)
+    studio.live["control"] = made
+    made.begin()
+    if not studio.windows.writes(asked.window) or studio.live.get("connection") is not found:
+        studio.drop("control")  # it has gone meanwhile
+        raise Refused(rules.NO_CONTROL())
+    studio.windows.tell({"kind": "controller"})
+    return {
+        "name": found.one.name,
+        "watch": WATCH,
+        "fastest": FASTEST_STEP,
+        "findings": finding_records(told),
+    }
+
+
+def give_up_control(studio: Studio, asked: Question) -> dict[str, Any]:
+    control_of(studio, asked)
+    studio.drop("control")
+    studio.windows.tell({"kind": "controller"})
+    return {}
+
+
+def stop(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
+    """Stops the arm and all programs; any window may, at any time, also while control ends."""
+    from assistant.studio.controller_session import Control, rest_record
+
+    there = (*studio.live.values(), *studio.leaving)
+    for kind in (Control, Connection):
+        for one in there:
+            if isinstance(one, kind):
+                return rest_record(one.stop())
+    raise Refused(rules.NOT_CONNECTED())
+
+
+def motors(studio: Studio, asked: Question) -> dict[str, Any]:
+    control_of(studio, asked).motors(asked.truth("on"))
+    return {}
+
+
+def hand(studio: Studio, asked: Question) -> dict[str, Any]:
+    control, found = control_of(studio, asked), connection_of(studio)
+    number, opens = int(asked.number("number")), asked.truth("open")
+    does = "opens" if opens else "closes"
+    refuse_unconfirmed(found.one, asked, f"{does} hand {number}: what it holds may fall")
+    control.do(lambda one: one.hand(number, open=opens))
+    return {}
+
+
+def teach(studio: Studio, asked: Question) -> dict[str, Any]:
+    """Stores where the arm is under a name, as the command of that name does."""
+    from assistant.base.source_text import is_file
+    from assistant.compiler.taught_targets import TargetOptions
+    from assistant.compiler.taught_targets import teach_target as stored
+    from assistant.studio.project_routes import check_file_name
+
+    control_of(studio, asked)
+    found, file = connection_of(studio), studio.place(asked.text("file"))
+    if not is_file(file):
+        check_file_name(file.name)
+    wanted = TargetOptions(joints=asked.truth("joints"), again=asked.truth("replace"))
+    position = found.do(lambda one: one.position())
+    reading = stored(file, asked.text("name"), position, found.robot, wanted)
+    return {"file": studio.named(file), "findings": finding_records(reading.findings)}
+
+
+CONTROL_ROUTES: Final = (
+    changes("/control/take", take_control),
+    changes("/control/give-up", give_up_control),
+    asks("/control/stop", stop, urgent=True),
+    changes("/control/motors", motors, urgent=True),
+    changes("/control/hand", hand),
+    changes("/control/teach", teach),
 )

@@ -1,18 +1,35 @@
-"""The project: its tree, opening and creating, and what is dropped onto it."""
+"""Routes of the project: its tree, opening, creating, checking, building, and dropped files.
+
+A dropped file goes to the folder of its kind, and the project's file gets an entry for it.
+"""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path as FilePath
+from pathlib import PurePosixPath
 from typing import Any, Final
 
-from assistant.base.diagnostics import Refused
-from assistant.studio.answering import Question, asks, changes, finding_records, looks
-from assistant.studio.studio import Studio
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import is_file
+from assistant.program.program import TakenNames, identifier
+from assistant.project import project_of
+from assistant.project.new_project import PROJECT_FILE, StartedProject, start_project
+from assistant.project.project_file import Project
+from assistant.resources import resource
+from assistant.sources import PROCESS_SUFFIX, READERS
+from assistant.sources.process.placement import DRAWING_SUFFIXES
+from assistant.studio import rules
+from assistant.studio.process_files import with_values
+from assistant.studio.route_answers import Question, asks, changes, finding_records, looks
+from assistant.studio.studio import Studio, program_suffixes
 
 
 def project(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """The tree, and what the project's file says: a project that is wrong has its findings."""
-    from assistant.studio.tree import MOST_FILES, file_tree
+    from assistant.studio.studio import MOST_FILES, file_tree
 
     files = file_tree(studio.folder)
     return {
@@ -70,8 +87,7 @@ def _controller_records(studio: Studio) -> list[dict[str, Any]]:
 
 def create(studio: Studio, asked: Question) -> dict[str, Any]:
     """Starts a project in the folder: an example, or nothing but its file."""
-    from assistant.project.starting import start_project
-    from assistant.studio.dropping import start_empty
+    from assistant.project.new_project import start_project
 
     done = start_empty(studio.folder) if asked.truth("empty") else start_project(studio.folder)
     return {
@@ -94,19 +110,18 @@ def open_folder(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def drop(studio: Studio, asked: Question) -> dict[str, Any]:
-    from assistant.studio.dropping import drop_file
 
     return drop_file(studio, asked.text("name"), asked.data)
 
 
 def drawing(studio: Studio, asked: Question) -> dict[str, Any]:
-    from assistant.studio.processes import drawing_layers
+    from assistant.studio.process_files import drawing_layers
 
     return drawing_layers(studio, asked.text("path"))
 
 
 def process(studio: Studio, asked: Question) -> dict[str, Any]:
-    from assistant.studio.processes import write_process
+    from assistant.studio.process_files import write_process
 
     return write_process(studio, asked.text("path"), asked.table("values"))
 
@@ -114,7 +129,7 @@ def process(studio: Studio, asked: Question) -> dict[str, Any]:
 def check(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """What `check` finds in the project."""
     from assistant.project import project_of
-    from assistant.project.checking import check as checked
+    from assistant.project.builds import check as checked
 
     done = checked(project_of(studio.folder))
     return {"programs": done.programs, "findings": finding_records(done.findings)}
@@ -124,7 +139,7 @@ def build(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Compiles the programs of the project for its targets, as `build` does."""
     from assistant.project import build as built
     from assistant.project import project_of
-    from assistant.project.building import build_record
+    from assistant.project.builds import build_record
 
     done = built(project_of(studio.folder))
     return build_record(done, studio.named) | {"findings": finding_records(done.findings)}
@@ -140,3 +155,148 @@ PROJECT_ROUTES: Final = (
     looks("/drawing", drawing),
     changes("/drawing/process", process),
 )
+
+
+FILE_NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
+"""Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
+DEVICE_NAMES: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
+"""Names that Windows has for devices, whatever their suffix.
+
+https://learn.microsoft.com/windows/win32/fileio/naming-a-file#naming-conventions
+"""
+KIND_FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
+LONGEST_NAME: Final = 60
+PROJECT_ENCODING: Final = "utf-8"
+TARGET_HEADER: Final = "[targets."
+"""Where the example's project begins to say what goes where."""
+PROGRAMS_HEADER: Final = "[programs."
+
+
+def start_empty(folder: FilePath) -> StartedProject:
+    """A project without programs; what is there is left as it is."""
+    file = folder / PROJECT_FILE
+    if not (file.exists() or file.is_symlink()):
+        text, _ = _example_project()
+        write_all({file: text.encode(PROJECT_ENCODING)})
+    return StartedProject(folder, (file,))
+
+
+def drop_file(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
+    """Writes a file into the project, and what the project needs to say of it.
+
+    Raises Refused for a name that is none, for what is no source, and for one that is there.
+    """
+    kind = _dropped_kind(name)
+    file = studio.place(f"{KIND_FOLDERS[kind]}/{name}")
+    if not is_file(studio.folder / PROJECT_FILE):
+        start_empty(studio.folder)
+    before = read_file(file) if is_file(file) else None
+    if before is not None and before != data:
+        raise Refused(rules.THERE_ALREADY(path=name, name=name))
+    found: list[Diagnostic] = []
+    written: list[FilePath] = []
+    if kind == "drawing":
+        done = _drop_drawing(studio, file, data)
+        found += done.findings
+        written += done.written
+    else:
+        written += write_all({file: data})
+    _add_program_entry(studio, file)
+    main = file.with_suffix(PROCESS_SUFFIX) if kind == "drawing" else file
+    return {
+        "path": studio.named(file),
+        "kind": kind,
+        "opens": studio.named(main),
+        "written": [studio.named(one) for one in written],
+        "findings": finding_records([one for one in found if one.code != _not_added_finding()]),
+    }
+
+
+def _drop_drawing(studio: Studio, file: FilePath, data: bytes) -> StartedProject:
+    """The drawing with its process file, as `init FOLDER DRAWING` writes it; both or none."""
+    new = not is_file(file)
+    write_all({file: data})
+    try:
+        return start_project(studio.folder, (file,))
+    except BaseException:
+        if new:
+            file.unlink(missing_ok=True)
+        raise
+
+
+def _add_program_entry(studio: Studio, file: FilePath) -> None:
+    """[programs.NAME] of a source, and its name in the target of the first controller."""
+    project = project_of(studio.folder)
+    known = {recipe.source.resolve() for recipe in project.programs.values()}
+    if file.resolve() in known:
+        return
+    name = identifier(file.stem, TakenNames(project.programs))[:LONGEST_NAME]
+    text = read_file(project.file).decode(PROJECT_ENCODING)
+    path = _program_table(project)
+    text = with_values(
+        text, {(*path, "programs", name, "source"): studio.named(file)}, project.file.name
+    )
+    text = _add_to_target(text, path, project, name)
+    write_all({project.file: text.encode(PROJECT_ENCODING)})
+    project_of(studio.folder)
+
+
+def _add_to_target(text: str, path: tuple[str, ...], project: Project, name: str) -> str:
+    from assistant.controllers import controllers_of
+
+    if project.places:
+        place = project.places[0]
+        programs = [one.name for one in place.recipes]
+        at = (*path, "targets", place.name, "programs")
+        return with_values(text, {at: [*programs, name]}, project.file.name)
+    controllers = controllers_of(project.folder)
+    if not controllers or path:
+        return text
+    first = next(iter(controllers))
+    _, target = _example_project()
+    if not (
+        text.startswith(_example_project()[0]) and target.startswith(f"{TARGET_HEADER}{first}]")
+    ):
+        target = f"{TARGET_HEADER}{first}]\nprograms = []\n"
+    text = f"{text.rstrip()}\n\n{target}"
+    return with_values(text, {("targets", first, "programs"): [name]}, project.file.name)
+
+
+def _example_project() -> tuple[str, str]:
+    """The project's file that `init` writes, without its program; and what that says of targets."""
+    text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=PROJECT_ENCODING)
+    program, target = text.index(PROGRAMS_HEADER), text.index(TARGET_HEADER)
+    return text[:program].rstrip() + "\n", text[target:]
+
+
+def _program_table(project: Project) -> tuple[str, ...]:
+    return () if project.file.name == PROJECT_FILE else ("tool", "robot-assistant")
+
+
+def check_file_name(name: str) -> None:
+    """Raises Refused for what cannot be the name of a new file here."""
+    plain = FILE_NAME.fullmatch(name) and not DEVICE_NAMES.fullmatch(name)
+    if not plain or name.endswith((" ", ".")) or ".." in name:
+        raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
+
+
+def _dropped_kind(name: str) -> str:
+    """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
+    check_file_name(name)
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix in DRAWING_SUFFIXES:
+        return "drawing"
+    if suffix in program_suffixes():
+        return "program"
+    if suffix in READERS and suffix not in (".toml", ".json"):
+        return "table"
+    known = ", ".join(
+        sorted({*DRAWING_SUFFIXES, *program_suffixes(), *READERS} - {".toml", ".json"})
+    )
+    raise Refused(rules.NOT_TAKEN(path=name, name=name, known=known), exit_status=2)
+
+
+def _not_added_finding() -> str:
+    from assistant.project.rules import NOT_ADDED
+
+    return NOT_ADDED.code

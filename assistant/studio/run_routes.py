@@ -1,24 +1,283 @@
-"""Running a program: start, break points, steps, inputs by hand, what it did, and comparing."""
+"""Routes of a run: start, steps, break points, inputs, its log and motion, and comparison.
+
+Two files are compared as `compare` does, and the motions of both are shown. A deviation is the
+largest distance of the two tool paths, in mm and degrees, seen from either.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from assistant.base.diagnostics import Refused
+from assistant.base import rotations
+from assistant.base.arrays import Floats, evenly_spaced, norms
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.compiler.comparison import Comparison, compare
+from assistant.compiler.motion_proof import Proving
+from assistant.robots import Robot
 from assistant.studio import rules
-from assistant.studio.answering import Question, changes, finding_records, looks, view_page
+from assistant.studio.route_answers import Question, changes, finding_records, looks, view_page
+from assistant.studio.runs import RunRequest, WatchedInputs
 from assistant.studio.studio import Studio
+from assistant.virtual.events import Moved, Run
+from assistant.virtual.kernel import Ending, Task
+from assistant.virtual.kernel.script import follow
+from assistant.virtual.program_run import Settings, prepared
+from assistant.virtual.run_log import end_finding, motion_columns
 
 if TYPE_CHECKING:
-    from assistant.compiler.comparison import Comparison
-    from assistant.studio.running import RunRequest, StudioRun
+    from assistant.studio.runs import StudioRun
     from assistant.virtual.debugging.break_points import Stride
+
+
+def likely_arm(studio: Studio, path: str) -> str | None:
+    """The robot of the recipe that makes a program or of the target it was built for, else of the
+    first target; by its name, or by a file as the page names it. None where nothing tells.
+    """
+    from assistant.project import project_of
+
+    try:
+        project = project_of(studio.folder)
+    except Refused:
+        return None  # what is wrong with it stands beside its file
+    file = studio.place(path)
+    recipes = [(place, one) for place in project.places for one in place.recipes]
+    own = [one.robot or place.controller.robot for place, one in recipes if one.source == file]
+    folders = set(PurePosixPath(path).parts[:-1])
+    built = [place.controller.robot for place in project.places if place.name in folders]
+    first = [one.robot or place.controller.robot for place, one in recipes]
+    return next((name for name in (*own, *built, *first) if name), None)
+
+
+MOST_POINTS: Final = 2_000
+"""Of each curve that the page draws."""
+MOST_COMPARED: Final = 20_000
+"""Of each path that is compared."""
+TURN_WEIGHT: Final = 100.0
+"""mm that a place counts as farther off whose tool is turned right round: where a tool turns on the
+spot, or comes by again, the place is meant at which it is turned alike."""
+BLOCK_SIZE: Final = 256
+"""Places whose distances from all of the other path are worked out at once."""
+
+MotionColumns = Mapping[str, np.ndarray]
+"""As `motion_columns` gives them; empty where motions take no time."""
+
+
+def shown_motion(
+    columns: MotionColumns, robot: Robot | None, most: int = MOST_POINTS
+) -> dict[str, Any]:
+    """Columns of a run as lists: samples evenly picked, the first and the last among them.
+
+    t: seconds. position: mm, rows of x, y, z; quaternion: (w, x, y, z); orientation: degrees about
+    z, y, x, each without jumps; joints: degrees, rows by `axes`; chain: the same as the scene poses
+    the arm; speed: mm/s; inputs and outputs:
+    rows by their names. samples: how many there are in all.
+    """
+    if "t" not in columns or robot is None:
+        return {"samples": 0, "t": []}
+    count = len(columns["t"])
+    some = evenly_spaced(count, max(2, most))
+    picked = ("t", "position", "quaternion", "joints", "speed", "inputs", "outputs")
+    names = ("axes", "input_names", "output_names")
+    angles = np.unwrap(rotations.to_euler(columns["quaternion"]), period=360.0, axis=0)
+    return {
+        "samples": count,
+        **{name: columns[name][some].tolist() for name in picked},
+        **{name: columns[name].tolist() for name in names},
+        "orientation": angles[some].tolist(),
+        "chain": robot.chained(columns["joints"][some]).tolist(),
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """The place of one path that is farthest from the other path.
+
+    distance: mm. angle: degrees, the most that the tool is turned otherwise at the place that is
+    nearest. time: seconds on the path of the run that the place is on. of: 0 or 1, that run.
+    """
+
+    distance: float
+    angle: float
+    time: float
+    of: int
+
+
+def path_deviation(
+    first: MotionColumns, second: MotionColumns, begins: tuple[Floats, Floats]
+) -> Deviation | None:
+    """How far two tools' paths are apart at most, seen from either; None without both.
+
+    begins: seconds at which the motions of each begin. Where there are as many of both, a place is
+    compared with those of the same motion only. Nothing is said of when the tools are there: what
+    is slower alone has no deviation.
+    """
+    if "t" not in first or "t" not in second:
+        return None
+    one, two = _moving_samples(first), _moving_samples(second)
+    if len(begins[0]) != len(begins[1]):
+        begins = np.zeros(1), np.zeros(1)
+    found = []
+    for of, (here, there) in enumerate(((one, two), (two, one))):
+        distance, angle = _deviation_by_motion(here, there, begins[of], begins[1 - of])
+        at = int(np.argmax(distance))
+        found.append(Deviation(float(distance[at]), float(angle.max()), float(here["t"][at]), of))
+    worst = max(found, key=lambda each: each.distance)
+    return Deviation(worst.distance, max(each.angle for each in found), worst.time, worst.of)
+
+
+def _deviation_by_motion(
+    here: Mapping[str, Floats], there: Mapping[str, Floats], begin: Floats, other: Floats
+) -> tuple[Floats, Floats]:
+    """(k,) mm and degrees of each place of a path from the same motion of the other one."""
+    ours = np.append(np.searchsorted(here["t"], begin), len(here["t"]))
+    ours[0] = 0
+    low = np.maximum(np.searchsorted(there["t"], other, side="right") - 1, 0)
+    high = np.append(np.searchsorted(there["t"], other[1:]) + 1, len(there["t"]))
+    low[0] = 0
+    distance, angle = np.zeros(len(here["t"])), np.zeros(len(here["t"]))
+    for k in range(len(begin)):
+        rows, window = slice(ours[k], ours[k + 1]), slice(low[k], max(high[k], low[k] + 1))
+        if ours[k] < ours[k + 1]:
+            pair = ({n: c[s] for n, c in p.items()} for p, s in ((here, rows), (there, window)))
+            distance[rows], angle[rows] = _distance_to_lines(*pair)
+    return distance, angle
+
+
+def _moving_samples(columns: MotionColumns) -> dict[str, Floats]:
+    """Samples at which the tool went on, not too many of them."""
+    position, quaternion = columns["position"], columns["quaternion"]
+    gone = norms(np.diff(position, axis=0)) > 0.0
+    turned = np.any(np.diff(quaternion, axis=0) != 0.0, axis=1)
+    kept = np.flatnonzero(np.append(True, gone | turned))
+    step = -(-len(kept) // MOST_COMPARED)
+    kept = np.unique(np.append(kept[::step], kept[-1]))
+    return {"t": columns["t"][kept], "position": position[kept], "quaternion": quaternion[kept]}
+
+
+def _distance_to_lines(
+    here: Mapping[str, Floats], there: Mapping[str, Floats]
+) -> tuple[Floats, Floats]:
+    """(k,) mm and degrees of each place of a path from the lines about the nearest of another.
+
+    Places are near each other by where they are and how they are turned, see TURNED.
+    """
+    points, path = here["position"], there["position"]
+    squares = np.einsum("ij,ij->i", path, path)
+    nearest = np.empty(len(points), dtype=np.intp)
+    for begin in range(0, len(points), BLOCK_SIZE):
+        rows = slice(begin, begin + BLOCK_SIZE)
+        cosine = np.abs(here["quaternion"][rows] @ there["quaternion"].T)
+        unlike = squares - 2.0 * points[rows] @ path.T - 2.0 * TURN_WEIGHT**2 * cosine
+        nearest[rows] = np.argmin(unlike, axis=1)
+    place, turn = path[nearest], there["quaternion"][nearest]
+    best = _pose_distance(points, here["quaternion"], place, turn)
+    for side in (-1, 1):
+        other = np.clip(nearest + side, 0, len(path) - 1)
+        way = path[other] - path[nearest]
+        first, last = there["quaternion"][nearest], there["quaternion"][other]
+        step = _same_side(last, first) - first
+        along = np.sum((points - path[nearest]) * way, axis=1)
+        along += TURN_WEIGHT**2 * np.sum(
+            (_same_side(here["quaternion"], first) - first) * step, axis=1
+        )
+        length = np.sum(way * way, axis=1) + TURN_WEIGHT**2 * np.sum(step * step, axis=1)
+        part = np.clip(along / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+        at, turned = path[nearest] + part[:, None] * way, rotations.between(first, last, part)
+        off = _pose_distance(points, here["quaternion"], at, turned)
+        nearer = (off < best)[:, None]
+        place, turn = np.where(nearer, at, place), np.where(nearer, turned, turn)
+        best = np.minimum(best, off)
+    return norms(points - place), rotations.angle_between(here["quaternion"], turn)
+
+
+def _pose_distance(points: Floats, turns: Floats, places: Floats, others: Floats) -> Floats:
+    """(k,) mm squared by which poses are unlike."""
+    turned = _same_side(turns, others) - others
+    return np.asarray(
+        np.sum((points - places) ** 2, axis=1) + TURN_WEIGHT**2 * np.sum(turned**2, axis=1)
+    )
+
+
+def _same_side(quaternions: Floats, others: Floats) -> Floats:
+    """(k, 4) the same rotations, each on the side of another one."""
+    return np.where(np.sum(quaternions * others, axis=1) < 0.0, -1.0, 1.0)[:, None] * quaternions
+
+
+LONGEST_RUN: Final = 60.0
+"""Seconds that each of them may run here, where nobody can switch what it waits for."""
+
+
+def compare_files(first: RunRequest, second: RunRequest, script: str) -> Comparison:
+    """Compare two files of the project as `compare` does. script: drives both; empty for none.
+
+    Raises Unreadable or Refused where they cannot be compared at all.
+    """
+    return compare(
+        first.path,
+        second.path,
+        robot=second.robot,
+        from_robot=first.robot,
+        proving=Proving(script=FilePath(script) if script else None),
+    )
+
+
+def compared_motions(first: RunRequest, second: RunRequest) -> dict[str, Any]:
+    """Both motions in columns, and the greatest deviation of their paths. Raises Refused where a
+    program cannot be run.
+    """
+    pair = (first, second)
+    done = [_run_program(one) for one in pair]
+    runs = [run for run, _, _ in done]
+    far = path_deviation(done[0][1], done[1][1], (_start_times(runs[0]), _start_times(runs[1])))
+    found = [finding for _, _, one in done for finding in one]
+    return {
+        "names": [first.programs.title, second.programs.title],
+        "seconds": [run.seconds for run in runs],
+        "motions": [shown_motion(made[1], one.robot) for made, one in zip(done, pair, strict=True)],
+        "deviation": None if far is None else {
+            "distance": far.distance, "angle": far.angle, "time": far.time, "of": far.of,
+        },
+        "findings": finding_records(found),
+    }  # fmt: skip
+
+
+def _run_program(wanted: RunRequest) -> tuple[Run, MotionColumns, Sequence[Diagnostic]]:
+    """A run, how the arm moved, and what is wrong with it."""
+    settings = Settings(
+        robot=wanted.robot,
+        inputs=WatchedInputs({one.name: 0.0 for one in wanted.script.changes}),
+        options=wanted.script.options,
+    )
+    kernel = prepared(wanted.programs, settings)
+    given = follow(kernel, wanted.script, wanted.programs.sources())
+    end = time.monotonic() + LONGEST_RUN
+
+    def watch(task: Task) -> None:
+        if time.monotonic() > end:
+            kernel.halt(task, Ending("time", f"more than {LONGEST_RUN:g} s of this computer"))
+
+    kernel.watch = watch
+    run = kernel.run()
+    wrong = end_finding(run, wanted.programs.sources())
+    columns = motion_columns(run, given, kernel.motion)
+    return run, columns, [] if wrong is None else [wrong]
+
+
+def _start_times(run: Run) -> Floats:
+    """(k,) seconds."""
+    return np.array([row.time for row in run.log if isinstance(row.what, Moved)])
+
 
 RUN_NAME: Final = "run"
 """What it is called among what is live."""
@@ -32,8 +291,7 @@ NO_RUN_RECORD: Final = {"state": "", "inputs": [], "outputs": [], "stack": [], "
 def run_choices(studio: Studio, asked: Question) -> dict[str, Any]:
     """Robots to choose from, the one that a program most likely is for, and its signal scripts."""
     from assistant import robots
-    from assistant.studio.arms import likely_arm
-    from assistant.studio.tree import file_stamps
+    from assistant.studio.studio import file_stamps
 
     path = asked.text("path", "")
     return {
@@ -47,7 +305,7 @@ def run_choices(studio: Studio, asked: Question) -> dict[str, Any]:
 
 def start_run(studio: Studio, asked: Question) -> dict[str, Any]:
     """Runs a program from its beginning, in place of whatever ran before."""
-    from assistant.studio.running import StudioRun
+    from assistant.studio.runs import StudioRun
 
     with studio.beginning:
         studio.drop(RUN_NAME)
@@ -71,7 +329,7 @@ def _run_request(studio: Studio, asked: Question, path: str) -> RunRequest:
     """What was asked to run; raises Unreadable or Refused for what cannot be read or run."""
     from assistant.compiler.arms import known_robot, robot_of
     from assistant.compiler.simulated_run import programs, read_script
-    from assistant.studio.running import RunRequest
+    from assistant.studio.runs import RunRequest
     from assistant.virtual.kernel.script import Script
 
     studio.file(path)
@@ -153,8 +411,7 @@ def answer_question(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
-    """How the arm moved until now, in columns; see `motions.shown`."""
-    from assistant.studio.motions import MOST_POINTS, shown_motion
+    """How the arm moved until now, in columns; see `shown_motion`."""
     from assistant.virtual.kernel import Kernel
     from assistant.virtual.run_log import motion_columns
 
@@ -171,8 +428,6 @@ def run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
 
 def compare_programs(studio: Studio, asked: Question) -> dict[str, Any]:
     """Tells whether two programs do the same, and how far their motions are apart."""
-    from assistant.studio.comparing import compare_files, compared_motions
-
     studio.comparison = None
     first, second = (_run_request(studio, asked, asked.text(key)) for key in ("first", "second"))
     shown = compared_motions(first, second)
@@ -195,14 +450,14 @@ async def comparison_page(request: Request) -> Response:
 
 
 def _comparison_record(done: Comparison) -> dict[str, Any]:
-    from assistant.view.record import page_record
+    from assistant.view.page import page_record
     from assistant.view.sheets import compared_sheet, shown_sheet
 
     return page_record(shown_sheet(compared_sheet(done)))
 
 
 def _running_or_refused(studio: Studio) -> StudioRun:
-    from assistant.studio.running import StudioRun
+    from assistant.studio.runs import StudioRun
 
     run = studio.live.get(RUN_NAME)
     if not isinstance(run, StudioRun):

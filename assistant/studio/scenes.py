@@ -1,12 +1,21 @@
-"""What the scene shows: a program as it stands in a window, in the cell that its project says."""
+"""The scene: a program as its window has it, in the cell of its project, and its routes.
+
+A source is loaded from the text in the editor where that differs from the disk, and shown as the
+project states.
+"""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
 
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
@@ -28,7 +37,7 @@ from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
-from assistant.project.stated import SourceOptions, completed_options
+from assistant.project.source_options import SourceOptions, completed_options
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.placement import (
@@ -38,17 +47,18 @@ from assistant.sources.process.placement import (
 )
 from assistant.sources.tables.taught import read_taught
 from assistant.studio import rules
-from assistant.studio.handles import handles_of
-from assistant.studio.stages import TAUGHT_SUFFIX, Stage, stages_of
-from assistant.studio.studio import Studio
+from assistant.studio.route_answers import Question, asks, finding_records, not_asked, view_page
+from assistant.studio.stages import TAUGHT_SUFFIX, Stage, handles_of, stages_of
+from assistant.studio.studio import Studio, file_stamps
 from assistant.studio.texts import open_text, read_text
-from assistant.studio.tree import file_stamps
-from assistant.view.record import page_record
+from assistant.view.page import page_record
 from assistant.view.sheets import Sheet, shown_sheet
 
 if TYPE_CHECKING:
-    from assistant.report.drawn import DrawnLine
+    from assistant.report.contour_plot import DrawnLine
     from assistant.robots import Robot
+    from assistant.studio.stages import Handle
+
 
 STATED_OPTIONS: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
 """What a project says of the way in which a source is shown."""
@@ -191,7 +201,7 @@ def _drawing_lines(
     source: str, given: SourceOptions, process: str, text: str
 ) -> Sequence[DrawnLine]:
     """The lines of a drawing; none of another source, nor of one that cannot be read."""
-    from assistant.report.drawn import drawn_lines
+    from assistant.report.contour_plot import drawn_lines
 
     try:
         return drawn_lines(source, given.process, given.unit, _typed_placement(process, text))
@@ -208,3 +218,84 @@ def _common_robot(studio: Studio) -> str | None:
     except Refused:
         return None
     return named.pop() if len(named) == 1 else None
+
+
+def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+    """Works a file out for the scene as it stands in the window; its page is asked for by name."""
+    stage = make_stage(studio, asked.window, asked.text("path"))
+    return {
+        "name": stage.name,
+        "path": stage.path,
+        "edits": stage.process or stage.path,
+        "handles": [one.record() for one in stage.handles],
+        "findings": finding_records(_shown_stage(stage)),
+        "moves": stage.shown.simulation is not None,
+    }
+
+
+def drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+    """What would be if something stood elsewhere; nothing is changed."""
+    from assistant.studio.scene_edits import drag_record as told
+
+    stage, handle = _held_handle(studio, asked)
+    return told(stage, handle, handle.held_at(_asked_position(asked)))
+
+
+def edit_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+    """The edit that puts something elsewhere; the editor makes it, and can take it back."""
+    from assistant.studio import scene_edits
+
+    stage, handle = _held_handle(studio, asked)
+    path, change = scene_edits.move_edit(
+        studio, asked.window, stage, handle, handle.held_at(_asked_position(asked))
+    )
+    start, end = change.range.start, change.range.end
+    one = {"from": [start.line, start.column], "to": [end.line, end.column], "text": change.text}
+    return {"path": path, "edits": [one], "line": start.line + 1}
+
+
+async def scene_page(request: Request) -> Response:
+    """The page of a scene that was worked out."""
+    from assistant.studio.stages import stages_of
+
+    studio: Studio = request.app.state.studio
+    try:
+        stage = stages_of(studio).get(request.path_params["name"])
+    except Refused:
+        return await view_page(request, None)
+    return await view_page(request, partial(_scene_record, stage))
+
+
+def _scene_record(stage: Stage) -> dict[str, Any]:
+    return stage.record | {"handles": [one.record() for one in stage.handles]}
+
+
+def _shown_stage(stage: Stage) -> list[Diagnostic]:
+    placed = stage.shown.places.finding
+    return [placed(one).within(stage.path) for one, _ in stage.shown.findings]
+
+
+def _held_handle(studio: Studio, asked: Question) -> tuple[Stage, Handle]:
+    from assistant.studio.stages import stages_of
+
+    stage = stages_of(studio).get(asked.text("name"))
+    at = asked.number("handle")
+    if at != int(at) or not 0 <= at < len(stage.handles):
+        raise not_asked("`handle` is no number of one")
+    return stage, stage.handles[int(at)]
+
+
+def _asked_position(asked: Question) -> tuple[float, float, float]:
+    place = asked.values.get("position")
+    if not isinstance(place, list) or len(place) != 3:
+        raise not_asked("`position` is no place")
+    x, y, z = (Question({"it": value}).number("it") for value in place)
+    return x, y, z
+
+
+SCENE_ROUTES: Final = (
+    asks("/scene/show", show_scene),
+    asks("/scene/moved", drag_in_scene),
+    asks("/scene/edit", edit_in_scene),
+    Route("/scene/{name}/page", scene_page),
+)

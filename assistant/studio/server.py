@@ -20,7 +20,7 @@ from assistant.studio import rules
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
-    from assistant.studio.guard import Guard
+    from assistant.studio.app import Guard
     from assistant.studio.studio import Studio
 
 HERE: Final = "127.0.0.1"
@@ -97,8 +97,7 @@ def _libraries() -> tuple[ModuleType, Callable[[Studio], ASGIApp], type[Guard]]:
         import uvicorn
         import websockets  # noqa: F401
 
-        from assistant.studio.app import app
-        from assistant.studio.guard import Guard
+        from assistant.studio.app import Guard, app
     except ImportError as missing:
         name = (missing.name or "starlette").partition(".")[0]
         raise Refused(rules.NO_LIBRARY(name=name), exit_status=2) from None
@@ -123,7 +122,7 @@ def _listening(host: str, port: int) -> socket.socket:
 
 def _encrypt(config: object, host: str, folder: FilePath) -> None:
     from assistant.base.certificate import self_signed_context
-    from assistant.project.layout import path_inside
+    from assistant.project.project_file import path_inside
 
     file = path_inside(folder, CERTIFICATE.as_posix())
     if file is None:  # a folder from elsewhere may hold a link to where it likes

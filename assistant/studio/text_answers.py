@@ -24,7 +24,7 @@ from assistant.editing.service import (
     Tokens,
     Workspace,
 )
-from assistant.studio.answering import Answering, Question, finding_records, not_asked
+from assistant.studio.route_answers import Answering, Question, finding_records, not_asked
 from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
 

@@ -18,7 +18,7 @@ from assistant.editing.checker import Checker
 from assistant.editing.service import Change, Document, Workspace
 from assistant.editing.text_lines import LINE_END
 from assistant.studio import rules
-from assistant.studio.answering import not_asked
+from assistant.studio.route_answers import not_asked
 from assistant.studio.studio import Studio
 
 KIND: Final = "texts"

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from assistant.compiler.comparison import Comparison
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
-    from assistant.report.drawn import DrawnLine
+    from assistant.report.contour_plot import DrawnLine
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
-    from assistant.view.beside import SideBySide
-    from assistant.view.shown import Shown
+    from assistant.view.page_contents import Shown
+    from assistant.view.side_by_side import SideBySide
 
     _Marked = tuple[Diagnostic, Closeness | None]
 
@@ -55,7 +55,7 @@ class Sheet:
 def compared_sheet(done: Comparison) -> Sheet:
     """Two compared programs side by side; the arm of the second one is simulated."""
     from assistant.compiler.source_map import Places
-    from assistant.view.beside import comparison_side_by_side
+    from assistant.view.side_by_side import comparison_side_by_side
 
     first, second = (PurePath(name).name for name in done.names)
     program, text = done.programs[1].program, done.programs[1].text
@@ -75,7 +75,7 @@ def shown_sheet(sheet: Sheet) -> Shown:
     from assistant.cell.scene import Scene
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
-    from assistant.view.shown import Shown
+    from assistant.view.page_contents import Shown
 
     scene, stands = _standing(sheet)
     marked: list[_Marked] = [(one, None) for one in sheet.found]

@@ -13,7 +13,7 @@ from spatialmath import SE3
 
 import assistant
 from assistant.program.se3 import columns_of
-from assistant.report.points import Poses, passed_poses, point_plot
+from assistant.report.figures import Poses, passed_poses, point_plot
 
 start = SE3(0.25, -0.08, 0.3) * SE3.RPY(180, 0, 60, unit="deg")
 end = SE3(0.3, 0.08, 0.24) * SE3.RPY(180, 0, 150, unit="deg")

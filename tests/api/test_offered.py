@@ -208,7 +208,7 @@ def test_pages_are_bounded_and_obey_nothing():
     assert "<script>alert(1)</script>" in page.text_content()
     many = assistant.from_poses([[300, i / 100, 300, 0, 1, 0, 0] for i in range(9000)], unit="mm")
     assert len(many._repr_html_()) < 200_000
-    from assistant.api.checking import Check
+    from assistant.api.analysis import Check
 
     listed = shown(Check(tuple(rule(name=NASTY, line=i) for i in range(400))))
     assert len(listed.xpath("//tr")) == 50 and "and 350 more" in listed.text_content()

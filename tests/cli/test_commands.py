@@ -253,7 +253,7 @@ def demo(capsys, folder, *more):
 
 
 def test_the_demo_without_the_toolbox_tells_what_installs_it(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr("assistant.cli.demo_cells.TIME_FACTOR", 20.0)
+    monkeypatch.setattr("assistant.cli.demo.TIME_FACTOR", 20.0)
     monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
     out = demo(capsys, tmp_path)
     (line,) = [line for line in out.splitlines() if "roboticstoolbox" in line]

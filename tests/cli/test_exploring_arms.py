@@ -11,8 +11,8 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.cell.exploration.occupancy import CellState, load_map
-from assistant.cli import exploring_arms
-from assistant.cli.exploring_arms import NO_CONTACT
+from assistant.cli import exploration
+from assistant.cli.exploration import NO_CONTACT
 from assistant.compiler.exploration import contact_test
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr
@@ -212,7 +212,7 @@ def started(capsys, *more: str) -> tuple[int, str, str]:
 )
 def test_what_ends_a_program_stops_it_before_anything_is_learnt(capsys, cell, monkeypatch, error):
     """And before it would get its old speed again."""
-    save, states, looks = exploring_arms._saved, [], iter([False] * 4)
+    save, states, looks = exploration._saved, [], iter([False] * 4)
 
     def saved(*arguments):
         with connect("cell1") as controller:
@@ -230,7 +230,7 @@ def test_what_ends_a_program_stops_it_before_anything_is_learnt(capsys, cell, mo
         states.append(controller.state())
         set_override(controller, percent)
 
-    monkeypatch.setattr(exploring_arms, "_saved", saved)
+    monkeypatch.setattr(exploration, "_saved", saved)
     monkeypatch.setattr(AnyContacts, "touching", touching)
     monkeypatch.setattr(Cr, "set_override", set_back)
     status, _, said = started(capsys, "--size", "50")

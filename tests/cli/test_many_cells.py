@@ -23,9 +23,14 @@ from lxml import etree
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused, error
 from assistant.cli import main
-from assistant.cli.junit import junit_report
-from assistant.cli.many_cells import RolloutOptions, end_in_order, run_rollout, write_junit
 from assistant.cli.presentation import Format
+from assistant.cli.rollout import (
+    RolloutOptions,
+    end_in_order,
+    junit_report,
+    run_rollout,
+    write_junit,
+)
 from assistant.controllers import connect
 from assistant.controllers.address import parse
 from assistant.deploy import (
@@ -195,7 +200,7 @@ def test_the_xml_is_well_formed_whatever_messages_hold(capsys):
 
 
 def test_no_character_of_outside_steers_the_terminal(capsys):
-    from assistant.cli.many_cells import print_rollout
+    from assistant.cli.rollout import print_rollout
 
     print_rollout(outcomes(NASTY))
     told = capsys.readouterr()

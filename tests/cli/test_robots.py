@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.report.arm_drawing import arm_drawing, joint_axes
+from assistant.report.robots import arm_drawing, joint_axes
 from assistant.robots.robot_file import FIELDS, LENGTH_NAMES
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.api.simulating import simulate
+from assistant.api.analysis import simulate
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
 from assistant.compiler.checker import check_files, check_text

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assistant.compiler import translate
-from assistant.report.names import renamed_items
+from assistant.report.translation import renamed_items
 from tests.cli.test_commands import run
 
 HEAD = "1 Tool P_NTool\n2 Base P_NBase\n3 Spd 150\n4 Cnt 0\n"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
 from assistant.cli import main
-from assistant.cli.secrets import refuse_passwords
+from assistant.cli.app import refuse_passwords
 from assistant.controllers import connect
 from assistant.controllers.address import holds_password, parse, without_password
 

@@ -21,7 +21,7 @@ import trustme
 from assistant import deploy as deploying
 from assistant.base.diagnostics import Refused
 from assistant.cli import main
-from assistant.cli.junit import junit_report
+from assistant.cli.rollout import junit_report
 from assistant.controllers import connect
 from assistant.deploy import EVERY, Cell, deploy_to_all
 from assistant.virtual.irc5 import VirtualIrc5

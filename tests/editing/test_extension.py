@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from assistant import languages
-from assistant.cli.debugging import LAUNCH_KEYS
+from assistant.cli.virtual_runs import LAUNCH_KEYS
 from assistant.editing.vscode.extension import FORMAT, extension, packed
 from tests.editing.typing import ROOT, kept
 
@@ -192,7 +192,7 @@ def test_colours_agree_with_what_the_service_says(tmp_path, tell):
 
 def test_the_command_writes_the_file(tmp_path):
     from assistant import __version__
-    from assistant.cli.editors import run_extension
+    from assistant.cli.services import run_extension
 
     assert run_extension(tmp_path / "here.vsix") == 0
     assert Path(tmp_path / "here.vsix").read_bytes() == packed(__version__)

@@ -18,7 +18,7 @@ from pygls.lsp.client import BaseLanguageClient
 from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
 from assistant.base.diagnostics import Refused
-from assistant.cli.editors import run_lsp
+from assistant.cli.services import run_lsp
 from tests.editing.typing import kept, lines_to_damage, made
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"

@@ -37,7 +37,7 @@ from assistant.learning.maps.training import start_with, trained, usual
 from assistant.learning.maps.using import User
 from assistant.program import pseudo
 from assistant.project import project_of
-from assistant.project.kept import BUILD_FILE, read_build
+from assistant.project.builds import BUILD_FILE, read_build
 from assistant.report.scenes import record as said
 from assistant.robots import robot_file
 from assistant.sources.cell_values import read_cell

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from assistant.project import build, checking, project_of
-from assistant.project.checking import check
+from assistant.project import build, builds, project_of
+from assistant.project.builds import check
 from tests.project.conftest import Home, module, pseudo
 
 FAR = """MODULE far
@@ -50,7 +50,7 @@ def test_a_project_that_cannot_be_written_is_checked_as_any_other(cell, monkeypa
     def refused(folder):
         raise OSError(errno.EROFS, "Read-only file system", str(folder))
 
-    monkeypatch.setattr(checking, "scratch_folder", refused)
+    monkeypatch.setattr(builds, "scratch_folder", refused)
     assert found(cell) == expected
     assert sorted(cell.folder.rglob("*")) == before
 

@@ -7,7 +7,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.cli import main
 from assistant.project import build, project_of, targets_of
-from assistant.project.inputs import digest_of
+from assistant.project.build_jobs import digest_of
 from tests.project.conftest import Home, module
 
 OUTSIDE = (

@@ -10,13 +10,14 @@ import pytest
 from assistant import languages
 from assistant.languages.language_types import Choice
 from assistant.program.settings_tables import Wrong
-from assistant.project.schema import project_schema, schema_text
-from assistant.project.tables import (
+from assistant.project.project_file import (
     CONTROLLER_KEYS,
     DEPLOY_KEYS,
     PROGRAM_KEYS,
     STYLE_TABLE_KEYS,
     TARGET_KEYS,
+    project_schema,
+    schema_text,
 )
 from assistant.resources import resource
 
@@ -78,7 +79,7 @@ def test_it_knows_the_keys_of_all_tables():
 
 
 def test_it_knows_the_tables_that_the_reader_knows():
-    from assistant.project.layout import project_tables
+    from assistant.project.project_file import project_tables
 
     assert set(project_schema()["properties"]) == set(project_tables())
     assert not WHOLE.is_valid({"target": {}})

@@ -8,8 +8,8 @@ import pytest
 from assistant import __version__, deploy
 from assistant.base.diagnostics import Refused
 from assistant.project import build, project_of, targets_of
-from assistant.project.checking import check
-from assistant.project.starting import EXAMPLE_FILES, REPOSITORY_FILES, start_project
+from assistant.project.builds import check
+from assistant.project.new_project import EXAMPLE_FILES, REPOSITORY_FILES, start_project
 from tests.project.conftest import Home
 
 

@@ -13,9 +13,14 @@ from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
 from assistant.cli import main
 from assistant.project import build, project_of
-from assistant.project.checking import check
-from assistant.project.drafting import CHOICE_KEYS, LAYER_ROWS, TOP_ROWS
-from assistant.project.starting import REPOSITORY_FILES, start_project
+from assistant.project.builds import check
+from assistant.project.new_project import (
+    CHOICE_KEYS,
+    LAYER_ROWS,
+    REPOSITORY_FILES,
+    TOP_ROWS,
+    start_project,
+)
 from assistant.sources.process import file as process_layers
 from assistant.sources.process.file import parse_process, read_process
 

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from assistant.project import workers
-from assistant.project.workers import at_once
+from assistant.project import build_jobs
+from assistant.project.build_jobs import at_once
 
 slow = pytest.mark.slow  # each process is a new Python
 
@@ -36,21 +36,21 @@ def test_only_what_a_dead_process_was_at_is_lost():
 
 
 def test_a_process_that_does_not_end_loses_no_answer(monkeypatch):
-    monkeypatch.setattr(workers, "ENDED", 0.2)
+    monkeypatch.setattr(build_jobs, "ENDED", 0.2)
     assert at_once(_lingering, [1, 2, 3], 2, lambda argument: -1) == [1, 2, 3]
 
 
 @slow
 def test_a_process_that_cannot_be_started_loses_only_what_it_was_to_answer(monkeypatch):
     tries = iter((OSError("no memory"), None, None))
-    begin = workers._Worker._begin
+    begin = build_jobs._Worker._begin
 
     def sometimes(worker):
         if wrong := next(tries):
             raise wrong
         return begin(worker)
 
-    monkeypatch.setattr(workers._Worker, "_begin", sometimes)
+    monkeypatch.setattr(build_jobs._Worker, "_begin", sometimes)
     assert at_once(_or_die, [1, 2, 3], 1, lambda argument: -1) == [-1, 2, 3]
 
 
@@ -58,7 +58,7 @@ def test_a_process_that_cannot_be_started_loses_only_what_it_was_to_answer(monke
 def test_a_script_without_a_guard_builds(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
-        "from assistant.project.workers import at_once\n"
+        "from assistant.project.build_jobs import at_once\n"
         "import os\nprint(at_once(os.path.basename, ['a/1', 'a/2'], 2, str))\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)

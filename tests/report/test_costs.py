@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from assistant.compiler import translate
-from assistant.report.costs import costs
-from assistant.report.translation import Translated, report_markdown, report_record
+from assistant.report.translation import Translated, costs, report_markdown, report_record
 
 MODULE = """MODULE Cell
   PROC main()

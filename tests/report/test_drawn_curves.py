@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from assistant.cli import main
-from assistant.report.drawn import drawn_lines
+from assistant.report.contour_plot import drawn_lines
 from assistant.report.track import arc_points
-from assistant.studio.processes import _drawn_lines
+from assistant.studio.process_files import _drawn_lines
 from tests.sources.contours.exports import apart
 
 

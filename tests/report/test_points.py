@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant.report import figures
-from assistant.report.points import Poses, passed_poses, point_plot
+from assistant.report.figures import Poses, passed_poses, point_plot
 
 
 def turned(degrees):

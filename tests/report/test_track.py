@@ -11,7 +11,7 @@ from assistant.program.geometry import Frame, Pose, Target
 from assistant.program.motion import FINE, Kind, Path, Speed
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular
-from assistant.report import plots
+from assistant.report import figures
 from assistant.report.track import arc_points, stops, track
 
 MOTION = Motion(Speed(100.0), FINE)
@@ -132,14 +132,14 @@ def test_stops_are_numbered_as_findings_number_them():
 
 def test_the_same_track_gives_the_same_picture():
     way = track(program(Move("linear", at(1, 2), MOTION), Move("joint", at(3, 4), MOTION)))
-    assert plots.pose_plot(way, "title") == plots.pose_plot(way, "title")
+    assert figures.pose_plot(way, "title") == figures.pose_plot(way, "title")
 
 
 def test_an_exchange_is_drawn_without_jumps_between_two_signs_of_one_orientation() -> None:
     seconds, places = np.arange(3.0), np.zeros((3, 3))
     turns = np.array([[0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0]])
     flipped = turns * [[1], [-1], [1]]
-    drawn = plots.exchange_plot(seconds, places, turns, "title")
+    drawn = figures.exchange_plot(seconds, places, turns, "title")
     assert drawn.startswith(b"\x89PNG")
-    assert drawn == plots.exchange_plot(seconds, places, flipped, "title")
-    assert b"<svg" in plots.exchange_plot(seconds, places, turns, "title", "svg")
+    assert drawn == figures.exchange_plot(seconds, places, flipped, "title")
+    assert b"<svg" in figures.exchange_plot(seconds, places, turns, "title", "svg")

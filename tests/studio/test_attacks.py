@@ -24,8 +24,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from assistant import studio
-from assistant.studio.app import ROUTES
-from assistant.studio.guard import MOST_BYTES
+from assistant.studio.app import MOST_BYTES, ROUTES
 from assistant.studio.server import CERTIFICATE, serving
 from tests.studio.serving import Answer, Page, answered, served
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import pytest
 
-from assistant.studio.page import words
+from assistant.studio.app import words
 from tests.cli.test_commands import SAMPLES
 from tests.studio.browsing import TABLET, clean, studio_page, until
 from tests.studio.test_whole_way import GREETING

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from assistant.studio.answering import Question
+from assistant.studio.route_answers import Question
 from assistant.studio.run_routes import RUN_NAME, run_log, start_run
 from assistant.studio.studio import Studio
 from tests.cli.test_commands import SAMPLES, run

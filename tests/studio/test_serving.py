@@ -10,7 +10,7 @@ from urllib.request import Request
 
 import pytest
 
-from assistant.studio.windows import Windows
+from assistant.studio.studio import Windows
 from tests.cli.test_commands import run
 from tests.studio.serving import Page, answered
 

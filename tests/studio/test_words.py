@@ -10,8 +10,8 @@ from typing import Final
 import pytest
 
 from assistant import studio
-from assistant.studio.page import FIRST_LANGUAGE, words
-from assistant.studio.tree import SUFFIX_KINDS
+from assistant.studio.app import FIRST_LANGUAGE, words
+from assistant.studio.studio import SUFFIX_KINDS
 
 FOLDER: Final = Path(studio.__file__).parent
 USED: Final = (

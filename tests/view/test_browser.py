@@ -16,7 +16,7 @@ from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Carriers
 from assistant.cell.link_bodies import place_robot
 from assistant.program.geometry import Pose
-from assistant.view.live import LivePage
+from assistant.view.live_page import LivePage
 from assistant.view.page import filled_page
 from docs.browsing import chromium, installed
 from tests.cell.test_holding import CELL, PICK

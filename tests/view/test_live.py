@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.view.live import LivePage
+from assistant.view.live_page import LivePage
 from assistant.virtual.cr import VirtualCr
 from tests.cli.test_commands import run
 from tests.view.cases import data_of

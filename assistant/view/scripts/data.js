@@ -1,4 +1,4 @@
-// The data of the page, see assistant/view/record.py: columns of numbers and plain records.
+// The data of the page, see assistant/view/page.py: columns of numbers and plain records.
 const whole = JSON.parse(document.getElementById("data").textContent);
 const chosen = Number(location.hash.slice(1)) || 0; // of several programs
 const other = document.getElementById(`data-${chosen}`);

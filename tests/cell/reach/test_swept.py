@@ -21,7 +21,7 @@ from assistant.program.geometry import JointTarget, Pose
 from assistant.program.motion import FINE, MAXIMUM_SPEED
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, MoveJoints
-from assistant.report.swept_space import swept_glb, swept_surface
+from assistant.report.workspace import swept_glb, swept_surface
 from assistant.robots.robot import Robot
 from assistant.robots.timing import Simulation, simulate
 from tests.cell.gantry import gantry, joints

@@ -25,7 +25,7 @@ from assistant.compiler import simulated_run
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.cyclic.setpoint_source import Settings
 from assistant.program.pseudo.words import FIRST_WORDS
-from assistant.project.schema import project_schema
+from assistant.project.project_file import project_schema
 from assistant.sources import cell_values as of_data
 from assistant.sources import process
 from assistant.sources.process import file, placement

@@ -1,0 +1,204 @@
+"""Check and simulate from Python: findings of programs, times and motion on a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from os import fspath
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.base.diagnostics import Diagnostic, FailOn, Refused, fold, has_errors
+from assistant.base.source_text import path_of
+from assistant.checks.clearances import clearances
+from assistant.compiler.arms import open_cell, robot_of
+from assistant.compiler.checker import Checked, check_files, check_program
+from assistant.compiler.compilation import Compiled
+from assistant.compiler.loader import Loaded, with_entry
+from assistant.compiler.program_files import load
+from assistant.compiler.retarget import solve
+from assistant.findings.severities import apply_severities
+from assistant.lazy import pictured
+from assistant.program.program import Program
+from assistant.report.figures import new_figure, picture
+from assistant.robots import Robot
+from assistant.robots.timing import Simulation
+from assistant.robots.timing import simulate as timed
+
+Source = str | FilePath | Program | Loaded | Compiled
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Check:
+    """What a check found.
+
+    findings: as the settings of a project want them. ignored: by comments in programs. files: that
+    were looked at. unreadable: something could not be read.
+    """
+
+    findings: tuple[Diagnostic, ...]
+    ignored: tuple[Diagnostic, ...] = ()
+    files: tuple[str, ...] = ()
+    unreadable: bool = False
+
+    @property
+    def ok(self) -> bool:
+        """Whether all was read, and neither an error nor a warning found."""
+        return FailOn.WARNING.status(self.findings, unreadable=self.unreadable) == 0
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        return f"<Check {'ok' if self.ok else 'not ok'}: {count} finding{'s' * (count != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
+
+
+def check(
+    source: Source | Sequence[Source],
+    *,
+    robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    cell: str | FilePath | None = None,
+    language: str | None = None,
+) -> Check:
+    """Checks files, folders, and programs that are no files, as the command `check` does.
+
+    source: one or several; of a `Compiled` or a `Loaded`, its program. robot: reach, limits and
+    configurations are checked for it; without one for the robot that a program names. process:
+    process file of drawings and tables. unit: of length, that drawings are in. cell: file of the
+    cell that they run in. language: of robot programs, where neither suffix nor text tell.
+    Raises Refused for options that are wrong; what is wrong with a source is a finding.
+    """
+    several = isinstance(source, Sequence) and not isinstance(source, str | bytes)
+    given: list[Source] = list(source) if several else [source]  # type: ignore[arg-type, list-item]
+    stands = open_cell(cell, robot)
+    checked = Checked(list(stands.findings))
+    paths = [fspath(one) for one in given if isinstance(one, str | FilePath)]
+    for one in given:
+        if isinstance(one, str | FilePath):
+            continue
+        if not isinstance(one, Program | Loaded | Compiled):
+            path_of(one)
+        loaded = one if isinstance(one, Loaded) else None
+        program = one if isinstance(one, Program) else one.program
+        checked.findings += loaded.findings if loaded else ()
+        checked.findings += check_program(program, stands, loaded.text if loaded else None)
+    if paths:
+        more = check_files(paths, process=process, unit=unit, cell=stands, language=language)
+        checked.findings += more.findings
+        checked.texts |= more.texts
+        checked.paths += more.paths
+        checked.unreadable |= more.unreadable
+    settled = apply_severities(checked.findings, checked.texts)
+    return Check(settled.left, settled.ignored, tuple(checked.paths), checked.unreadable)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Simulated:
+    """A program as an arm runs it.
+
+    name: of the program. simulation: its times, moves and samples. findings: about the program,
+    and, in a cell, of what it touches.
+    """
+
+    name: str
+    simulation: Simulation
+    findings: tuple[Diagnostic, ...]
+
+    @property
+    def seconds(self) -> float:
+        """How long the program takes, on the way through it that takes the longest."""
+        return self.simulation.seconds
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is touched."""
+        return not has_errors(self.findings)
+
+    def __repr__(self) -> str:
+        robot, count = self.simulation.robot.name, len(self.findings)
+        told = f"{count} finding{'s' * (count != 1)}"
+        return f"<Simulated {self.name} on {robot}: {self.seconds:.2f} s, {told}>"
+
+    def _repr_html_(self) -> str:
+        return pictured(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Joints and speed of the tool over time; None without matplotlib."""
+        return motion_png(self.simulation)
+
+
+def simulate(
+    source: Source,
+    *,
+    robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    cell: str | FilePath | None = None,
+    language: str | None = None,
+    from_robot: str | Robot | None = None,
+    entry: str | None = None,
+    acceleration: float | None = None,
+    period: float | None = None,
+) -> Simulated:
+    """How long a program takes on a robot, and its motion over time.
+
+    source: a file, or a program. robot: without one that of the program or its cell. acceleration:
+    mm/s² of the tool on lines and arcs, without one what the axes allow. period: seconds between
+    samples. process, unit, language: of the file; from_robot: the arm that it was written for.
+    entry: the procedure that it begins with. cell: file of the cell that it runs in.
+    Raises Refused with all findings if the robot cannot run it.
+    """
+    stands = open_cell(cell, robot)
+    reader = robot_of(from_robot) or stands.robot
+    name = None
+    if isinstance(source, Program):
+        loaded = Loaded(source)
+    elif isinstance(source, Compiled):
+        loaded = Loaded(source.program)
+    elif isinstance(source, Loaded):
+        loaded = source
+    else:
+        name = str(source)
+        loaded = load(
+            source,
+            process=process,
+            robot=reader,
+            language=language,
+            unit=unit,
+            around=stands.around,
+        )
+    loaded = replace(loaded, program=with_entry(loaded.program, entry))
+    ready = solve(loaded, stands, name, from_robot)
+    if has_errors(ready.findings):
+        raise Refused(*ready.findings)
+    done = timed(ready.solution, period=period, acceleration=acceleration)
+    near = clearances(ready.solution, ready.scene, done)
+    told = (*ready.findings, *fold(ready.places.finding(one).within(name) for one in near))
+    return Simulated(loaded.program.name, done, told)
+
+
+MOST_PICTURE_ROWS: Final = 4000
+"""Of samples that are drawn; of more, every second, third …"""
+
+
+def motion_png(simulation: Simulation) -> bytes | None:
+    """None without matplotlib, which the extra `plot` brings."""
+    try:
+        drawn = new_figure(7.0, 3.5)
+    except Refused:
+        return None
+    samples, robot = simulation.samples, simulation.robot
+    every = slice(None, None, max(1, len(samples) // MOST_PICTURE_ROWS))
+    upper, lower = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    for name, unit, joint in zip(robot.axes, robot.units, samples.joints.T, strict=True):
+        upper.plot(samples.t[every], joint[every], label=f"{name}, {unit}", lw=1.2)
+    lower.plot(samples.t[every], samples.tcp_speed[every], color="0.3", lw=1.2)
+    lower.set(xlabel="seconds", ylabel="tool, mm/s")
+    upper.set_ylabel("joints")
+    upper.legend(fontsize=7, ncols=3)
+    for axes in (upper, lower):
+        axes.grid(alpha=0.3)
+    return picture(drawn)

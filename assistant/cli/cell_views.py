@@ -1,0 +1,522 @@
+"""Show programs, drawings and cells: the commands `simulate`, `view`, `info` and `scene`.
+
+`view --live` serves a page that follows a controller until Ctrl-C or until the controller is lost;
+it only reads. `scene` prints the bodies of a cell, or writes them as a cell file or glTF.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+import webbrowser
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors, worst
+from assistant.base.termination import is_ctrl_c
+from assistant.cli.compilation import keep_sources, working
+from assistant.cli.controller_session import Session, connected, robot_of_cell, state_lines
+from assistant.cli.options import (
+    AccelerationOption,
+    AskAtOption,
+    CellOption,
+    EntryOption,
+    FormatOption,
+    FromLanguage,
+    FromRobot,
+    MarkOption,
+    OpenOption,
+    PageOption,
+    PlaceOption,
+    ProcessOption,
+    RobotOption,
+    SeenOption,
+    Source,
+    UnitOption,
+    placement_of,
+    with_project_defaults,
+)
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.report_pages import NO_PAGE, SUFFIXES, page_name, solved_sheet
+from assistant.cli.simulation import SimulationOptions, report_errors, solved_source
+from assistant.view.sheets import shown_sheet
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.compiler.retarget import Solved
+    from assistant.controllers.states import Position, Sample
+    from assistant.robots import Robot
+    from assistant.view.live_page import LivePage
+    from assistant.view.page_contents import Shown
+
+
+def simulate(
+    program: Source,
+    robot: RobotOption = None,
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
+        ),
+    ] = None,
+    acceleration: AccelerationOption = None,
+    period: Annotated[
+        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
+    ] = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
+    cell: CellOption = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    entry: EntryOption = None,
+    seen: SeenOption = None,
+    ask_at: AskAtOption = None,
+    report: PageOption = None,
+    opened: OpenOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
+    from assistant.cli.report_pages import PageRequest, simulated_page
+    from assistant.cli.simulation import SimulationOptions, run_simulate
+    from assistant.sources.sights import seeing
+
+    options = SimulationOptions(
+        robot,
+        process,
+        unit,
+        from_language,
+        from_robot,
+        acceleration,
+        period,
+        entry,
+        cell,
+        placement_of(place, marks),
+        seeing(seen, ask_at),
+    )
+    page = simulated_page(PageRequest(report, opened))
+    raise typer.Exit(run_simulate(program, options, output or (), format, page))
+
+
+def view(
+    program: Source,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    html: Annotated[
+        Path | None,
+        typer.Option(help="File for the page, which needs no other; default it is opened."),
+    ] = None,
+    live: Annotated[
+        str | None,
+        typer.Option(
+            help="Controller that the page follows until Ctrl-C; it is only looked at.",
+            metavar="CONTROLLER",
+        ),
+    ] = None,
+    acceleration: AccelerationOption = None,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    place: PlaceOption = None,
+    marks: MarkOption = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    entry: EntryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
+    from assistant.cli.simulation import SimulationOptions
+
+    options = SimulationOptions(
+        robot,
+        process,
+        unit,
+        from_language,
+        from_robot,
+        acceleration,
+        None,
+        entry,
+        cell,
+        placement_of(place, marks),
+    )
+    raise typer.Exit(run_view(program, options, html, format, live))
+
+
+def info(
+    drawing: Annotated[Path, typer.Argument(help="A DXF drawing.")],
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell what is in a drawing: unit, size, layers, contours, blocks, and what would be used."""
+    raise typer.Exit(run_info(drawing, process, unit, format))
+
+
+def scene(
+    file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Cell file (.toml) or glTF (.glb) to write instead."),
+    ] = None,
+    unit: UnitOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell what stands in a cell, body by body, or write it as another file."""
+    raise typer.Exit(run_scene(file, unit, output, format))
+
+
+NO_BROWSER = error(
+    "CL035",
+    "no browser could be opened here",
+    "write the page with --html FILE.html, and open that",
+)
+LIVE_NOT_WRITTEN = error(
+    "CL046",
+    "a page that follows a controller is served, and cannot be written to a file",
+    "leave out --html or --live",
+)
+
+
+def run_view(
+    source: str,
+    options: SimulationOptions,
+    html: Path | None,
+    format: Format,
+    live: str | None = None,
+) -> int:
+    """1 if the robot cannot run the program, or not without contact, else 0.
+
+    html: where it is written; None to open it in the browser, from a folder for temporary files.
+    live: the controller that the page follows until Ctrl-C, from where it is served then.
+    """
+    from assistant.findings.formats import finding_record
+    from assistant.view.page import page
+
+    if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
+        raise Refused(NO_PAGE(name=html), exit_status=2)
+    if html is not None and live is not None:
+        raise Refused(LIVE_NOT_WRITTEN(), exit_status=2)
+    options = with_project_defaults(source, options)
+    with working(f"looking at {source}"):
+        ready = solved_source(source, options)
+        robot = ready.solution.robot
+        if has_errors(ready.findings):
+            return report_errors(source, robot, ready.findings, format, "shown")
+        shown = view_contents(source, options, ready)
+        path = None if live is not None else _write_view(source, options.cell, html, page(shown))
+    findings = [shown.places.finding(one).within(source) for one, _ in shown.findings]
+    records = [finding_record(one) for one in findings]
+    answer: dict[str, Any] = {"source": source, "robot": robot.name, "findings": records}
+    if format is not Format.JSON:
+        print_findings(fold(findings), explained=True)
+    if live is not None:
+        following = partial(_live_page, shown)
+        run_live(live, robot, following, answer, format)
+    elif format is Format.JSON:
+        print_json(answer | {"written": [str(path)]})
+    else:
+        say(f"wrote {path}")
+    return 1 if has_errors(findings) else 0
+
+
+def view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
+    """What a page shows of a program that has no errors, with what is found on its way.
+
+    Raises Refused for a cell without its robot.
+    """
+    from assistant.checks import robot_rules
+    from assistant.checks.clearances import no_robot
+
+    solution = ready.solution
+    if ready.scene is not None:
+        from assistant.cell.clearances import robot_of
+
+        try:
+            robot_of(ready.scene, solution.robot)
+        except LookupError:
+            raise Refused(no_robot(solution.robot, ready.scene), exit_status=2) from None
+    sheet = solved_sheet(source, ready, options, robot_rules.check(solution))
+    return shown_sheet(replace(sheet, plan=False))
+
+
+def _live_page(shown: Shown, name: str) -> str:
+    from assistant.view.page import page
+
+    return page(replace(shown, live=name))
+
+
+def _write_view(source: str, cell: Path | None, html: Path | None, text: str) -> Path:
+    from assistant.base.file_sets import write_all, write_files
+
+    if html is not None:
+        keep_sources([source, *([] if cell is None else [str(cell)])], [html])
+        (path,) = write_all({html: text.encode()})
+        return path
+    folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
+    (path,) = write_files({f"{page_name(source)}.html": text.encode()}, folder)
+    if not webbrowser.open(path.as_uri()):
+        shutil.rmtree(folder, ignore_errors=True)
+        raise Refused(NO_BROWSER(), exit_status=2)
+    return path
+
+
+OTHER_ROBOT: Final = error(
+    "CL047",
+    "`{name}` moves a {there} by the project, and the program is shown on a {robot}",
+    "name the controller of that robot, or the robot of this one with --robot",
+)
+OTHER_AXES: Final = error(
+    "CL048",
+    "`{name}` tells of the axes {there}, and a {robot} has {own}",
+    "name the robot that it moves with --robot",
+)
+NOT_SERVED: Final = error(
+    "CL049", "the page cannot be served on this computer: {reason}", "try it again"
+)
+LIVE_PERIOD: Final = 0.1
+"""Seconds between two looks at the controller."""
+ARM_AXES: Final = 6
+"""Axes that a controller counts to the arm; those behind them are additional ones."""
+
+
+def run_live(
+    address: str, robot: Robot, page: Callable[[str], str], answer: dict[str, Any], format: Format
+) -> None:
+    """Serves a page until Ctrl-C or until the controller is lost, and tells it where the arm is.
+
+    page: its text, of the name of the controller. answer: what `--format json` tells of the
+    program. Raises Refused for a controller that is not reached, or that moves another robot.
+    """
+    from assistant.view.live_page import LivePage
+
+    with connected(address, "view --live") as there:
+        name = there.one.name
+        _check_robot(there, robot)
+        _check_axes(name, robot, there.controller.position())
+        served = LivePage(page(name))
+        try:
+            served.__enter__()
+        except OSError as failed:
+            reason = failed.strerror or str(failed)
+            raise Refused(NOT_SERVED(reason=reason)) from None
+        try:
+            _announce_page(name, served, answer, format)
+            _follow_controller(there, robot, served)
+        except KeyboardInterrupt as caught:
+            if not is_ctrl_c(caught):
+                raise
+        except Refused as refused:
+            served.tell("lost", {"text": refused.findings[0].message})
+            raise
+        finally:
+            served.__exit__(None, None, None)
+
+
+def _announce_page(name: str, served: LivePage, answer: dict[str, Any], format: Format) -> None:
+    if format is Format.JSON:
+        print_json(answer | {"follows": name, "address": served.address})
+    else:
+        say(f"following {name} on {served.address}, listening there until Ctrl-C")
+    sys.stdout.flush()
+    # A browser of the terminal would come back only when it is closed.
+    Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
+
+
+def _follow_controller(there: Session, robot: Robot, served: LivePage) -> None:
+    before = 0.0
+    for sample in there.controller.watch(LIVE_PERIOD):
+        joints = _arm_joints(robot, sample.position)
+        if joints is not None:
+            interval = max(LIVE_PERIOD, sample.seconds - before)
+            served.tell("sample", _state_record(there.one.name, robot, joints, sample, interval))
+            before = sample.seconds
+
+
+def _state_record(
+    name: str, robot: Robot, joints: list[float], sample: Sample, interval: float
+) -> dict[str, Any]:
+    import numpy as np
+
+    from assistant.base.source_text import visible
+
+    return {
+        "joints": robot.chained(np.array([joints]))[0].tolist(),
+        "state": visible(f"{name}: {'; '.join(state_lines(sample.state))}"),
+        "interval": interval,
+    }
+
+
+def _check_robot(there: Session, robot: Robot) -> None:
+    said = robot_of_cell(there.one)
+    if said is not None and said.name != robot.name:
+        finding = OTHER_ROBOT(name=there.one.name, there=said.title, robot=robot.title)
+        raise Refused(finding, exit_status=2)
+
+
+def _check_axes(name: str, robot: Robot, position: Position) -> None:
+    there = [i for i, joint in enumerate(position.joints) if joint is not None]
+    if [i for i in there if i < max(ARM_AXES, len(robot.axes))] != list(robot.places):
+        told = ", ".join(f"J{i + 1}" for i in there) or "none"
+        own = ", ".join(robot.axes)
+        finding = OTHER_AXES(name=name, there=told, robot=robot.title, own=own)
+        raise Refused(finding, exit_status=2)
+
+
+def _arm_joints(robot: Robot, position: Position) -> list[float] | None:
+    """The joints of the arm's axes, None if one is not told at the moment."""
+    import numpy as np
+
+    joints = [position.joints[i] for i in robot.places if i < len(position.joints)]
+    known = [joint for joint in joints if joint is not None and np.isfinite(joint)]
+    return known if len(known) == len(robot.axes) else None
+
+
+NOT_DRAWN = error(
+    "CL050",
+    "`{name}` is no drawing",
+    "name a DXF file; `show` prints what programs and tables say",
+)
+
+
+def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
+    """0; 1 if something of the drawing is not in order."""
+    from assistant.base.length_units import known_unit
+    from assistant.findings.severities import apply_severities
+    from assistant.report import drawings as report
+    from assistant.sources import process_of
+    from assistant.sources.drawing.survey import survey
+    from assistant.sources.process import NO_PROCESS
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
+
+    if drawing.suffix.lower() not in DRAWING_SUFFIXES:
+        raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
+    left = list[Diagnostic]()
+    try:
+        chosen, stated = process_of(drawing, process), "as the process file says"
+    except Refused as refused:  # one that is not finished yet; the drawing is there all the same
+        if process is not None:
+            raise
+        chosen, stated, left = NO_PROCESS, "", [*refused.findings]
+    if unit is not None:
+        chosen, stated = replace(chosen, unit=known_unit(unit)), "as --unit says"
+    with working(f"reading {drawing}"):
+        found = survey(drawing, chosen, stated)
+    told = [finding.within(str(drawing)) for finding in (*left, *chosen.findings, *found.findings)]
+    findings = apply_severities(told).left
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        answer = {"drawing": str(drawing), **report.record(found)}
+        print_json(answer | {"findings": [finding_record(finding) for finding in findings]})
+    else:
+        print_findings(fold(findings), explained=True)
+        for line in report.lines(found):
+            say(line)
+    return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0
+
+
+NO_SCENE = error(
+    "CL045",
+    "a scene is not written as `{name}`",
+    "end the name in .toml for a cell file, or in .glb for glTF",
+)
+SCENE_SUFFIXES, GLTF_SUFFIX = ".toml", ".glb"
+WORLD_TABLES: Final = ("world", "robots", "bodies", "frames")
+"""Tables of a cell file that a scene holds."""
+
+
+def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
+    """0; unit: of a drawing, whatever that says."""
+    from assistant.report import scenes as report
+
+    if output is not None and (
+        output.suffix.lower() not in (SCENE_SUFFIXES, GLTF_SUFFIX) or not output.stem
+    ):
+        raise Refused(NO_SCENE(name=output), exit_status=2)
+    as_text = output is not None and output.suffix.lower() == SCENE_SUFFIXES
+    with working(f"reading {cell}"):
+        try:
+            scene, found, others = _read_scene(cell, unit, as_text)
+            told = report.record(scene)  # refuses what stands in nothing
+        except Refused as refused:
+            at = (finding.within(str(cell)) for finding in refused.findings)
+            raise Refused(*at, exit_status=refused.exit_status) from None
+        files = {} if output is None else _scene_files(scene, output)
+        if as_text:
+            found += _left_out_tables(others)
+        written = _write_scene(cell, files)
+    findings = [finding.within(str(cell)) for finding in found]
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        answer = {"cell": str(cell), **told}
+        answer["findings"] = [finding_record(finding) for finding in findings]
+        print_json(answer | {"written": [str(path) for path in written]})
+        return 0
+    print_findings(fold(findings), explained=True)
+    for line in report.lines(scene) if output is None else ():
+        say(line)
+    for path in written:
+        say(f"wrote {path}")
+    return 0
+
+
+def _read_scene(
+    cell: Path, unit: str | None, as_text: bool
+) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
+    """The scene of a cell file or of a drawing, what is said of it, and its other tables.
+
+    as_text: without what charts of explored space add, which the text names.
+    """
+    from assistant.base.budgets import SETTINGS_FILE
+    from assistant.base.length_units import known_unit, unit_stated
+    from assistant.base.source_text import decode, read_bytes
+    from assistant.cell.cell_file import parse_scene
+    from assistant.cell.drawing_bodies import read_drawing
+    from assistant.cell.scene import Scene
+    from assistant.sources.process.file import ENCODINGS, read_toml
+    from assistant.sources.process.placement import DRAWING_SUFFIXES
+
+    if unit is not None:
+        known_unit(unit)
+    if cell.suffix.lower() in DRAWING_SUFFIXES:
+        drawn = read_drawing(cell, unit)
+        return Scene(drawn.bodies), drawn.findings, ()
+    source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
+    found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
+    scene, said = parse_scene(source, cell.parent, explored=not as_text)
+    others = tuple(key for key in read_toml(source).content if key not in WORLD_TABLES)
+    return scene, (*found, *said), others
+
+
+def _scene_files(scene: Scene, output: Path) -> dict[Path, bytes]:
+    from assistant.cell.scene_export import cell_files, gltf
+
+    if output.suffix.lower() == GLTF_SUFFIX:
+        return {output: gltf(scene)}
+    files = cell_files(scene, output.stem, output.parent)
+    text = files.pop(f"{output.stem}.toml")
+    return {output: text, **{output.parent / name: data for name, data in files.items()}}
+
+
+def _left_out_tables(others: tuple[str, ...]) -> tuple[Diagnostic, ...]:
+    from assistant.cell.findings import TABLE_LEFT_OUT
+    from assistant.program.settings_tables import shown
+
+    return tuple(TABLE_LEFT_OUT(table=shown(name)) for name in others)
+
+
+def _write_scene(cell: Path, files: dict[Path, bytes]) -> tuple[Path, ...]:
+    from assistant.base.file_sets import write_all
+
+    keep_sources([str(cell)], list(files))
+    return write_all(files) if files else ()

@@ -1,0 +1,215 @@
+"""Copy programs and complete backups between a controller and this computer.
+
+`get`, `put`, `rm`, `backup` and `restore` look at everything before the first file is changed, and
+ask before they delete or overwrite. Parts that a backup of a controller lacks are listed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.diagnostics import Refused, error
+from assistant.base.file_access import read_file
+from assistant.base.source_text import lines_of
+from assistant.cli.compilation import working
+from assistant.cli.controller_session import Session, confirm, connected
+from assistant.cli.presentation import Format, note, print_json, say
+
+if TYPE_CHECKING:
+    from assistant.controllers.controller import Restoring
+
+
+NO_PROGRAM: Final = error(
+    "CL210", "there is no program `{name}` on {address}", "`robot-assistant ls` lists them"
+)
+FILE_THERE: Final = error(
+    "CL211",
+    "`{name}` is there already and says something else; it was not touched",
+    "name another place with -o, or add --replace",
+)
+PROGRAM_THERE: Final = error(
+    "CL212",
+    "`{name}` is on {address} already and is something else; it was not touched",
+    "add --replace, or use `robot-assistant deploy --replace {name}`, which keeps what was there",
+)
+NO_PLAIN_NAME: Final = error(
+    "CL213", "`{name}` cannot be a file here", "name the file to write with -o"
+)
+FOLDER_THERE: Final = error(
+    "CL214",
+    "`{folder}` is there already: a backup gets a folder of its own",
+    "name one that is not there",
+)
+NO_BACKUP: Final = error(
+    "CL215", "there is no folder `{folder}`", "name a folder that `backup` has written"
+)
+ONE_FILE: Final = error("CL216", "several programs do not go into one file", "name a folder")
+
+
+def run_get(
+    cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
+) -> int:
+    """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
+    from assistant.base.file_sets import write_files
+
+    into = Path(output or ".")
+    if len(names) > 1 and (output == "-" or not into.is_dir()):
+        raise Refused(ONE_FILE(), exit_status=2)
+    with connected(cell, "get") as there:
+        found = {name: _read_program(there, name) for name in names}
+    if output == "-":
+        for data in found.values():
+            sys.stdout.buffer.write(data)
+        sys.stdout.flush()
+        return 0
+    folder = into if into.is_dir() else into.parent
+    files = {_local_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
+    for name, data in files.items():
+        path = folder / name
+        if not replace and path.exists() and (path.is_dir() or read_file(path) != data):
+            raise Refused(FILE_THERE(path=str(path), name=path))
+    written = write_files(files, folder)
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "written": [str(path) for path in written]})
+    else:
+        for path in written:
+            say(f"wrote {path}")
+    return 0
+
+
+def _read_program(there: Session, name: str) -> bytes:
+    data = there.session.read(name)
+    if data is None:
+        raise Refused(NO_PROGRAM(name=name, address=there.one.address))
+    return data
+
+
+def _local_file_name(name: str) -> str:
+    """The name of a program as a file's; raises Refused for one that leads elsewhere."""
+    if Path(name).name != name or name in {"", ".", ".."} or os.sep in name or "\\" in name:
+        raise Refused(NO_PLAIN_NAME(name=name), exit_status=2)
+    return name
+
+
+def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> int:
+    """Files as programs; what is there is looked at before the first one is written."""
+    from assistant.base.source_text import read_bytes
+
+    data = {file: read_bytes(file) for file in files}
+    with connected(cell, "put") as there:
+        session = there.session
+        names = {file: session.name_for(file) for file in files}
+        for file, name in names.items():
+            session.check_text(name, data[file])
+            before = session.read(name)
+            same = before is None or session.stored(before) == session.stored(data[file])
+            if not same and not replace:
+                address = there.one.address
+                raise Refused(PROGRAM_THERE(path=str(file), name=name, address=address))
+        for file, name in names.items():
+            session.write(name, data[file])
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "programs": [*names.values()]})
+    else:
+        for file, name in names.items():
+            say(f"{file} is `{name}` on {there.one.name}")
+    return 0
+
+
+def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
+    """Delete programs; all of them are checked before the first one is deleted."""
+    from assistant.deploy.preconditions import check_removable, found_programs, unseen_use
+
+    with connected(cell, "rm") as there:
+        address = there.one.address
+        found = found_programs(there.session, names)
+        missing = [NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one]
+        wanted = list(dict.fromkeys(one for one in found.values() if one))
+        check_removable(there.session, [name for name, one in found.items() if not one])
+        if missing:
+            raise Refused(*missing)
+        check_removable(there.session, wanted)
+        for finding in unseen_use(there.session, wanted):
+            note(str(address), finding)
+        listed = ", ".join(f"`{name}`" for name in wanted)
+        confirm(there.one, f"deletes {listed}, which nothing brings back", yes)
+        for name in wanted:
+            there.session.remove(name)
+    if format is Format.JSON:
+        print_json({"address": str(address), "deleted": wanted})
+    else:
+        for name in wanted:
+            say(f"deleted `{name}` on {there.one.name}")
+    return 0
+
+
+def run_backup(cell: str, folder: Path, format: Format) -> int:
+    if folder.exists():
+        raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
+    with connected(cell, "backup") as there, working(f"backing up {there.one.name}"):
+        files = there.controller.backup(folder)
+        _note_left_out(str(there.one.address), folder)
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "folder": str(folder), "files": [*files]})
+    else:
+        say(f"{len(files)} files of {there.one.name} are in {folder}")
+    return 0
+
+
+def _note_left_out(address: str, folder: Path) -> None:
+    """Says what a controller has that its backup has not."""
+    from assistant.controllers import rules
+    from assistant.controllers.mitsubishi.backup import NOT_KEPT
+
+    listed = folder / NOT_KEPT
+    if listed.is_file():
+        names = lines_of(listed.read_text("utf-8", errors="replace"))
+        some = ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
+        note(address, rules.LEFT_OUT(path=str(folder), count=len(names), names=some, file=listed))
+
+
+def run_restore(
+    cell: str, folder: Path, only: Sequence[str], dry_run: bool, yes: bool, format: Format
+) -> int:
+    """Shows what differs, asks, and brings it back."""
+    if not folder.is_dir():
+        raise Refused(NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
+    with connected(cell, "restore") as there:
+        with working(f"comparing with {there.one.name}"):
+            restoring = there.controller.restore(folder, only=only)
+        if format is Format.TEXT:
+            _print_changes(restoring)
+        wanted = bool(restoring.changes) and not dry_run
+        if wanted:
+            sys.stdout.flush()
+            confirm(there.one, f"changes {len(restoring.changes)} parts of the controller", yes)
+            with working(f"restoring {there.one.name}"):
+                restoring.apply()
+    if format is Format.JSON:
+        answer = {
+            "address": str(there.one.address),
+            "restored": wanted,
+            "changes": dict(restoring.changes),
+            "left_out": dict(restoring.left_out),
+            "needs_restart": restoring.needs_restart,
+        }
+        print_json(answer)
+    elif not restoring.changes:
+        say(f"{there.one.name} is as the backup says: nothing to restore")
+    else:
+        say(f"{there.one.name}: {'restored' if wanted else 'nothing has been changed'}")
+        if wanted and restoring.needs_restart:
+            say("some parameters may hold only after the controller is restarted")
+    return 0
+
+
+def _print_changes(restoring: Restoring) -> None:
+    for what, difference in restoring.changes.items():
+        say(what)
+        sys.stdout.write(difference if difference.endswith("\n") else difference + "\n")
+    for what, why in restoring.left_out.items():
+        say(f"left out: {what}: {why}")

@@ -1,0 +1,720 @@
+"""Deployments: plan, install, bring changes home, finish, take back, list and verify.
+
+What is meant is files for a controller, or targets of the project. `deploy` reads everything back
+and never starts a program. Exit status 1 stands for conflicts or errors. `rollout` carries out a
+deployment to several controllers.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.cli.compilation import working
+from assistant.cli.controller_commands import complete_controller
+from assistant.cli.controller_session import named_by, new_client
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import (
+    Format,
+    PlanFormat,
+    answer_as,
+    print_findings,
+    print_json,
+    say,
+)
+from assistant.report.markdown import cell, code, findings_markdown, folded, plain
+
+if TYPE_CHECKING:
+    from assistant.cli.rollout import RolloutOptions
+    from assistant.controllers import Named, Programs
+    from assistant.deploy import Deployment, Plan, PlannedFile, Verified
+    from assistant.project import Target
+
+
+FilesArgument = Annotated[
+    list[Path] | None,
+    typer.Argument(help="Robot programs, or folders with them; default what the project deploys."),
+]
+ToOption = Annotated[
+    str | None,
+    typer.Option(
+        "--to",
+        metavar="CONTROLLER",
+        help="Its name in assistant.toml, or its address.",
+        autocompletion=complete_controller,
+    ),
+]
+TargetOption = Annotated[
+    list[str] | None,
+    typer.Option("--target", help="Target of the project; repeatable, default all there are."),
+]
+HistoryOption = Annotated[
+    Path | None,
+    typer.Option(help="Folder of the deployments; default .robot-assistant/deployments."),
+]
+TaskOption = Annotated[str, typer.Option(help="Task whose memory counts; default the first.")]
+LoadOption = Annotated[
+    bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
+]
+ReplaceOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME",
+        help="Program to replace although no deployment left it as it is; * for all.",
+    ),
+]
+PlanFormatOption = Annotated[
+    PlanFormat,
+    typer.Option("--format", help="For people, programs or pull requests.", callback=answer_as),
+]
+
+
+def plan(
+    files: FilesArgument = None,
+    to: ToOption = None,
+    target: TargetOption = None,
+    task: TaskOption = "",
+    load: LoadOption = False,
+    replace: ReplaceOption = None,
+    history: HistoryOption = None,
+    format: PlanFormatOption = PlanFormat.TEXT,
+) -> None:
+    """Show what a deployment would do to each program on a controller. Changes nothing."""
+    wishes = DeploymentOptions(task, load, tuple(replace or ()), False, history)
+    raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
+
+
+def deploy(
+    files: FilesArgument = None,
+    to: ToOption = None,
+    target: TargetOption = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only show what would change, as `plan` does.")
+    ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Finish the deployment that was interrupted.")
+    ] = False,
+    pull: Annotated[
+        bool,
+        typer.Option(
+            "--pull",
+            help="Deploy nothing; bring what was changed on the controller into the sources here.",
+        ),
+    ] = False,
+    source: Annotated[
+        Path | None,
+        typer.Option(help="With --pull: what the program was compiled from; default itself."),
+    ] = None,
+    replace: ReplaceOption = None,
+    files_only: Annotated[
+        bool,
+        typer.Option(
+            "--files-only", help="Replace files though what was taught in memory is not seen."
+        ),
+    ] = False,
+    task: TaskOption = "",
+    load: LoadOption = False,
+    canary: Annotated[
+        str, typer.Option(metavar="TARGET", help="Goes first, alone; default as the project says.")
+    ] = "",
+    parallel: Annotated[
+        int | None, typer.Option(min=1, help="Controllers at a time; default 4.")
+    ] = None,
+    junit: Annotated[
+        Path | None, typer.Option(metavar="FILE.xml", help="Write a JUnit report as well.")
+    ] = None,
+    history: HistoryOption = None,
+    format: PlanFormatOption = PlanFormat.TEXT,
+) -> None:
+    """Install programs on a controller, read them back and compare. Never starts motion."""
+    from assistant.cli.rollout import RolloutOptions
+
+    wishes = DeploymentOptions(task, load, tuple(replace or ()), files_only, history)
+    if resume:
+        raise typer.Exit(run_resume(files or (), to, target or (), wishes, format))
+    if pull:
+        raise typer.Exit(run_pull(files or (), to, target or (), source, wishes, format))
+    if dry_run:
+        raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
+    manner = RolloutOptions(canary, parallel, junit) if canary or parallel or junit else None
+    raise typer.Exit(run_deploy(files or (), to, target or (), wishes, manner, format))
+
+
+def rollback(
+    number: Annotated[
+        int | None,
+        typer.Argument(
+            min=1, metavar="[N]", help="Deployment to take back with all after it; default the last"
+        ),
+    ] = None,
+    to: ToOption = None,
+    target: TargetOption = None,
+    replace: ReplaceOption = None,
+    history: HistoryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Take a deployment back: every program of it is again what it was before."""
+    raise typer.Exit(run_rollback(number, to, target or (), tuple(replace or ()), history, format))
+
+
+def deployments(
+    to: ToOption = None,
+    history: HistoryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """List the deployments that this computer made: when, who, of which commit, what became."""
+    raise typer.Exit(run_deployments(to, history, format))
+
+
+def verify(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Robot programs, or folders with them, to compare as well."),
+    ] = None,
+    to: ToOption = None,
+    target: TargetOption = None,
+    history: HistoryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell whether a controller still has what the last deployment left there. Changes nothing."""
+    raise typer.Exit(run_verify(files or (), to, target or (), history, format))
+
+
+NO_CONTROLLER: Final = error(
+    "CL270",
+    "nobody says which controller is meant",
+    "name it with --to, or a target of assistant.toml with --target",
+)
+NOT_BOTH: Final = error("CL271", "{one} and {other} do not go together", "leave one of them out")
+NO_TARGET: Final = error(
+    "CL272", "the project has no target {what}", "there are: {known}; or name the programs"
+)
+
+
+SEVERAL: Final = error(
+    "CL273", "several controllers are meant: {names}", "name one of them with --target"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class DeploymentOptions:
+    """What was asked for beside the files; see `deploy.plan` and `deploy.deploy`."""
+
+    task: str = ""
+    load: bool = False
+    replace: tuple[str, ...] = ()
+    files_only: bool = False
+    history: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DeploymentJob:
+    """A controller with what it is to have.
+
+    name: of the target, or of the controller. files: that were named. target: whose built files
+    are meant if none were named.
+    """
+
+    name: str
+    one: Named
+    wishes: DeploymentOptions
+    files: tuple[str, ...] = ()
+    target: Target | None = None
+
+    @property
+    def history(self) -> Path | None:
+        """The folder of deployments: that of the project, wherever in it the command is run."""
+        if self.wishes.history is not None:
+            return self.wishes.history
+        return history_here()
+
+    @contextmanager
+    def opened(self) -> Iterator[Programs]:
+        """A client, not connected yet; a virtual controller of the project runs meanwhile."""
+        if self.one.virtual is None:
+            yield new_client(self.one)
+            return
+        from assistant.project import project_of
+        from assistant.project.virtual_controllers import running_client
+
+        with running_client(self.one, project_of().kept) as client:
+            yield client
+
+    def programs(self, client: Programs) -> list[str]:
+        """The files that are to be there; raises Refused and Unreadable."""
+        from assistant import deploy
+
+        if self.files or self.target is None:
+            return deploy.gathered(self.files, client)
+        return [_path_text(file) for file in self.target.files()]
+
+    def planned(self, client: Programs) -> Plan:
+        """The plan, after all checks; raises Refused for programs that may not be deployed."""
+        from assistant.project.deployment import checked_plan
+
+        wishes = self.wishes
+        return checked_plan(
+            self.programs(client),
+            self.one,
+            client,
+            task=wishes.task,
+            load=wishes.load,
+            replace=wishes.replace,
+            history=self.history,
+        )
+
+
+def jobs_of(
+    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
+    """What is meant for which controllers; raises Refused. targets: all of the project if empty."""
+    if to is not None and targets:
+        raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
+    named = tuple(map(str, files))
+    if to is not None:
+        one = named_by(to)
+        if named or not one.variables:
+            return [DeploymentJob(to, one, wishes, named)]
+    if to is None and not targets and named:
+        raise Refused(NO_CONTROLLER(), exit_status=2)
+    return [
+        DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
+        for one in _named_targets(to, targets)
+    ]
+
+
+def controllers_of_jobs(
+    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
+    """The controllers that are meant, whatever is to be on them; raises Refused."""
+    if to is not None and not targets:
+        return [DeploymentJob(to, named_by(to), wishes)]
+    return jobs_of((), to, targets, wishes)
+
+
+def named_controllers(
+    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
+) -> list[DeploymentJob]:
+    """Each controller once; raises Refused for several that nobody has named."""
+    jobs = controllers_of_jobs(to, targets, wishes)
+    apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
+    if len(apart) > 1 and not targets:
+        names = ", ".join(f"`{job.name}`" for job in jobs)
+        raise Refused(SEVERAL(names=names), exit_status=2)
+    return [job for job in jobs if job in apart.values()]
+
+
+def history_here() -> Path | None:
+    """The history of the project that the working folder is in, None without one."""
+    from assistant.deploy.history import HISTORY
+    from assistant.sources.project_file import project_of
+
+    project = project_of(Path.cwd())
+    if project is None:
+        return None
+    return _relative_path(Path(project.source.path or "").absolute().parent / HISTORY)
+
+
+def _named_targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
+    from assistant.project import targets_of
+
+    there = targets_of()
+    wanted = [
+        one
+        for one in there
+        if (not names or one.name in names) and to in (None, one.controller.name, one.name)
+    ]
+    missing = [f"`{name}`" for name in names if name not in {one.name for one in there}]
+    if missing or not wanted:
+        known = ", ".join(f"`{one.name}`" for one in there)
+        what = ", ".join(missing) or f"on `{to}`"
+        raise Refused(NO_TARGET(what=what, known=known), exit_status=2)
+    return wanted
+
+
+def _target_options(target: Target, wishes: DeploymentOptions) -> DeploymentOptions:
+    return replace(wishes, task=wishes.task or target.task, load=wishes.load or target.load)
+
+
+def _relative_path(path: Path) -> Path:
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def _path_text(path: Path) -> str:
+    return str(_relative_path(path))
+
+
+NOTHING_CHANGED: Final = "nothing has been changed"
+
+
+def print_plan(plan: Plan) -> None:
+    for file in plan.files:
+        say(f"{file.name}: {file.change}" + (f" ({file.reason})" if file.reason else ""))
+        for text in _what_differs(file).values():
+            sys.stdout.write(text)
+    for word, names in (("foreign", plan.foreign), ("left", plan.left)):
+        if names:
+            say(f"{word}: {', '.join(names)}")
+    say(f"{plan.address}: {NOTHING_CHANGED}")
+
+
+def plan_markdown(
+    name: str, plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
+) -> str:
+    """A comment. What a controller or a program says stands in code, which it cannot leave."""
+    lines = [f"### {code(name)} ({code(str(plan.address))})", ""]
+    lines += [
+        "| program | change |" + (" state |" if done else ""),
+        "|---|---|" + "---|" * bool(done),
+    ]
+    for file in plan.files:
+        change = f"**{file.change}**" if file.reason else str(file.change)
+        state = f" {done.states[file.name]} |" if done else ""
+        lines.append(f"| {cell(file.name)} | {change} |{state}")
+    lines += [f"| {cell(one)} | left |{' |' * bool(done)}" for one in plan.left]
+    if plan.foreign:
+        lines += ["", f"Foreign, never touched: {', '.join(map(code, plan.foreign))}"]
+    for file in plan.files:
+        for title, text in _what_differs(file).items():
+            lines += ["", *folded(f"{plain(file.name)}: {title}", text)]
+    if findings:
+        lines.append("")
+        lines += findings_markdown(findings)
+    lines += ["", code(done.summary) if done else f"{NOTHING_CHANGED.capitalize()}."]
+    return "\n".join(lines)
+
+
+def _what_differs(file: PlannedFile) -> dict[str, str]:
+    """What differs, by what it tells; the taught points are told only once."""
+    found = {
+        "changed on the controller since the last deployment": file.since,
+        "otherwise in memory than in the file": "" if file.since else file.taught,
+        "what would be sent": file.diff,
+    }
+    return {title: text for title, text in found.items() if text}
+
+
+def run_plan(
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    wishes: DeploymentOptions,
+    format: PlanFormat,
+) -> int:
+    answers = []
+    status = 0
+    for job in jobs_of(files, to, targets, wishes):
+        with job.opened() as client, working(f"comparing with {job.one.address}"):
+            plan = job.planned(client)
+        plan = replace(plan, notes=(*plan.notes, *plan.unseen))
+        answers.append(_print_outcome(job, plan, None, format))
+        status = max(status, 1 if plan.conflicts or has_errors(plan.findings) else 0)
+    _print_answers(answers, format)
+    return status
+
+
+def run_deploy(
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    wishes: DeploymentOptions,
+    manner: RolloutOptions | None,
+    format: PlanFormat,
+) -> int:
+    """manner: of many controllers, None for what the project says."""
+    from assistant import deploy
+    from assistant.cli.rollout import RolloutOptions
+
+    jobs = jobs_of(files, to, targets, wishes)
+    if len(jobs) > 1 or manner is not None:
+        return _deploy_to_many(jobs, manner or RolloutOptions(), format)
+    (job,) = jobs
+    with job.opened() as client:
+        with working(f"comparing with {job.one.address}"):
+            plan = job.planned(client)
+        with working(f"installing on {job.one.address}"):
+            done = deploy.deploy(
+                plan,
+                history=job.history,
+                files_only=wishes.files_only,
+                tell=lambda finding: print_findings([finding]),
+            )
+    _print_answers([_print_outcome(job, plan, done, format)], format)
+    return 0 if done.ok else 1
+
+
+def _deploy_to_many(
+    jobs: Sequence[DeploymentJob], manner: RolloutOptions, format: PlanFormat
+) -> int:
+    from assistant.cli.rollout import run_rollout
+    from assistant.deploy import Cell
+
+    if format is PlanFormat.MARKDOWN:
+        raise Refused(NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2)
+
+    def planning(job: DeploymentJob, client: Programs) -> Callable[[], Plan]:
+        return lambda: job.planned(client)
+
+    with ExitStack() as stack:
+        cells = []
+        virtual: dict[str, Programs] = {}  # of which each runs once, for all its targets
+        for job in jobs:
+            client = virtual.get(job.one.name) or stack.enter_context(job.opened())
+            if job.one.virtual is not None:
+                virtual[job.one.name] = client
+            cells.append(Cell(job.name, client.address, planning(job, client)))
+        wishes = jobs[0].wishes
+        answer = Format.JSON if format is PlanFormat.JSON else Format.TEXT
+        project = jobs[0].target.project if jobs[0].target else None
+        if project is not None:
+            names = [cell.name for cell in cells]
+            canary = manner.canary or (project.canary if project.canary in names else "")
+            parallel = manner.parallel or project.parallel
+            manner = replace(manner, canary=canary or "", parallel=parallel)
+        return run_rollout(cells, manner, jobs[0].history, wishes.files_only, answer)
+
+
+def _print_outcome(
+    job: DeploymentJob, plan: Plan, done: Deployment | None, format: PlanFormat
+) -> object:
+    """Prints what is for people; what is for programs comes back."""
+    findings = (*plan.findings, *(done.findings if done else ()))
+    if format is PlanFormat.JSON:
+        from assistant.project.deployment import plan_record
+
+        return plan_record(plan, done, findings)
+    if format is PlanFormat.MARKDOWN:
+        say(plan_markdown(job.name, plan, done, findings))
+        return None
+    print_findings(findings)
+    if done is None:
+        print_plan(plan)
+        return None
+    for name, state in done.states.items():
+        say(f"{name}: {state}")
+    if done.folder is not None:
+        say(f"what was there is in {done.folder}")
+    say(done.summary)
+    return None
+
+
+def _print_answers(answers: Sequence[object], format: PlanFormat) -> None:
+    """One object for one controller, a list of them for several."""
+    if format is PlanFormat.JSON:
+        print_json(answers[0] if len(answers) == 1 else answers)
+
+
+COMMIT_LENGTH: Final = 12
+"""Characters of a commit in a table."""
+
+
+def run_resume(
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    wishes: DeploymentOptions,
+    format: PlanFormat,
+) -> int:
+    from assistant import deploy
+
+    if files:
+        raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
+    status = 0
+    for job in named_controllers(to, targets, wishes):
+        with job.opened() as client, working(f"finishing on {job.one.address}"):
+            done = deploy.resume(client, history=job.history, replace=wishes.replace)
+        status = max(status, report_finished(done, as_json=format is PlanFormat.JSON))
+    return status
+
+
+def run_rollback(
+    number: int | None,
+    to: str | None,
+    targets: Sequence[str],
+    replace: tuple[str, ...],
+    history: Path | None,
+    format: Format,
+) -> int:
+    from assistant import deploy
+
+    status = 0
+    for job in named_controllers(to, targets, DeploymentOptions(history=history)):
+        with job.opened() as client, working(f"taking back on {job.one.address}"):
+            done = deploy.rollback(
+                client,
+                number,
+                history=job.history,
+                replace=replace,
+                tell=lambda finding: print_findings([finding]),
+            )
+        status = max(status, report_finished(done, as_json=format is Format.JSON, back=True))
+    return status
+
+
+def report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
+    """Tells what became of a deployment that was finished or taken back; its exit status.
+
+    back: what is installed then is what was there before.
+    """
+    from assistant.project.deployment import deployment_record, states_of
+
+    if as_json:
+        print_json(deployment_record(done, back=back))
+        return 0 if done.ok else 1
+    print_findings(done.findings)
+    for name, state in states_of(done, back=back).items():
+        say(f"{name}: {state}")
+    if back and done.ok:
+        say(f"every program of it on {done.address} is what it was before, verified")
+    else:
+        say(done.summary)
+    return 0 if done.ok else 1
+
+
+def run_deployments(to: str | None, history: Path | None, format: Format) -> int:
+    from assistant.deploy import all_journals, journals, place_of
+
+    history = history or history_here()
+    if to is None:
+        found = all_journals(history)
+    else:
+        found = journals(place_of(named_by(to).address, history))
+    rows = [
+        {
+            "number": one.number,
+            "address": one.record.address,
+            "time": one.record.time,
+            "who": one.record.who,
+            "commit": one.record.commit,
+            "programs": [entry.name for entry in one.entries],
+            "result": one.result,
+            "name": one.record.name,
+            "folder": str(one.folder),
+        }
+        for one in found
+    ]
+    if format is Format.JSON:
+        print_json({"deployments": rows})
+        return 0
+    if not rows:
+        say("no deployments here")
+    address = None
+    for row, one in zip(rows, found, strict=True):
+        if row["address"] != address:
+            address = one.record.address
+            say(address)
+        commit, _, dirty = one.record.commit.partition("-")
+        words = f"{commit[:COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
+        programs = ", ".join(entry.name for entry in one.entries) or "-"
+        say(
+            f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
+            f"{one.record.who}  {programs}"
+        )
+    return 0
+
+
+def run_verify(
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    history: Path | None,
+    format: Format,
+) -> int:
+    from assistant import deploy
+    from assistant.project.deployment import verified_record
+
+    answers = []
+    status = 0
+    wishes = DeploymentOptions(history=history)
+    if files or to is None:
+        jobs = jobs_of(files, to, targets, wishes)
+    else:
+        jobs = controllers_of_jobs(to, targets, wishes)
+    for job in jobs:
+        with job.opened() as client, working(f"comparing with {job.one.address}"):
+            programs = job.programs(client) if job.files or job.target else []
+            seen = deploy.verify(client, programs, history=job.history)
+        if format is Format.JSON:
+            answers.append(verified_record(seen))
+        else:
+            _print_verified(seen)
+        status = max(status, 0 if seen.ok else 1)
+    if format is Format.JSON:
+        print_json(answers[0] if len(answers) == 1 else answers)
+    return status
+
+
+def _print_verified(seen: Verified) -> None:
+    print_findings(seen.findings)
+    for program in seen.programs:
+        other = ", and not what the file here says" if program.as_built is False else ""
+        say(f"{program.name}: {program.seen}{other}")
+        sys.stdout.write(program.since)
+    if seen.record is not None:
+        told = "is as it was left" if seen.ok else "is not as it was left"
+        say(f"{seen.address} {told} by the deployment {seen.record.name} of {seen.record.who}")
+
+
+def run_pull(
+    files: Sequence[Path],
+    to: str | None,
+    targets: Sequence[str],
+    source: Path | None,
+    wishes: DeploymentOptions,
+    format: PlanFormat,
+) -> int:
+    """source: what the one program that is named was compiled from, None for itself."""
+    from assistant.compiler.arms import robot_of
+    from assistant.findings.formats import finding_record
+    from assistant.project.pulled_changes import pull
+
+    if source is not None and len(files) != 1:
+        raise Refused(NOT_BOTH(one="--source", other="several programs"), exit_status=2)
+    answers = []
+    status = 0
+    for job in jobs_of(files, to, targets, wishes):
+        with job.opened() as client, working(f"comparing with {job.one.address}"):
+            plan = job.planned(client)
+        made_of = _sources_by_path(job, source)
+        sources = {f.path: made_of.get(Path(f.path).absolute(), Path(f.path)) for f in plan.files}
+        done = pull(plan, sources, robot_of(job.one.robot))
+        findings = (*plan.unseen, *done.findings)
+        if format is PlanFormat.JSON:
+            answers.append(
+                {
+                    "address": str(plan.address),
+                    "ok": done.ok,
+                    "written": {str(path): list(told) for path, told in done.sources.items()},
+                    "findings": [finding_record(finding) for finding in findings],
+                }
+            )
+        else:
+            print_findings(findings)
+            for path, told in done.sources.items():
+                say(f"wrote {path}: {', '.join(told)}")
+            if done.sources:
+                say("look at the difference, build, commit, and deploy")
+        status = max(status, 0 if done.ok else 1)
+    if format is PlanFormat.JSON:
+        print_json(answers[0] if len(answers) == 1 else answers)
+    return status
+
+
+def _sources_by_path(job: DeploymentJob, source: Path | None) -> dict[Path, Path]:
+    """What each program was made of, by its absolute path."""
+    if source is not None:
+        return {Path(file).absolute(): source for file in job.files}
+    if job.target is None or job.files:
+        return {}
+    here = Path.cwd()
+    return {
+        file.absolute(): one.relative_to(here) if one.is_relative_to(here) else one
+        for file, one in job.target.sources().items()
+    }

@@ -1,0 +1,517 @@
+"""Known objects: learn them by drawing or pictures, list them, and find them with cameras.
+
+`see` writes targets only if what was found is certain enough; otherwise it exits with 1. Without a
+cell file poses are in the frame of the cameras. Lengths are mm.
+"""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.cli.options import CellOption, FormatOption, UnitOption
+from assistant.cli.presentation import Format, print_findings, print_json, say
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import PlacedRobot
+    from assistant.vision.cameras.camera import Camera
+    from assistant.vision.cameras.camera_file import Rig
+    from assistant.vision.cameras.drawing import Picture
+    from assistant.vision.recognition.attached import Base
+    from assistant.vision.recognition.estimating import Plane
+    from assistant.vision.recognition.objects import KnownObject
+    from assistant.vision.recognition.seeing import Found, Sight
+
+
+objects: Final = typer.Typer(
+    help="Learn objects by their drawings or by showing them; list those of a library.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+)
+LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of the library.")]
+CamerasOption = Annotated[
+    Path | None, typer.Option("--cameras", help="File of the cameras, .toml.")
+]
+PlaneOption = Annotated[
+    float, typer.Option("--plane", help="Height of what objects lie on, mm in the world.")
+]
+RobotOfCellOption = Annotated[
+    str | None, typer.Option("--robot", "-r", help="Its name in the cell, if there are several.")
+]
+
+
+@objects.command()
+def add(
+    library: LibraryArgument,
+    name: Annotated[str, typer.Argument(help="How the object is called.")],
+    files: Annotated[
+        list[str], typer.Argument(help="Its drawing, .dxf, or pictures: FILE or CAMERA=FILE.")
+    ],
+    contour: Annotated[
+        str | None, typer.Option(help="Layer of the outline; default the one with closed contours.")
+    ] = None,
+    line: Annotated[
+        list[str] | None,
+        typer.Option("--line", help="Layer whose curves are ways on the part; repeatable."),
+    ] = None,
+    width: Annotated[
+        float | None, typer.Option(help="mm that the face is wide which fills the first picture.")
+    ] = None,
+    height: Annotated[
+        float | None, typer.Option(help="mm of the face above what the part lies on.", min=0.0)
+    ] = None,
+    cameras: CamerasOption = None,
+    plane: PlaneOption = 0.0,
+    solid: Annotated[
+        bool, typer.Option("--solid", help="It is not flat: marks in space, by two cameras.")
+    ] = False,
+    unit: UnitOption = None,
+    again: Annotated[bool, typer.Option("--again", help="Replace one of that name.")] = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
+    asked = AddOptions(
+        *(library, name, tuple(files), contour, tuple(line or ()), width, height),
+        *(cameras, plane, solid, unit, again),
+    )
+    raise typer.Exit(run_add(asked, format))
+
+
+@objects.command("list")
+def list_(library: LibraryArgument, format: FormatOption = Format.TEXT) -> None:
+    """List the objects of a library: what they are known by, and what is done on them."""
+    raise typer.Exit(run_list(library, format))
+
+
+def see(
+    cameras: Annotated[Path, typer.Option("--cameras", help="File of the cameras, .toml.")],
+    library: Annotated[Path, typer.Option("--objects", help="Folder of the library.")],
+    images: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="IMAGES", help="A picture of each camera: FILE or CAMERA=FILE; default theirs."
+        ),
+    ] = None,
+    to: Annotated[
+        Path | None, typer.Option("--to", help="Taught targets to write, .toml: what is done.")
+    ] = None,
+    found: Annotated[
+        Path | None, typer.Option("--found", help="File to write, .toml: where objects are.")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option("--draw", help="The picture with what was found, .png.")
+    ] = None,
+    plane: PlaneOption = 0.0,
+    plane_sigma: Annotated[
+        float, typer.Option(help="mm, one sigma, that the plane may be off.", min=0.001)
+    ] = 0.05,
+    cell: CellOption = None,
+    robot: RobotOfCellOption = None,
+    joints: Annotated[
+        str | None,
+        typer.Option(help="Where the arm was that carries a camera: degrees with commas."),
+    ] = None,
+    expect: Annotated[
+        list[str] | None, typer.Option(help="An object that has to be there; repeatable.")
+    ] = None,
+    most_mm: Annotated[
+        float, typer.Option(help="mm, one sigma, that an object may be unsure by.", min=0.001)
+    ] = 1.0,
+    most_deg: Annotated[
+        float, typer.Option(help="Degrees, one sigma, that it may be unsure by.", min=0.001)
+    ] = 1.0,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
+    asked = SeeOptions(
+        *(cameras, library, tuple(images or ()), to, found, picture, plane, plane_sigma),
+        *(cell, robot, joints, tuple(expect or ()), most_mm, most_deg),
+    )
+    raise typer.Exit(run_see(asked, format))
+
+
+TARGETS_NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
+PICTURE_NOT_PNG: Final = error(
+    "CL551", "a picture is not written as `{name}`", "end its name in .png"
+)
+BAD_JOINTS: Final = error(
+    "CL552",
+    "`{given}` are no joints of `{robot}`",
+    "write {count} numbers of degrees with commas, in the order of the axes",
+)
+WHICH_ROBOT: Final = error(
+    "CL553", "the cell does not tell which robot is meant", "name one of {names} by --robot"
+)
+NO_PICTURES: Final = error(
+    "CL554",
+    "the file does not say where pictures of camera `{name}` come from",
+    "name a picture, or write source = … under the camera",
+)
+DRAWING_SUFFIX: Final = ".dxf"
+
+
+@dataclass(frozen=True, slots=True)
+class AddOptions:
+    """As `objects add` was asked."""
+
+    library: Path
+    name: str
+    files: tuple[str, ...]
+    contour: str | None
+    lines: tuple[str, ...]
+    width: float | None
+    height: float | None
+    cameras: Path | None
+    plane: float
+    solid: bool
+    unit: str | None
+    again: bool
+
+
+def run_add(asked: AddOptions, format: Format) -> int:
+    from assistant.vision.recognition.library import add_objects, check_name
+
+    check_name(asked.name)
+    one, findings = _learn_object(asked)
+    add_objects(asked.library, [one], again=asked.again)
+    print_findings(findings)
+    if format is Format.JSON:
+        print_json({"library": str(asked.library), **_object_record(one)})
+    else:
+        say(_object_line(one))
+        say(f"wrote {asked.library / one.name}.toml")
+    return 0
+
+
+def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+    from assistant.vision.recognition import rules
+
+    drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING_SUFFIX]
+    if drawings:
+        if len(asked.files) > 1:
+            raise Refused(rules.ONE_WAY(cure="name one drawing alone"), exit_status=2)
+        from assistant.vision.recognition.drawn import read_part
+
+        drawn = read_part(
+            *(drawings[0], asked.name),
+            contour=asked.contour,
+            lines=asked.lines,
+            height=asked.height or 0.0,
+            unit=asked.unit,
+        )
+        return drawn.object, drawn.findings
+    if asked.contour is not None or asked.lines:
+        cure = "leave out --contour and --line, which are of drawings"
+        raise Refused(rules.ONE_WAY(cure=cure), exit_status=2)
+    return _learn_from_pictures(asked)
+
+
+def _learn_from_pictures(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.cameras.capture import read_picture
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition import rules
+    from assistant.vision.recognition.pictures import camera_of, picture_of
+    from assistant.vision.recognition.shown import View, learn_face, learn_lying
+    from assistant.vision.recognition.solid import learn_solid
+
+    cv, height = opencv(), asked.height or 0.0
+    if asked.cameras is None:
+        if asked.width is None:
+            raise Refused(rules.NO_SCALE(), exit_status=2)
+        views = [View(file, read_picture(file)) for file in asked.files]
+        learnt = learn_face(cv, asked.name, views, asked.width, height)
+        return learnt.object, learnt.findings
+    cameras = dict(read_cameras(asked.cameras).cameras)
+    views = []
+    for given in asked.files:
+        name, file = camera_of(given, cameras, alone=True)
+        views.append(View(file, picture_of(file, cameras[name]), cameras[name]))
+    plane, findings = _plane_at(asked.plane), list[Diagnostic]()
+    if asked.solid:
+        learnt = learn_solid(cv, asked.name, views, plane)
+        return learnt.object, learnt.findings
+    if asked.height is None and len({view.camera.name for view in views if view.camera}) > 1:
+        height = _height_by_depth(asked.name, views, plane, findings)
+    learnt = learn_lying(cv, asked.name, views, plane, height)
+    return learnt.object, (*findings, *learnt.findings)
+
+
+def _height_by_depth(
+    name: str, views: list[Any], plane: Plane, findings: list[Diagnostic]
+) -> float:
+    """By depth from the first two pictures of two cameras."""
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition.depth import face_height
+    from assistant.vision.recognition.rules import NO_HEIGHT
+
+    one = views[0]
+    other = next(view for view in views if view.camera.name != one.camera.name)
+    pair = (one.camera, other.camera), (one.picture, other.picture)
+    found = face_height(opencv(), *pair, plane)
+    if found is None:
+        findings.append(NO_HEIGHT(name=name))
+    return max(found or 0.0, 0.0)
+
+
+def run_list(library: Path, format: Format) -> int:
+    from assistant.vision.recognition.library import read_library
+
+    read = read_library(library)
+    print_findings(read.findings)
+    if format is Format.JSON:
+        records = [_object_record(one) for one in read.objects.values()]
+        print_json({"library": str(library), "objects": records})
+        return 0
+    for one in read.objects.values():
+        say(_object_line(one))
+    return 0
+
+
+def _object_record(one: KnownObject) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "height": one.height,
+        "outline_mm": None if one.outline is None else one.outline.diameter,
+        "marks": 0 if one.texture is None else len(one.texture.points),
+        "symmetry": one.symmetry,
+        "places": list(one.places),
+        "lines": list(one.lines),
+    }
+
+
+def _object_line(one: KnownObject) -> str:
+    known = []
+    if one.outline is not None:
+        known.append(f"an outline {one.outline.diameter:.1f} mm long")
+    if one.texture is not None:
+        known.append(f"{len(one.texture.points)} marks")
+    done = [*one.places, *one.lines]
+    return f"{one.name}: {' and '.join(known)}; on it {', '.join(done) if done else 'nothing'}"
+
+
+@dataclass(frozen=True, slots=True)
+class SeeOptions:
+    """As `see` was asked."""
+
+    cameras: Path
+    library: Path
+    images: tuple[str, ...]
+    to: Path | None
+    found: Path | None
+    picture: Path | None
+    plane: float
+    plane_sigma: float
+    cell: Path | None
+    robot: str | None
+    joints: str | None
+    expect: tuple[str, ...]
+    most_mm: float
+    most_deg: float
+
+
+def run_see(asked: SeeOptions, format: Format) -> int:
+    """0 if what was found may be acted on, else 1, and no file is written."""
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.opencv import opencv
+    from assistant.vision.recognition.library import read_library
+    from assistant.vision.recognition.seeing import Recogniser
+
+    _check_see_options(asked)
+    rig = read_cameras(asked.cameras)
+    library = read_library(asked.library)
+    placed = _robot_in_cell(asked)
+    pictures = _take_pictures(asked, rig)
+    cameras = {name: _camera_in_world(rig.cameras[name], placed, asked) for name in pictures}
+    recogniser = Recogniser(opencv(), library)
+    when = datetime.datetime.now(datetime.UTC)
+    sight = recogniser.see(pictures, cameras, _plane_at(asked.plane, asked.plane_sigma))
+    findings = [*library.findings, *sight.findings, *_doubtful_findings(asked, sight)]
+    written = _write_found(asked, sight, placed, when, findings)
+    if asked.picture is not None:
+        from assistant.vision.recognition.overlay import with_found
+
+        name = next(iter(pictures))
+        _write_png(asked.picture, with_found(opencv(), cameras[name], pictures[name], sight))
+        written.append(asked.picture)
+    print_findings(findings)
+    _print_found(sight, _robot_base(placed), written, format)
+    return int(has_errors(findings))
+
+
+def _check_see_options(asked: SeeOptions) -> None:
+    for path in (asked.to, asked.found):
+        if path is not None and path.suffix.lower() != ".toml":
+            raise Refused(TARGETS_NOT_TOML(name=path), exit_status=2)
+    if asked.picture is not None and asked.picture.suffix.lower() != ".png":
+        raise Refused(PICTURE_NOT_PNG(name=asked.picture), exit_status=2)
+
+
+def _plane_at(height: float, sigma: float = 0.05) -> Plane:
+    from assistant.program.geometry import Pose
+    from assistant.vision.recognition.estimating import Plane
+
+    return Plane(Pose((0.0, 0.0, height)), sigma)
+
+
+def _robot_in_cell(asked: SeeOptions) -> PlacedRobot | None:
+    """The robot of the cell whose base poses are told in."""
+    if asked.cell is None:
+        return None
+    from assistant.cell.cell_file import read_scene
+
+    scene, findings = read_scene(asked.cell)
+    print_findings(findings)
+    robots = [one for one in scene.robots if asked.robot in (None, one.name)]
+    if len(robots) != 1:
+        names = ", ".join(one.name for one in scene.robots) or "none"
+        raise Refused(WHICH_ROBOT(path=str(asked.cell), names=names), exit_status=2)
+    return robots[0]
+
+
+def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptions) -> Camera:
+    """The camera in the world; raises Refused for one that hangs on nobody knows where."""
+    import numpy as np
+
+    from assistant.program.geometry import Pose
+    from assistant.vision.cameras.camera import WORLD
+    from assistant.vision.recognition.rules import MOUNTED
+
+    if camera.parent == WORLD:
+        return camera
+    carriers = () if placed is None else ("flange", f"{placed.name}.flange")
+    if placed is None or asked.joints is None or camera.parent not in carriers:
+        found = MOUNTED(path=str(asked.cameras), camera=camera.name, parent=camera.parent)
+        raise Refused(found, exit_status=2)
+    try:
+        joints = [float(part) for part in asked.joints.split(",")]
+    except ValueError:
+        joints = []
+    count = len(placed.robot.home)
+    if len(joints) != count or not np.isfinite(joints).all():
+        told = BAD_JOINTS(given=asked.joints, robot=placed.name, count=count)
+        raise Refused(told, exit_status=2)
+    position, quaternion = placed.robot.fk(np.array([joints]))
+    return camera.carried(placed.base @ Pose.of(position[0], quaternion[0]))
+
+
+def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
+    from assistant.vision.cameras.capture import opened
+    from assistant.vision.recognition.pictures import pictures_of, sound
+
+    if asked.images:
+        return pictures_of(asked.images, rig.cameras)
+    found = {}
+    for name, camera in rig.cameras.items():
+        if not rig.sources.get(name):
+            raise Refused(NO_PICTURES(path=str(asked.cameras), name=name), exit_status=2)
+        with opened(camera, rig.sources[name], rig.folder) as frames:
+            found[name] = sound(next(frames).picture, camera, rig.sources[name])
+    return found
+
+
+def _doubtful_findings(asked: SeeOptions, sight: Sight) -> list[Diagnostic]:
+    """What is missing, and what is not known well enough."""
+    from assistant.vision.recognition import rules
+
+    findings = []
+    if not sight.found:
+        findings.append(rules.NOTHING_FOUND(count=len(sight.unknown)))
+    there = {one.name.casefold() for one in sight.found}
+    findings += [rules.NOT_SEEN(name=n) for n in asked.expect if n.casefold() not in there]
+    for one in sight.found:
+        told = [(one.estimate.sigma_mm, asked.most_mm, "mm", "most-mm")]
+        if one.object.symmetry != 0:
+            told.append((one.estimate.sigma_deg, asked.most_deg, "degrees", "most-deg"))
+        findings += [
+            rules.FAR_OUT(name=one.name, sigma=sigma, most=most, unit=unit, option=option)
+            for sigma, most, unit, option in told
+            if sigma > most and one.larger is None
+        ]
+    done = any(one.object.places or one.object.lines for one in sight.found)
+    if asked.to is not None and sight.found and not done:
+        findings.append(rules.NO_PLACES())
+    return findings
+
+
+def _robot_base(placed: PlacedRobot | None) -> Base:
+    """The robot's base, which is the world of the cameras where no cell says another."""
+    from assistant.program.geometry import IDENTITY
+    from assistant.vision.recognition.attached import Base
+
+    return Base("base", IDENTITY if placed is None else placed.base)
+
+
+def _write_found(
+    asked: SeeOptions,
+    sight: Sight,
+    placed: PlacedRobot | None,
+    when: datetime.datetime,
+    findings: list[Diagnostic],
+) -> list[Path]:
+    from assistant.vision.recognition.attached import found_text, put, targets_text
+
+    if has_errors(findings):
+        return []
+    base, files = _robot_base(placed), dict[Path, str]()
+    robot = None if placed is None else placed.robot.name
+    if asked.to is not None and any(one.object.places or one.object.lines for one in sight.found):
+        files[asked.to] = targets_text(sight.found, base, when, robot)
+    if asked.found is not None:
+        files[asked.found] = found_text(sight.found, base, when)
+    return list(put(files)) if files else []
+
+
+def _write_png(file: Path, picture: object) -> None:
+    from assistant.base.file_sets import write_files
+    from assistant.vision.opencv import opencv
+
+    done, data = opencv().imencode(".png", picture)
+    assert done, "a picture of eight bits can be written as PNG"
+    write_files({file.name: bytes(data)}, file.parent)
+
+
+def _print_found(sight: Sight, base: Base, written: list[Path], format: Format) -> None:
+    if format is Format.JSON:
+        found = [_found_record(one, base) for one in sight.found]
+        unknown = [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown]
+        print_json({"found": found, "unknown": unknown, "written": [str(p) for p in written]})
+        return
+    for one in sight.found:
+        x, y, z = base.of(one.pose).position
+        say(
+            f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_z_turn(one, base):.2f} "
+            f"degrees; ± {one.estimate.sigma_mm:.2f} mm, {one.estimate.sigma_deg:.2f} degrees, "
+            f"confidence {one.confidence:.2f}"
+        )
+    for path in written:
+        say(f"wrote {path}")
+
+
+def _z_turn(one: Found, base: Base) -> float:
+    """Degrees about the z axis of the base."""
+    import numpy as np
+
+    from assistant.base import rotations
+
+    return float(rotations.to_euler(np.array(base.of(one.pose).quaternion), "ZYX")[0])
+
+
+def _found_record(one: Found, base: Base) -> dict[str, Any]:
+    pose = base.of(one.pose)
+    return {
+        "name": one.name,
+        "object": one.object.name,
+        "position": list(pose.position),
+        "quaternion": list(pose.quaternion),
+        "sigma_mm": one.estimate.sigma_mm,
+        "sigma_deg": one.estimate.sigma_deg,
+        "confidence": min(one.confidence, 1.0),
+        "cameras": list(one.cameras),
+    }

@@ -1,0 +1,179 @@
+"""Output files of several sources: what each one answers, where its files go, and kept edits.
+
+Each source answers for itself: what is refused for one does not keep the others from being
+written. Sources whose files have the same names get a folder each. A file that was edited since it
+was written is merged, kept or replaced as the user asked; see `compiler.keeping`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Diagnostic, Refused, info
+from assistant.base.file_sets import file_in_folder, write_all
+
+if TYPE_CHECKING:
+    from assistant.compiler.merge_edits import Keeper
+
+
+SAME_FILE: Final = info(
+    "CL001",
+    "both `{first}` and `{second}` write `{name}`: each goes to a folder of its own",
+    "rename one of the sources to have their files side by side",
+)
+
+
+@dataclass(slots=True)
+class Outcomes:
+    """refusals: why programs have no answer. status: the worst exit status so far."""
+
+    refusals: list[Diagnostic] = field(default_factory=list)
+    status: int = 0
+
+    @contextmanager
+    def of(self, program: str) -> Iterator[None]:
+        """What is refused, or fails, inside is the finding of one program; the others go on."""
+        try:
+            yield
+        except Refused as refused:
+            self.refusals += [f.within(program) for f in refused.findings]
+            self.status = max(self.status, refused.exit_status)
+        except OSError:
+            raise
+        except Exception as error:
+            if traceback_wanted():
+                raise
+            self.refusals.append(internal_error(error).within(program))
+            self.status = 2
+
+
+Files = Mapping[str, bytes]
+
+
+def output_folders(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]]:
+    """The folder of each source that writes a file which another one writes as well.
+
+    files: by source, then by name. Folders are named as the sources are told apart.
+    """
+    from assistant.program.program import identifier
+
+    owner: dict[str, str] = {}
+    told: list[Diagnostic] = []
+    apart: dict[str, None] = {}
+    for source, made in files.items():
+        for name in made:
+            other = owner.setdefault(name.lower(), source)
+            if other != source:
+                apart |= {other: None, source: None}
+                told.append(SAME_FILE(path=source, first=other, second=source, name=name))
+    paths = {source: Path(source).absolute().with_suffix("") for source in apart}
+    above = os.path.commonpath([path.parent for path in paths.values()]) if paths else ""
+    folders: dict[str, str] = {}
+    for source, path in paths.items():
+        folders[source] = identifier("_".join(path.relative_to(above).parts), {*folders.values()})
+    return folders, told
+
+
+def write_outputs(
+    files: Mapping[str, Files],
+    folders: Mapping[str, str],
+    output: str | Path,
+    paths: Mapping[str, str],
+) -> tuple[list[str], list[Diagnostic]]:
+    """Writes the files of all sources, and of those that have a folder of their own there.
+
+    paths: file that each source is, or begins with. Gives the files, and a finding for each that
+    was written from another source: of such a source nothing is written.
+    """
+    from assistant.compiler.merge_edits import replaced, with_sources, written_in
+
+    wanted: dict[Path, bytes] = {}
+    made: dict[Path, dict[str | Path, list[str]]] = {}
+    told: list[Diagnostic] = []
+    for source in sorted(files, key=lambda source: source in folders):  # those without one first
+        memory = written_in(Path(output) / folders.get(source, ""))
+        wished, path = (
+            files_by_path(source, files[source], folders, output),
+            paths.get(source, source),
+        )
+        if others := replaced(wished, path, memory):
+            told += others
+            continue
+        wanted |= wished
+        made.setdefault(memory, {})[path] = [one.name for one in wished]
+    written = [str(path) for path in wanted]
+    for memory, sources in made.items():
+        wanted |= with_sources(sources, memory)
+    write_all(wanted)
+    return written, told
+
+
+def files_by_path(
+    source: str, files: Files, folders: Mapping[str, str], output: str | Path
+) -> dict[Path, bytes]:
+    """The files of one source by where they are written."""
+    folder = Path(output) / folders.get(source, "")
+    return {file_in_folder(name, folder): data for name, data in files.items()}
+
+
+def output_paths(
+    files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
+) -> Sequence[Path]:
+    """Where the files of all sources are written."""
+    return [
+        Path(output) / folders.get(source, "") / name
+        for source, made in files.items()
+        for name in made
+    ]
+
+
+@dataclass(slots=True)
+class WrittenFiles:
+    """written: files, in order. findings: about edits. diffs: by file, of what was edited.
+
+    refused: sources of which nothing is written.
+    """
+
+    written: list[str] = field(default_factory=list)
+    findings: list[Diagnostic] = field(default_factory=list)
+    diffs: dict[str, str] = field(default_factory=dict)
+    refused: list[str] = field(default_factory=list)
+
+
+def write_with_edits(
+    files: Mapping[str, Files], folders: Mapping[str, str], output: str, keeper: Keeper
+) -> WrittenFiles:
+    """Writes the files of all sources, with what was edited in those that are there."""
+    from assistant.compiler.merge_edits import Kept, replaced, with_sources, written_in
+
+    done = WrittenFiles()
+    wanted: dict[Path, bytes] = {}
+    compiled: dict[Path, bytes] = {}
+    made: dict[Path, dict[str | Path, list[str]]] = {}
+    for source in sorted(files, key=lambda source: source in folders):
+        memory = written_in(Path(output) / folders.get(source, ""))
+        wished = files_by_path(source, files[source], folders, output)
+        others = [] if keeper.wishes.overwrite else replaced(wished, source, memory)
+        kept = Kept({}, {}, findings=tuple(others)) if others else keeper.kept(wished, memory)
+        done.findings += kept.findings
+        if not kept.ok:
+            done.refused.append(source)
+            continue
+        done.diffs |= {str(path): diff for path, diff in kept.diffs.items()}
+        wanted |= kept.files
+        compiled |= kept.compiled
+        made.setdefault(memory, {})[source] = [path.name for path in wished]
+    unknown = keeper.unknown_names()
+    done.findings += unknown
+    if wanted and not unknown:
+        for memory, sources in made.items():
+            compiled |= with_sources(sources, memory)
+        write_all({**wanted, **compiled})
+        done.written = [str(path) for path in wanted]
+    return done

@@ -1,0 +1,516 @@
+"""Places and paths that are shown to cameras, with a ball or a wand: `teach --point`.
+
+A place is shown by a hold; a stroke is the path between two holds, written as a table of
+waypoints. With `--go` the arm moves to each place and the position where it comes to rest is
+stored. The arm moves by its own kinematics; with `--servo` the last part is led by what the
+cameras see of the tool, so that errors of the arm's lengths do not matter.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.cli.arm_motion import NO_SPEED, Moving, moving
+from assistant.cli.controller_session import (
+    confirm,
+    joints_line,
+    named_by,
+    pose_line,
+    record,
+    robot_of_cell,
+)
+from assistant.cli.presentation import Format, print_findings, print_json, say
+
+if TYPE_CHECKING:
+    from assistant.compiler.taught_targets import ShownTarget, TargetOptions
+    from assistant.controllers import Named
+    from assistant.controllers.setpoint_streams import Mode as ByPictures
+    from assistant.controllers.trajectory_execution import LinkOptions, Mode
+    from assistant.robots import Robot
+    from assistant.vision.cameras.camera import Camera
+    from assistant.vision.cameras.camera_file import Rig
+    from assistant.vision.pointing.devices import Device
+    from assistant.vision.pointing.holding import Held, Still
+    from assistant.vision.pointing.locating import Limits
+    from assistant.vision.pointing.tracking import Look
+    from assistant.vision.servoing.setting_up import SetUp
+    from assistant.vision.servoing.task_file import ServoFile
+
+
+@dataclass(frozen=True, slots=True)
+class PointingOptions:
+    """cameras: file of cameras. use: names of those that look, () for all. device: name or file.
+    frames: moments of a hold. rate: pictures a second of files. robot: named by hand. world: frame
+    of the cameras in the file. stroke: a way instead of places, with waypoints each `step` mm.
+    go: the arm is led to each place, by a mode, from `above` mm before it, at `speed` percent.
+    servo: file of servoing by which it is led from there on, by what the cameras see of its tool.
+    """
+
+    cameras: Path
+    into: Path
+    wanted: TargetOptions
+    use: tuple[str, ...] = ()
+    device: str = "wand"
+    frames: int = 30
+    rate: float = 30.0
+    residual: float = 0.5
+    fastest: float = 1500.0
+    robot: str | None = None
+    world: str | None = None
+    stroke: bool = False
+    step: float = 5.0
+    go: bool = False
+    by: str = "data-link"
+    wishes: LinkOptions | None = None
+    above: float = 50.0
+    speed: float = 10.0
+    servo: Path | None = None
+    yes: bool = False
+    format: Format = Format.TEXT
+
+
+@dataclass(slots=True)
+class ShownPlaces:
+    """Places that come from cameras, and what was told of them meanwhile."""
+
+    rig: Rig
+    cameras: tuple[Camera, ...]
+    device: Device
+    options: PointingOptions
+    good: int = 0
+    count: int = 0
+    reasons: Counter[str] = field(default_factory=Counter)
+
+    @contextmanager
+    def looks(self) -> Iterator[Iterator[Look]]:
+        from assistant.vision.pointing.locating import check_cameras
+        from assistant.vision.pointing.moments import moments
+        from assistant.vision.pointing.tracking import tracked
+
+        check_cameras(self.cameras)
+        with moments(self.rig, self.cameras, self.options.rate) as given:
+            fastest = self.options.fastest
+            looks = tracked(given, self.device, self.cameras, self.limits, fastest)
+            yield self._counted(looks)
+
+    def _counted(self, looks: Iterator[Look]) -> Iterator[Look]:
+        for look in looks:
+            self.count += 1
+            if isinstance(look.seen, Diagnostic):
+                self.reasons[look.seen.message] += 1
+            else:
+                self.good += 1
+            yield look
+
+    @contextmanager
+    def holds(self) -> Iterator[Iterator[Held]]:
+        from assistant.vision.pointing.holding import holds
+
+        with self.looks() as looks:
+            yield holds(looks, self.device, self.cameras, self.limits, self.still, self.tell)
+
+    @property
+    def still(self) -> Still:
+        from assistant.vision.pointing.holding import Still
+
+        return Still(self.options.frames)
+
+    @property
+    def limits(self) -> Limits:
+        from assistant.vision.pointing.locating import Limits
+
+        return Limits(residual=self.options.residual)
+
+    def tell(self, finding: Diagnostic) -> None:
+        sys.stdout.flush()
+        print_findings([finding])
+
+    def ended(self, name: str) -> Refused:
+        """What to say when the pictures ended before something was shown."""
+        from assistant.vision.pointing.rules import NOT_SHOWN
+
+        most = self.reasons.most_common(1)
+        mostly = f"; mostly {most[0][0]}" if most else ""
+        return Refused(
+            NOT_SHOWN(
+                name=name,
+                seen=self.good,
+                count=self.count,
+                mostly=mostly,
+                frames=self.options.frames,
+            )
+        )
+
+
+def next_place(
+    name: str,
+    holds: Iterator[Held],
+    shown: ShownPlaces,
+    robot: Robot | None,
+    near: Sequence[float] | None = None,
+) -> tuple[Held, ShownTarget] | None:
+    """The next place that is shown and reached; None when there are no pictures any more."""
+    import numpy as np
+
+    from assistant.compiler.taught_targets import DEVICE_TILTED, OUT_OF_REACH, target_of_shown
+
+    options = shown.options
+    if options.format is Format.TEXT:
+        say(f"{name}: hold the {shown.device.name} still; Ctrl-C ends")
+        sys.stdout.flush()
+    start = None if near is None else np.array(near)
+    for held in holds:
+        try:
+            place = target_of_shown(
+                options.into, name, held.pose, robot, options.wanted, start, options.world
+            )
+        except Refused as refused:
+            if not {f.code for f in refused.findings} <= {OUT_OF_REACH.code, DEVICE_TILTED.code}:
+                raise
+            print_findings(refused.findings)
+            continue
+        print_findings(place.findings)
+        return held, place
+    return None
+
+
+def place_line(place: ShownTarget) -> str:
+    x, y, z = place.pose.position
+    q = ", ".join(f"{part:.5f}" for part in place.pose.quaternion)
+    return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
+
+
+def certainty(held: Held) -> str:
+    return f"{held.frames} moments within {held.spread:.2f} mm, mean known to {held.sigma:.2f} mm"
+
+
+def pointing_record(held: Held, place: ShownTarget) -> dict[str, object]:
+    return {
+        "name": place.name,
+        "position": list(place.pose.position),
+        "quaternion": list(place.pose.quaternion),
+        "joints": None if place.joints is None else place.joints.tolist(),
+        "frames": held.frames,
+        "spread_mm": held.spread,
+        "turned_degrees": held.turned,
+        "residual_px": held.residual,
+        "covariance": held.covariance.tolist(),
+    }
+
+
+NO_CONTROLLER: Final = error(
+    "CL510",
+    "no controller of the project is named, and --go leads an arm",
+    "name the controller as the first word",
+)
+NOT_TOGETHER: Final = error("CL512", "{one} and {other} do not go together", "leave one of them")
+NOT_CSV: Final = error(
+    "CL513", "a stroke is written as a table, and `{name}` is none", "end its name in .csv"
+)
+NO_ARM: Final = error("CL519", "--servo says how an arm is led, and none is", "add --go")
+FILE_EXISTS: Final = error(
+    "CL514", "`{name}` is there already", "name another file, or add --replace"
+)
+NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
+
+
+def run_point(words: Sequence[str], on: str | None, now: bool, options: PointingOptions) -> int:
+    """words: perhaps a controller, and names; without names p1, p2 … until the pictures end."""
+    other = "--on" if on is not None else "--now" if now else None
+    if other is not None:
+        raise Refused(NOT_TOGETHER(one="--point", other=other), exit_status=2)
+    from assistant.vision.cameras.camera_file import read_cameras
+    from assistant.vision.pointing.device_file import device_of
+
+    _check_options(options)
+    one, names = _split_controller(words)
+    rig = read_cameras(options.cameras)
+    cameras = tuple(rig[name] for name in options.use or rig.cameras)
+    shown = ShownPlaces(rig, cameras, device_of(options.device), options)
+    if options.go:
+        if one is None:
+            raise Refused(NO_CONTROLLER(), exit_status=2)
+
+        return run_pointed_arm(words[0], names, shown)
+    robot = _robot_of(one, options)
+    if options.stroke:
+        return _store_stroke(shown, robot)
+    return _store_places(names, shown, robot)
+
+
+def _check_options(options: PointingOptions) -> None:
+    """Raises Refused for options that mean nothing."""
+    least = (
+        (options.frames, "--frames", 2, "a whole number from 2"),
+        (options.rate, "--rate", 0.1, "pictures a second"),
+        (options.residual, "--residual", 0.01, "pixels above 0"),
+        (options.fastest, "--fastest", 1.0, "mm a second"),
+        (options.step, "--step", 0.1, "mm from 0.1"),
+    )
+    for value, option, low, cure in least:
+        if not low <= value < 1e6:
+            raise Refused(NO_COUNT(option=option, value=value, cure=cure), exit_status=2)
+    if not 0.0 <= options.above <= 500.0:
+        cure = "0 to 500 mm"
+        raise Refused(NO_COUNT(option="--above", value=options.above, cure=cure), exit_status=2)
+    if not 0.0 < options.speed <= 100.0:
+        raise Refused(NO_SPEED(value=options.speed), exit_status=2)
+    if options.stroke:
+        others = {"--go": options.go, "--world": options.world, "--joints": options.wanted.joints}
+        wrong = next((name for name, given in others.items() if given), None)
+        if wrong is not None:
+            raise Refused(NOT_TOGETHER(one="--stroke", other=wrong), exit_status=2)
+        if options.into.suffix.lower() != ".csv":
+            raise Refused(NOT_CSV(name=options.into), exit_status=2)
+        if options.into.exists() and not options.wanted.again:
+            raise Refused(FILE_EXISTS(name=options.into))
+    if options.go and options.robot is not None:
+        raise Refused(NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
+    if options.servo is not None and not options.go:
+        raise Refused(NO_ARM(), exit_status=2)
+
+
+def _split_controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:
+    """The first word is a controller if the project has one of that name, or it is an address."""
+    if not words:
+        return None, ()
+    from assistant.controllers import controllers_of
+
+    known = "://" in words[0] or words[0] in controllers_of(Path.cwd())
+    return (named_by(words[0]), words[1:]) if known else (None, words)
+
+
+def _robot_of(one: Named | None, options: PointingOptions) -> Robot | None:
+    from assistant.compiler.arms import robot_of
+
+    if options.robot is not None:
+        return robot_of(options.robot)
+    return None if one is None else robot_of_cell(one)
+
+
+def _store_places(names: Sequence[str], shown: ShownPlaces, robot: Robot | None) -> int:
+    """Each place that is shown, as a target, until there are no names or no pictures any more."""
+    from assistant.cli.teaching import free_names
+    from assistant.compiler.taught_targets import check_names, store_target
+
+    options = shown.options
+    check_names(options.into, names, robot, options.wanted)
+    stored: list[dict[str, object]] = []
+    with shown.holds() as holds:
+        for name in names or free_names(options.into):
+            found = next_place(name, holds, shown, robot)
+            if found is None:
+                if names or not stored:
+                    raise shown.ended(name)
+                break
+            held, place = found
+            store_target(options.into, place, options.wanted)
+            stored.append(pointing_record(held, place))
+            if options.format is Format.TEXT:
+                say(f"{name}: {place_line(place)}, {certainty(held)}, stored in {options.into}")
+                sys.stdout.flush()
+    if options.format is Format.JSON:
+        print_json({"file": str(options.into), "device": shown.device.name, "stored": stored})
+    return 0
+
+
+def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
+    """The way between two holds, as a table of waypoints."""
+    from dataclasses import replace
+
+    from assistant.base.file_sets import write_files
+    from assistant.compiler.taught_targets import turned_into_plane
+    from assistant.vision.pointing.strokes import Smoothing, strokes
+
+    options = shown.options
+    if options.format is Format.TEXT:
+        say(f"hold the {shown.device.name} still, lead it along the way, and hold it still again")
+        sys.stdout.flush()
+    smoothing = Smoothing(options.step)
+    with shown.looks() as looks:
+        ways = strokes(
+            looks, shown.device, shown.cameras, shown.limits, shown.still, smoothing, shown.tell
+        )
+        way = next(ways, None)
+    if way is None:
+        raise shown.ended("the stroke")
+    turned = turned_into_plane(way.positions, way.quaternions, robot)
+    table = replace(way, quaternions=turned).csv()
+    write_files({options.into.name: table.encode("ascii")}, options.into.parent)
+    if options.format is Format.JSON:
+        print_json(
+            {
+                "file": str(options.into),
+                "waypoints": len(way.positions),
+                "length_mm": way.length,
+                "scatter_mm": way.scatter,
+            }
+        )
+    else:
+        say(
+            f"{len(way.positions)} waypoints along {way.length:.1f} mm, "
+            f"what was seen {way.scatter:.2f} mm about them, stored in {options.into}"
+        )
+    return 0
+
+
+NO_ROBOT: Final = error(
+    "CL511",
+    "no project says which robot `{name}` moves, so it is led nowhere",
+    "write robot = NAME into its table in assistant.toml",
+)
+NO_POINTING_MODE: Final = error(
+    "CL517", "no arm is led to a place by `{by}`", "choose one of {known}"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _ArmLeader:
+    """mode: by which the arm is led. pictures: and file, by which from `above` on, None for not."""
+
+    motion: Moving
+    robot: Robot
+    shown: ShownPlaces
+    mode: Mode
+    wishes: LinkOptions
+    pictures: tuple[ByPictures, ServoFile] | None
+
+    def led(self, place: ShownTarget, held: Held) -> dict[str, float]:
+        """Asks, and leads the arm to a place; how far it is from there. Raises Refused."""
+        from assistant.compiler.commanded_motion import trajectory_of_program
+        from assistant.compiler.taught_targets import (
+            check_reached,
+            own_joints,
+            program_to_target,
+            tip_at,
+        )
+
+        options, controller = self.shown.options, self.motion.cell.controller
+        position = controller.position()
+        way = program_to_target(place, options.above, to_its_end=self.pictures is None)
+        into = str(options.into)
+        led = trajectory_of_program(
+            way, self.robot, position, self.mode.period, options.speed, into
+        )
+        print_findings(led.findings)
+        seen = self._set_up(place)
+        how = self.mode.title if seen is None else f"{self.mode.title}, then {seen.title}"
+        what = f"leads the arm to `{place.name}` at {place_line(place)}, {certainty(held)}, {how}"
+        confirm(self.motion.cell.one, what, options.yes)
+        self.motion.began = True
+        self.mode.run(controller, led, self.wishes, lambda _: None)
+        if seen is None:
+            joints = own_joints(controller.position(), self.robot)
+            off, turned = check_reached(place, tip_at(place, joints, self.robot))
+        else:
+            off, turned = self._by_pictures(seen)
+        self.motion.began = False
+        return {"off_mm": off, "off_degrees": turned}
+
+    def _set_up(self, place: ShownTarget) -> SetUp | None:
+        from assistant.compiler.taught_targets import tip_of
+        from assistant.program.geometry import IDENTITY
+        from assistant.vision.servoing.setting_up import set_up
+
+        if self.pictures is None:
+            return None
+        file = replace(self.pictures[1], target=None, place=place.tip, goal=IDENTITY)
+        return set_up(replace(file, tip=tip_of(place)), self.shown.rig, self.robot)
+
+    def _by_pictures(self, seen: SetUp) -> tuple[float, float]:
+        """Mm and degrees that are left as the cameras see it."""
+        import numpy as np
+
+        from assistant.compiler.taught_targets import own_joints
+        from assistant.vision.servoing.loop import servo
+        from assistant.vision.servoing.setting_up import eyes_of
+
+        assert self.pictures is not None
+        mode, cell = self.pictures[0], self.motion.cell
+        near = np.array(own_joints(cell.controller.position(), self.robot))
+        session = cell.controller if mode.operates else cell.session
+        carrier = mode.make(session, seen.guard.arm(), self.wishes, near)
+        with eyes_of(seen, carrier.joints) as eyes, carrier:
+            done = servo(eyes, seen.law, carrier, seen.guard, seen.file.settings)
+        return done.distance, done.turn
+
+
+def run_pointed_arm(cell: str, names: Sequence[str], shown: ShownPlaces) -> int:
+    """The arm is led to each place, and where it comes to rest is stored."""
+    from assistant.cli.teaching import free_names
+    from assistant.compiler.taught_targets import check_names
+    from assistant.controllers.trajectory_execution import MODES, LinkOptions
+
+    options = shown.options
+    if options.by not in MODES:
+        known = ", ".join(MODES)
+        raise Refused(NO_POINTING_MODE(by=options.by, known=known), exit_status=2)
+    mode, wishes = MODES[options.by], options.wishes or LinkOptions()
+    pictures = _servo_pictures(options.servo, options.by)
+    stored: list[dict[str, object]] = []
+    with moving(cell, "teach --go") as motion:
+        there = motion.cell
+        controller, robot = there.controller, robot_of_cell(there.one)
+        if robot is None:
+            raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
+        mode.check(controller, wishes)
+        check_names(options.into, names, robot, options.wanted)
+        leader = _ArmLeader(motion, robot, shown, mode, wishes, pictures)
+        with ExitStack() as looking:
+            # Cameras by which the arm is led are let go of in between.
+            holds = None if pictures else looking.enter_context(shown.holds())
+            for name in names or free_names(options.into):
+                done = _store_next(name, holds, leader)
+                if done is None:
+                    if names or not stored:
+                        raise shown.ended(name)
+                    break
+                stored.append(done)
+    if options.format is Format.JSON:
+        answer = {"address": str(there.one.address), "file": str(options.into), "stored": stored}
+        print_json(record(answer))
+    return 0
+
+
+def _servo_pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] | None:
+    if file is None:
+        return None
+    from assistant.controllers.setpoint_streams import MODES
+    from assistant.vision.servoing.task_file import read_servo
+
+    return MODES[by], read_servo(file, led_elsewhere=True)
+
+
+def _store_next(
+    name: str, holds: Iterator[Held] | None, leader: _ArmLeader
+) -> dict[str, object] | None:
+    """Leads the arm to the next place and stores where it is then; None without a place."""
+    from assistant.compiler.taught_targets import own_joints, teach_target
+
+    shown, robot = leader.shown, leader.robot
+    options, controller = shown.options, leader.motion.cell.controller
+    near = own_joints(controller.position(), robot)
+    with ExitStack() as looking:
+        looked = looking.enter_context(shown.holds()) if holds is None else holds
+        found = next_place(name, looked, shown, robot, near)
+    if found is None:
+        return None
+    held, place = found
+    off = leader.led(place, held)
+    position = controller.position()
+    print_findings(teach_target(options.into, name, position, robot, options.wanted).findings)
+    if options.format is Format.TEXT:
+        shown_line = joints_line if options.wanted.joints else pose_line
+        say(
+            f"{name}: {shown_line(position)}, {off['off_mm']:.2f} mm and "
+            f"{off['off_degrees']:.2f} degrees from what was shown, stored in {options.into}"
+        )
+        sys.stdout.flush()
+    return {**pointing_record(held, place), "reached": position, **off}

@@ -1,0 +1,541 @@
+"""Exchange poses with a running program by files: `exchange …`.
+
+`module` writes the robot's side; `pose` asks where the robot is; `follow` sends poses one after
+the other and asks before; `stop` ends the program, without asking. A plain exchange uses text
+files with fixed names and no numbers or checksums. Lengths are mm, times seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from assistant.base.diagnostics import Refused, Severity, error, warning
+from assistant.cli.controller_commands import CellArgument, YesOption
+from assistant.cli.controller_session import confirm, connected
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format, LengthUnit, console, print_findings, print_json, say
+
+if TYPE_CHECKING:
+    from assistant.controllers import Programs
+    from assistant.controllers.abb.exchange import (
+        Answer,
+        PlainExchange,
+        PlainFiles,
+        PoseExchange,
+        PoseSender,
+    )
+    from assistant.program.geometry import Target
+    from assistant.program.motion import Path as Poses
+    from assistant.program.se3 import Unit
+    from assistant.program.statements import Motion
+
+
+exchange: Final = typer.Typer(
+    help="Exchange poses with a running program, by files on the controller.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+)
+PrefixOption = Annotated[str, typer.Option(help="How the names of the files begin.")]
+TimeoutOption = Annotated[
+    float, typer.Option(help="Seconds for an answer without a motion.", min=0.1)
+]
+PlainOption = Annotated[
+    bool, typer.Option("--plain", help="Plain text files, without numbers and checksums.")
+]
+FilesOption = Annotated[
+    str | None,
+    typer.Option(
+        "--files",
+        help="With --plain: names of the files from the PC, the one that is waited for first.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    ),
+]
+AnswersOption = Annotated[
+    str | None,
+    typer.Option(
+        "--answers",
+        help="With --plain: names of the files from the robot.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    ),
+]
+
+
+@exchange.command()
+def module(
+    output: Annotated[
+        str, typer.Option("--output", "-o", help="File to write; - prints it.")
+    ] = "PoseExchange.mod",
+    name: Annotated[str | None, typer.Option(help="Name of the module.")] = None,
+    tool: Annotated[str | None, typer.Option(help="Tool that is moved.")] = None,
+    tip: Annotated[
+        str | None,
+        typer.Option(help="x,y,z[,w,x,y,z] of its tip, mm on the flange: declares the tool."),
+    ] = None,
+    mass: Annotated[float, typer.Option(help="Of that tool, kg.")] = 1.0,
+    centre: Annotated[str, typer.Option(help="x,y,z of its centre of gravity, mm.")] = "0,0,50",
+    work_object: Annotated[str | None, typer.Option(help="Frame that poses are in.")] = None,
+    speed: Annotated[str | None, typer.Option(help="Name of the speed.")] = None,
+    zone: Annotated[str | None, typer.Option(help="Name of the zone of poses on the way.")] = None,
+    folder: Annotated[str | None, typer.Option(help="Folder of the files there.")] = None,
+    prefix: PrefixOption = "exchange",
+    longest: Annotated[
+        float, typer.Option(help="Seconds without a request after which it ends.")
+    ] = 240.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
+) -> None:
+    """Write the robot's side: a module that waits for poses, goes there and answers."""
+    given = {
+        "module": name,
+        "tool": tool,
+        "work_object": work_object,
+        "speed": speed,
+        "zone": zone,
+        "folder": folder,
+    }
+    named = {key: value for key, value in given.items() if value is not None}
+    names = plain_files(plain, files, answers, {"--zone": zone is not None})
+    raise typer.Exit(run_module(output, named, prefix, longest, tip, mass, centre, names))
+
+
+@exchange.command()
+def pose(
+    cell: CellArgument,
+    prefix: PrefixOption = "exchange",
+    timeout: TimeoutOption = 10.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Ask the program where the robot is. Nothing moves."""
+    names = plain_files(plain, files, answers, {})
+    raise typer.Exit(run_pose(cell, prefix, timeout, names, format))
+
+
+@exchange.command()
+def follow(
+    cell: CellArgument,
+    trajectory: Annotated[Path, typer.Argument(help="Poses: csv, json, npy, npz, toml.")],
+    through: Annotated[
+        bool, typer.Option("--through", help="Without standing still at each pose.")
+    ] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Write what was answered.", metavar="FILE.csv|npz")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw what was answered.", metavar="FILE.png|svg")
+    ] = None,
+    plot_unit: Annotated[
+        LengthUnit, typer.Option("--plot-unit", help="Unit of the positions that are drawn.")
+    ] = LengthUnit.MM,
+    prefix: PrefixOption = "exchange",
+    timeout: TimeoutOption = 10.0,
+    longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0,
+    plain: PlainOption = False,
+    files: FilesOption = None,
+    answers: AnswersOption = None,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
+    names = plain_files(plain, files, answers, {"--through": through})
+    options = FollowOptions(
+        prefix, timeout, longest, through, record, plot, plot_unit.value, names, yes, format
+    )
+    raise typer.Exit(run_follow(cell, trajectory, options))
+
+
+@exchange.command()
+def stop(
+    cell: CellArgument,
+    prefix: PrefixOption = "exchange",
+    timeout: TimeoutOption = 10.0,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Stop the arm where it is and end the program. Never asks; no emergency stop."""
+    raise typer.Exit(run_stop(cell, prefix, timeout, format))
+
+
+BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
+NOT_ONE_PATH: Final = error(
+    "CL262",
+    "`{name}` holds {found} paths of poses, and an exchange follows one",
+    "name a table of poses, one in each row",
+)
+SEVERAL: Final = error(
+    "CL265",
+    "the poses of `{name}` are of several {what} ({first}, {second}); an exchange has one of each, "
+    "which its module names",
+    "divide the table",
+)
+BROKEN_OFF: Final = warning(
+    "CL263", "broken off: {ended}", "look at the robot before anything else"
+)
+NOT_STOPPED: Final = error(
+    "CL264", "{ended}", "press the emergency stop if the arm moves, and look at it"
+)
+NOT_PLAIN: Final = error(
+    "CL266", "a plain exchange has no `{option}`: {reason}", "leave one of both out"
+)
+ONLY_PLAIN: Final = error(
+    "CL267", "`{option}` names files of a plain exchange, and --plain is missing", "add --plain"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FollowOptions:
+    """Of `exchange follow`."""
+
+    prefix: str
+    timeout: float
+    longest: float
+    through: bool
+    record: Path | None
+    plot: Path | None
+    plot_unit: Unit
+    plain: PlainFiles | None
+    yes: bool
+    format: Format
+
+
+def plain_files(
+    plain: bool, files: str | None, answers: str | None, others: Mapping[str, bool]
+) -> PlainFiles | None:
+    """Return the file names of a plain exchange; None for the numbered one.
+
+    others: options that only the numbered one has, and whether they are given. Raises Refused for
+    them with --plain, and for --files and --answers without it.
+    """
+    from assistant.controllers.abb.exchange import PlainFiles
+
+    if not plain:
+        for option, given in (("--files", files), ("--answers", answers)):
+            if given is not None:
+                raise Refused(ONLY_PLAIN(option=option), exit_status=2)
+        return None
+    for option, is_given in others.items():
+        if is_given:
+            reason = "the robot stands still at each pose"
+            raise Refused(NOT_PLAIN(option=option, reason=reason), exit_status=2)
+    usual = PlainFiles()
+    return PlainFiles(
+        usual.sent if files is None else _answer_names(files),
+        usual.answers if answers is None else _answer_names(answers),
+    )
+
+
+def _answer_names(given: str) -> tuple[str, str, str]:
+    names = [name.strip() for name in given.split(",")]
+    if len(names) != 3:
+        wanted = "three names: of position, orientation and configuration"
+        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+    return names[0], names[1], names[2]
+
+
+def _pose_sender(
+    programs: Programs,
+    prefix: str,
+    timeout: float,
+    longest: float,
+    plain: PlainFiles | None,
+) -> PoseExchange | PlainExchange:
+    from assistant.controllers.abb.exchange import PlainExchange, PoseExchange
+
+    if plain is None:
+        return PoseExchange(programs, prefix=prefix, timeout=timeout, longest=longest)
+    return PlainExchange(programs, files=plain, prefix=prefix, timeout=timeout, longest=longest)
+
+
+def run_module(
+    output: str,
+    named: Mapping[str, str],
+    prefix: str,
+    longest: float,
+    tip: str | None,
+    mass: float,
+    centre: str,
+    plain: PlainFiles | None,
+) -> int:
+    """Prints the module, looks through it as `check` does, and writes it."""
+    from assistant import languages
+    from assistant.base.file_sets import write_files
+    from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
+
+    tool = None
+    if tip is not None:
+        place, turn = _tool_pose(tip)
+        middle = _listed_numbers(centre, (3,), "x,y,z")
+        tool = Tool(place, turn, mass, (middle[0], middle[1], middle[2]))
+    usual = Module()
+    text = Module(
+        module=named.get("module", usual.module),
+        tool=named.get("tool", usual.tool),
+        work_object=named.get("work_object", usual.work_object),
+        speed=named.get("speed", usual.speed),
+        zone=named.get("zone", usual.zone),
+        folder=named.get("folder", usual.folder),
+        prefix=prefix,
+        longest=longest,
+        tool_data=tool,
+        plain=plain,
+    ).text()
+    language = languages.get(LANGUAGE)
+    tree = language.parse(text)
+    found = [*tree.findings, *language.check([tree])]
+    wrong = [finding for finding in found if finding.severity is Severity.ERROR]
+    if wrong:
+        raise Refused(*wrong)
+    print_findings(found)
+    if output == "-":
+        sys.stdout.write(text)
+        return 0
+    target = Path(output)
+    write_files({target.name: text.encode("ascii")}, target.parent)
+    say(f"{target}: copy it to the controller, load it, and start it from its first line")
+    return 0
+
+
+def run_pose(
+    cell: str, prefix: str, timeout: float, plain: PlainFiles | None, format: Format
+) -> int:
+    with connected(cell, "exchange pose") as there:
+        exchange = _pose_sender(there.session, prefix, timeout, timeout, plain)
+        answer = exchange.current_pose()
+    _warn_without_checksum(answer.checked if plain is None else None, str(there.one.address))
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), **_answer_record(answer)})
+    else:
+        say(_answer_line(answer))
+    return 0
+
+
+def _warn_without_checksum(checked: bool | None, place: str) -> None:
+    """Report a module that writes no checksum."""
+    if checked is False:
+        from assistant.controllers.abb.exchange import rules
+
+        print_findings([rules.UNCHECKED(place=place)])
+
+
+def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
+    from assistant.controllers.abb.exchange import PoseExchange
+
+    with connected(cell, "exchange stop") as there:
+        exchange = PoseExchange(there.session, prefix=prefix, timeout=timeout)
+        answer = exchange.stop()
+    if answer is None:
+        raise Refused(NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), **_answer_record(answer)})
+    else:
+        say(f"{there.one.name}: {exchange.ended}")
+        say(_answer_line(answer))
+    return 0
+
+
+def run_follow(cell: str, trajectory: Path, options: FollowOptions) -> int:
+    from assistant.controllers.recording import check_place
+    from assistant.report import figures
+
+    if options.plot is not None:
+        figures.format_of(options.plot.name)
+        figures.new_figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
+    if options.record is not None:
+        check_place(options.record)
+    path = _read_poses(trajectory)
+    with connected(cell, "exchange follow") as there:
+        how = "through" if options.through else "to"
+        confirm(there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes)
+        exchange = _pose_sender(
+            there.session, options.prefix, options.timeout, options.longest, options.plain
+        )
+        try:
+            with (
+                _ended_otherwise(str(there.one.address), exchange),
+                exchange,
+                _progress_bar(len(path)) as advance,
+            ):
+                _warn_without_checksum(exchange.checked, str(there.one.address))
+                exchange.follow(
+                    path,
+                    configurations=_configurations(path),
+                    through=options.through,
+                    progress=lambda *_: advance(),
+                )
+        finally:
+            _write_answers(exchange, options, trajectory.name)
+    _print_round_trips(exchange, str(there.one.address), options)
+    return 0
+
+
+@contextmanager
+def _ended_otherwise(place: str, exchange: PoseSender) -> Iterator[None]:
+    """Says in which state the robot is if the exchange ends otherwise than it should."""
+    try:
+        yield
+    except BaseException:
+        if exchange.ended:
+            rule = BROKEN_OFF if exchange.stands else NOT_STOPPED
+            print_findings([rule(place=place, ended=exchange.ended)])
+        raise
+
+
+@contextmanager
+def _progress_bar(total: int) -> Iterator[Callable[[], None]]:
+    """A progress bar on a terminal; nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=console(), transient=True) as progress:
+        task = progress.add_task("poses", total=total)
+        yield lambda: progress.advance(task)
+
+
+def _read_poses(source: Path) -> Poses:
+    """The one path of a table, of one pose too; raises Refused if there is not one."""
+    from assistant import sources
+    from assistant.program.expressions import Name
+    from assistant.program.statements import Follow, Move
+
+    reading = sources.read(source)
+    print_findings(reading.findings)
+    found: list[Poses] = []
+    for statement in (one for procedure in reading.program.procedures for one in procedure.body):
+        match statement:
+            case Follow(path):
+                found.append(path)
+            case Move(target=Name(name), motion=motion):
+                found.append(_single_pose(reading.program.targets[name], motion))
+    if len(found) != 1 or not len(found[0]):
+        raise Refused(NOT_ONE_PATH(path=str(source), name=source.name, found=len(found)))
+    path = found[0]
+    for what, names, rows in (
+        ("frames", path.frames, path.frame),
+        ("tools", path.tools, path.tool),
+    ):
+        used = sorted({names[row] for row in set(rows.tolist())})
+        if len(used) > 1:
+            raise Refused(
+                SEVERAL(
+                    path=str(source), name=source.name, what=what, first=used[0], second=used[1]
+                )
+            )
+    return path
+
+
+def _single_pose(target: Target, motion: Motion) -> Poses:
+    from assistant.program.motion import Path as Rows
+    from assistant.program.motion import configuration_row
+
+    speed, blend = motion.fixed
+    return Rows.of(
+        "pose",
+        target.pose.position,
+        target.pose.quaternion,
+        configurations=[configuration_row(target.configuration)],
+        external=[target.external],
+        speeds=(speed,),
+        blends=(blend,),
+        tools=(motion.tool,),
+        frames=(motion.frame,),
+    )
+
+
+def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
+    """As the controller writes them, if every pose states one."""
+    from assistant.program.motion import UNSTATED
+    from assistant.robots.configurations import to_confdata
+
+    if (path.configurations[:, 0] == UNSTATED).any():
+        return None
+    rows = to_confdata(path.configurations).tolist()
+    return [(one, four, six, x) for one, four, six, x in rows]
+
+
+def _write_answers(exchange: PoseSender, options: FollowOptions, name: str) -> None:
+    """Writes what was answered, also of an exchange that was broken off."""
+    if not len(exchange.recording):
+        return
+    if options.record is not None:
+        exchange.recording.save(options.record)
+        say(f"wrote {options.record}")
+    if options.plot is not None:
+        from assistant.base.file_sets import write_files
+        from assistant.report import figures
+
+        column = exchange.recording.column
+        picture = figures.exchange_plot(
+            column("seconds"),
+            column("position"),
+            column("quaternion"),
+            f"{name}: the TCP over the time",
+            figures.format_of(options.plot.name),
+            options.plot_unit,
+        )
+        write_files({options.plot.name: picture}, options.plot.parent)
+        say(f"wrote {options.plot}")
+
+
+def _print_round_trips(exchange: PoseSender, place: str, options: FollowOptions) -> None:
+    """How long the round trips took, and what of them was whose."""
+    parts = ["round_trip", "hand_over", "waiting", "fetching"]
+    if options.plain is None:  # whose files do not tell how long a motion took
+        parts.append("motion")
+    taken = {part: float(exchange.recording.column(part)[1:].mean()) for part in parts}
+    count = len(exchange.recording) - 1
+    if options.format is Format.JSON:
+        print_json({"address": place, "poses": count, "seconds": taken})
+        return
+    say(f"{count} poses; each took {taken['round_trip']:.3f} s on average:")
+    say(f"  {taken['hand_over']:.3f} s until the request was there")
+    if options.plain is None:
+        say(f"  {taken['motion']:.3f} s for the motion, as the controller measured")
+        looking = max(0.0, taken["waiting"] - taken["motion"])
+        say(f"  {looking:.3f} s until both sides had looked for a file")
+    else:
+        say(f"  {taken['waiting']:.3f} s for the motion, and until both sides had looked for files")
+    say(f"  {taken['fetching']:.3f} s to fetch the answer")
+
+
+def _answer_record(answer: Answer) -> dict[str, object]:
+    return {
+        "position": list(answer.pose.position),
+        "quaternion": list(answer.pose.quaternion),
+        "configuration": list(answer.configuration),
+    }
+
+
+def _answer_line(answer: Answer) -> str:
+    x, y, z = answer.pose.position
+    turn = ", ".join(f"{part:.6f}" for part in answer.pose.quaternion)
+    return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({turn})  {answer.configuration}"
+
+
+def _tool_pose(
+    tip: str,
+) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
+    x, y, z, *turn = _listed_numbers(tip, (3, 7), "x,y,z or x,y,z,w,x,y,z")
+    a, b, c, d = turn or (1.0, 0.0, 0.0, 0.0)
+    return (x, y, z), (a, b, c, d)
+
+
+def _listed_numbers(given: str, counts: tuple[int, ...], wanted: str) -> list[float]:
+    try:
+        found = [float(part) for part in given.split(",")]
+    except ValueError:
+        found = []
+    if len(found) not in counts:
+        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+    return found

@@ -1,0 +1,210 @@
+"""Print programs: `show` as a pseudo-program, `fmt` in the layout of their language.
+
+`show --after PASS` prints the program as it is after one pass on its way into a language. `fmt`
+writes in place, prints a diff, or only checks.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import unified_diff
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.diagnostics import Refused, error, fold, has_errors
+from assistant.base.source_text import ended_lines, read_input, visible
+from assistant.cli.compilation import (
+    NO_FILE_NAME,
+    SIDE_TABLES_ABOVE,
+    STANDARD,
+    TWICE,
+    load_given,
+    working,
+)
+from assistant.cli.options import with_project_defaults
+from assistant.cli.presentation import print_findings, say
+
+if TYPE_CHECKING:
+    from assistant.compiler import Loaded
+    from assistant.compiler.formatter import Formatted
+    from assistant.program.program import Program
+    from assistant.program.pseudo.printer import Printed
+    from assistant.sources.process.placement import DrawingPlacement
+
+
+NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
+NO_LANGUAGE: Final = error(
+    "CL013", "a pass is on the way into a language", "name it: `--to LANGUAGE`"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ShowOptions:
+    """What of a source is shown. to, after: as a language says it, after one of its passes."""
+
+    robot: str | None
+    process: Path | None
+    unit: str | None
+    from_language: str | None
+    entry: str | None
+    to: str | None
+    after: str | None
+    placement: DrawingPlacement | None = None
+
+
+def run_show(source: str, wanted: ShowOptions, output: Path | None) -> int:
+    from assistant.program import pseudo
+
+    wanted = with_project_defaults(source, wanted)
+    loaded = load_given(
+        source,
+        wanted.robot,
+        wanted.process,
+        wanted.unit,
+        wanted.from_language,
+        wanted.entry,
+        placement=wanted.placement,
+    )
+    print_findings(fold(f.within(source) for f in loaded.findings))
+    program = _lowered(loaded, wanted)
+    if output is None:
+        sys.stdout.write(_pseudo_text(program, source, None).text)
+        return 0
+    from assistant.base.file_sets import write_files
+
+    printed = _pseudo_text(program, source, SIDE_TABLES_ABOVE)
+    if not output.name or output.name in (".", ".."):
+        raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
+    name = output.with_suffix(pseudo.SUFFIX).name
+    for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
+        say(f"wrote {path}")
+    return 0
+
+
+def _pseudo_text(program: Program, source: str, side_tables_above: int | None) -> Printed:
+    """The text of the program; what it cannot say is told at its line of the source."""
+    from assistant.compiler.source_map import Places
+    from assistant.program import pseudo
+
+    try:
+        return pseudo.print_program(program, side_tables_above=side_tables_above)
+    except Refused as refused:
+        places = Places(program)
+        raise Refused(*(places.finding(f).within(source) for f in refused.findings)) from None
+
+
+def _lowered(loaded: Loaded, wanted: ShowOptions) -> Program:
+    """The program that was loaded, or what a pass on its way into a language makes of it."""
+    if wanted.to is None:
+        if wanted.after is not None:
+            raise Refused(NO_LANGUAGE(), exit_status=2)
+        return loaded.program
+    from assistant.compiler import compile
+    from assistant.program.passes.legalisation import pass_trace
+
+    seen: dict[str, Program] = {}
+    with pass_trace(seen.__setitem__):
+        compiled = compile(loaded, language=wanted.to, robot=wanted.robot)
+    if wanted.after is None:
+        return compiled.program
+    if wanted.after not in seen:
+        passes = ", ".join(f"`{name}`" for name in seen)
+        raise Refused(NO_PASS(name=wanted.after, passes=passes), exit_status=2)
+    return seen[wanted.after]
+
+
+BAD_NUMBERING: Final = error(
+    "CL005",
+    "`{text}` does not say how steps are numbered",
+    "write the first number and the step, both from 1 on, as in --renumber 10,10",
+)
+_NUMBERING: Final = re.compile(r"[ ]*([0-9]{1,5})[ ]*(?:,[ ]*([0-9]{1,5})[ ]*)?")
+
+
+def run_fmt(
+    paths: Sequence[str], check: bool, diff: bool, language: str | None, renumber: str | None
+) -> int:
+    """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
+    from assistant.compiler.formatter import format_bytes, format_file, rewrite_file
+
+    if list(paths).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
+    numbering = None if renumber is None else _numbering(renumber)
+    status = files = changed = 0
+    for path in dict.fromkeys(paths):
+        for name in _files_to_format(path, language):
+            try:
+                if isinstance(name, Refused):
+                    raise name
+                with working(f"formatting {name}"):
+                    if name == STANDARD:
+                        done = format_bytes(
+                            read_input(sys.stdin.buffer), "standard input", language, numbering
+                        )
+                    else:
+                        done = format_file(name, language, numbering)
+                if name == STANDARD and not (check or diff):
+                    sys.stdout.buffer.write(done.encoded())
+                elif done.changed and not (check or diff):
+                    rewrite_file(done)
+            except Refused as refused:
+                print_findings(f.within(str(path)) for f in refused.findings)
+                status = max(status, refused.exit_status)
+                continue
+            except OSError:
+                raise
+            except Exception as error:
+                if traceback_wanted():
+                    raise
+                print_findings([internal_error(error).within(str(name))])
+                status = 2
+                continue
+            files, changed = files + 1, changed + done.changed
+            print_findings(f.within(name) for f in done.findings)
+            if has_errors(done.findings) or (check and done.changed):
+                status = max(status, 1)
+            if diff:
+                sys.stdout.writelines(_unified_diff(done, name))
+            elif done.changed and name != STANDARD:
+                say(f"would format {name}" if check else f"formatted {name}")
+    if not diff and STANDARD not in paths:
+        say(f"{files} file{'s' * (files != 1)}, {changed} {'would change' if check else 'changed'}")
+    return status
+
+
+def _numbering(text: str) -> tuple[int, int]:
+    """First number and step; one number is both. Raises Refused for anything else."""
+    found = _NUMBERING.fullmatch(text)
+    first, step = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
+    if not (first and step):
+        raise Refused(BAD_NUMBERING(text=text), exit_status=2)
+    return first, step
+
+
+def _files_to_format(path: str, language: str | None) -> Iterator[str | Refused]:
+    """The files that a path stands for, and why there is none or no more."""
+    from assistant.compiler.program_files import programs_in
+
+    if path == STANDARD:
+        yield path
+        return
+    try:
+        yield from programs_in(path, language)
+    except Refused as refused:
+        yield refused
+
+
+def _unified_diff(done: Formatted, name: str) -> Iterator[str]:
+    """A unified difference; the ends of its lines are as they are, so that it can be applied."""
+    before, after = (ended_lines(text) for text in (done.source.text, done.text))
+    for line in unified_diff(before, after, name, f"{name} (formatted)"):
+        said = line.rstrip("\r\n")
+        end = line[len(said) :]
+        if end:
+            yield visible(said) + (end if "\n" in end else "\n")
+        else:
+            yield f"{visible(said)}\n\\ No newline at end of file\n"

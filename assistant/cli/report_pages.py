@@ -1,0 +1,347 @@
+"""Pages that report what a command did: `--report`, `--open` and `--plot`.
+
+A page is one HTML file with a sheet for each program, at most `MOST_PROGRAMS`. `compiled_page`,
+`simulated_page` and `compared_page` are called by their commands if a page is asked for.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import webbrowser
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.diagnostics import Diagnostic, Refused, error, fold, warning
+from assistant.cli.compilation import STANDARD, keep_sources
+from assistant.view.sheets import Sheet, compared_sheet, shown_sheet
+
+if TYPE_CHECKING:
+    from assistant.cell.scene import Scene
+    from assistant.cli.compilation import DrawPage
+    from assistant.cli.simulation import SimulationOptions
+    from assistant.compiler import Compiled
+    from assistant.compiler.arms import InCell
+    from assistant.compiler.checker import CheckedProgram
+    from assistant.compiler.comparison import Comparison
+    from assistant.compiler.retarget import Solved
+    from assistant.report.contour_plot import DrawnLine
+    from assistant.report.translation import Translated
+    from assistant.robots import Robot
+    from assistant.sources.process.placement import DrawingPlacement
+
+
+NO_PAGE: Final = error(
+    "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
+)
+NOT_OPENED: Final = warning(
+    "CL060",
+    "no browser could be opened here; the page is written",
+    "open `{name}` by hand, or leave out --open",
+)
+TOO_MANY_PROGRAMS: Final = warning(
+    "CL061",
+    "the page shows {most} of {count} programs",
+    "name the files that are to be shown; the findings of all of them are listed here",
+)
+MOST_PROGRAMS: Final = 40
+"""That one page shows."""
+SUFFIXES: Final = (".html", ".htm")
+
+
+@dataclass(frozen=True, slots=True)
+class PageRequest:
+    """The page that is asked for: a file for it, and whether it is opened; a file for a picture."""
+
+    report: Path | None = None
+    opened: bool = False
+    plot: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Raises Refused (exit status 2) for a name that is no page's or no picture's."""
+        if self.plot is not None:
+            from assistant.report.figures import format_of
+
+            format_of(self.plot.name)
+        if self.report is not None and self.html and not self.report.stem:
+            raise Refused(NO_PAGE(name=self.report), exit_status=2)
+
+    def __bool__(self) -> bool:
+        return self.report is not None or self.opened or self.plot is not None
+
+    @property
+    def html(self) -> bool:
+        """Whether the report is a page."""
+        return self.report is not None and self.report.suffix.lower() in SUFFIXES
+
+    def page(self) -> PageRequest:
+        """The same without a report that is no page."""
+        return self if self.html else PageRequest(None, self.opened, self.plot)
+
+    def only_page(self) -> PageRequest:
+        """The same; raises Refused (exit status 2) for a report that is no page."""
+        if self.report is not None and not self.html:
+            raise Refused(NO_PAGE(name=self.report), exit_status=2)
+        return self
+
+
+NO_PAGE_WANTED: Final = PageRequest()
+"""No page is asked for."""
+
+
+def write_page(
+    asked: PageRequest, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
+) -> tuple[list[Path], list[Diagnostic]]:
+    """Writes page and picture, opens the page if that is asked for; tells files and findings.
+
+    stem: of the name that it has in the folder for temporary files, if no file is named.
+    Raises Refused (exit status 2) if it would be written over a source.
+    """
+    from assistant.base.file_sets import write_all, write_files
+    from assistant.view.page import page
+
+    told: list[Diagnostic] = []
+    if len(sheets) > MOST_PROGRAMS:
+        told.append(TOO_MANY_PROGRAMS(most=MOST_PROGRAMS, count=len(sheets)))
+    shown = sheets[:MOST_PROGRAMS] or [Sheet(stem, ())]
+    files = dict[Path, bytes]()
+    if asked.plot is not None:
+        files[asked.plot] = _write_plot(shown, asked.plot)
+    if asked.report is not None:
+        files[asked.report] = page(*map(shown_sheet, shown)).encode()
+    keep_sources(list(sources), list(files))
+    written = list(write_all(files))
+    if asked.opened and asked.report is None:
+        folder = tempfile.mkdtemp(prefix="robot-assistant-view-")
+        text = page(*map(shown_sheet, shown))
+        written += write_files({f"{stem}.html": text.encode()}, folder)
+    if asked.opened and not webbrowser.open(written[-1].absolute().as_uri()):
+        told.append(NOT_OPENED(name=written[-1]))
+    return written, told
+
+
+def _write_plot(sheets: Sequence[Sheet], file: Path) -> bytes:
+    from assistant.report.contour_plot import Drawing, contour_plot
+    from assistant.report.figures import format_of
+
+    drawings = [Drawing(one.title, one.told or one.program, one.drawn, one.found) for one in sheets]
+    return contour_plot(drawings, format_of(file.name))
+
+
+def page_name(source: str) -> str:
+    """What a page is called that nobody gave a name to."""
+    return "program" if source == STANDARD else Path(source).stem or "program"
+
+
+OTHER_ON_DISK: Final = warning(
+    "CL062",
+    "the page shows what was compiled, and the files on disk are others: edits are kept in them",
+    "look at the files themselves as well",
+)
+
+
+def compiled_sheet(
+    source: str,
+    compiled: Compiled,
+    scene: Scene | None,
+    robot: Robot | None,
+    drawn: Sequence[DrawnLine] = (),
+) -> Sheet:
+    """A compiled program as it is written; one that is not written as it was to be said."""
+    from assistant.compiler.source_map import Places
+    from assistant.findings.severities import apply_severities
+
+    lifted = compiled.proof.lifted
+    found = fold(apply_severities([finding.within(source) for finding in compiled.found]).left)
+    arm = robot or _robot_in_cell(compiled.program.robot, scene)
+    sheet = Sheet(
+        f"{source_name(source)} in {compiled.language}"
+        + ("" if arm is None else f" for {arm.name}"),
+        found,
+        compiled.program,
+        compiled.places,
+        arm,
+        scene,
+        drawn,
+        tuple(compiled.proof_lines()) if compiled.ok else ("nothing was written",),
+        told=compiled.source,
+    )
+    if not compiled.ok or lifted is None:
+        return sheet
+    return replace(sheet, program=lifted, places=Places(lifted), spans=compiled.places)
+
+
+def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) -> Sheet:
+    """A translated program beside what it was made of."""
+    from assistant.report.translation import level_totals, translated_share
+    from assistant.view.side_by_side import translation_side_by_side
+
+    translation = one.translation
+    sheet = compiled_sheet(one.source, translation.written, scene, robot)
+    said = f"{translated_share(translation):.1f} % said: {level_totals(translation)}"
+    draft = ("the files are a draft: not all of it is said",) if translation.draft else ()
+    found = [*translation.whole, *(f for row in translation.rows.noted for f in row.reasons)]
+    placed = map(translation.compiled.places.finding, found)
+    return replace(
+        sheet,
+        found=tuple(dict.fromkeys(placed)),
+        notes=(said, *draft, *sheet.notes),
+        beside=translation_side_by_side(translation),
+    )
+
+
+def checked_sheet(
+    one: CheckedProgram, found: Sequence[Diagnostic], drawn: Sequence[DrawnLine] = ()
+) -> Sheet:
+    """A program that was checked."""
+    first, *others = map(source_name, one.files)
+    return Sheet(
+        first if not others else f"{first} and {len(others)} more",
+        found,
+        one.program,
+        one.places,
+        one.arm,
+        one.scene,
+        drawn,
+        solution=one.solution,
+    )
+
+
+def solved_sheet(
+    source: str, ready: Solved, options: SimulationOptions, found: Sequence[Diagnostic] = ()
+) -> Sheet:
+    """A program that an arm goes through. found: besides what was found while it was read."""
+    return Sheet(
+        source_name(source),
+        (*ready.findings, *found),
+        ready.solution.program,
+        ready.places,
+        ready.solution.robot,
+        ready.scene,
+        drawing_lines(source, options.process, options.unit, options.placement),
+        solution=ready.solution,
+        acceleration=options.acceleration,
+    )
+
+
+def compiled_page(
+    asked: PageRequest,
+    process: Path | None,
+    unit: str | None,
+    placement: DrawingPlacement | None = None,
+) -> DrawPage | None:
+    """Writes the page of a compilation, if one is asked for; see `run_compile`.
+
+    Raises Refused (exit status 2) for a report that is no page.
+    """
+    asked.only_page()
+
+    def write(
+        stands: InCell,
+        done: Sequence[tuple[str, Compiled]],
+        findings: list[Diagnostic],
+        unlike: Sequence[str],
+    ) -> Sequence[Path]:
+        def lines(source: str) -> Sequence[DrawnLine]:
+            return drawing_lines(source, process, unit, placement)
+
+        sheets = []
+        for source, compiled in done:
+            drawn = lines(source)
+            sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
+            if source in unlike:
+                findings.append(OTHER_ON_DISK(path=source))
+                sheet = replace(sheet, found=(OTHER_ON_DISK(path=source), *sheet.found))
+            sheets.append(sheet)
+        sources = [source for source, _ in done]
+        known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
+        sheets += refused_sheets((f for f in findings if f.path not in known), lines)
+        written, told = write_page(asked, sheets, sources, page_name(*sources[:1] or ["program"]))
+        findings += told
+        return written
+
+    return write if asked else None
+
+
+def simulated_page(
+    asked: PageRequest,
+) -> Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]] | None:
+    """Writes the page of a simulation, if one is asked for; see `run_simulate`.
+
+    Raises Refused (exit status 2) for a report that is no page.
+    """
+    asked.only_page()
+
+    def write(
+        source: str, options: SimulationOptions, ready: Solved, findings: list[Diagnostic]
+    ) -> Sequence[Path]:
+        from assistant.checks import robot_rules
+
+        found = robot_rules.check(ready.solution)
+        sheet = solved_sheet(source, ready, options, found)
+        read = [source, *map(str, filter(None, (options.cell, options.process)))]
+        written, told = write_page(asked, [sheet], read, page_name(source))
+        findings += told
+        return written
+
+    return write if asked else None
+
+
+def compared_page(
+    asked: PageRequest,
+    done: Sequence[Comparison],
+    refusals: Sequence[Diagnostic],
+    sources: Iterable[str],
+) -> tuple[list[Path], list[Diagnostic]]:
+    """Write the page of some comparisons and return its file and the findings.
+
+    refusals: of programs that were not compared. sources: the files that were read; none of them is
+    overwritten.
+    """
+    sheets = [*map(compared_sheet, done), *refused_sheets(refusals)]
+    stem = page_name(done[0].names[0]) if done else "comparison"
+    return write_page(asked, sheets, sources, stem)
+
+
+def _robot_in_cell(name: str | None, scene: Scene | None) -> Robot | None:
+    """The robot that a program names, as the cell has it if it does; None for an unknown one."""
+    from assistant.compiler.arms import known_robot
+
+    for placed in () if scene is None else scene.robots:
+        if placed.robot.name == name:
+            return placed.robot
+    try:
+        return known_robot(name)
+    except Refused:
+        return None
+
+
+def refused_sheets(
+    findings: Iterable[Diagnostic], lines: Callable[[str], Sequence[DrawnLine]] = lambda _: ()
+) -> list[Sheet]:
+    """What could not be read at all, a file each, with why. lines: of a drawing, by its path."""
+    by_file: dict[str, list[Diagnostic]] = {}
+    for finding in findings:
+        by_file.setdefault(finding.path or "findings", []).append(finding)
+    return [
+        Sheet(source_name(path), found, drawn=lines(path), notes=("nothing could be done with it",))
+        for path, found in by_file.items()
+    ]
+
+
+def drawing_lines(
+    source: str, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
+) -> Sequence[DrawnLine]:
+    """The lines of a drawing; none of another source, nor of one that cannot be read."""
+    from assistant.report.contour_plot import drawn_lines
+
+    try:
+        return () if source == STANDARD else drawn_lines(source, process, unit, placement)
+    except Refused:
+        return ()
+
+
+def source_name(source: str) -> str:
+    """What a source is called on a page."""
+    return "standard input" if source == STANDARD else Path(source).name

@@ -1,0 +1,327 @@
+"""Services that run until Ctrl-C: `studio`, `lsp`, `gateway` and `answer`.
+
+`studio` serves one window for a project to the browser; `lsp` answers an editor over the Language
+Server Protocol; `gateway` connects a socket to a controller whose lines carry text; `answer` tells
+running programs where objects are. None of them moves a robot.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import is_ctrl_c
+from assistant.cli.options import CellOption, FormatOption, RobotOption
+from assistant.cli.presentation import Format, print_findings, say
+
+if TYPE_CHECKING:
+    from assistant.controllers.gateway import Gateway
+    from assistant.program.geometry import Pose
+    from assistant.sources.process import Trust
+    from assistant.sources.sights import Sight
+    from assistant.studio.studio import Studio
+    from assistant.vision.answering import Answer
+
+
+def studio(
+    project: Annotated[
+        Path, typer.Argument(metavar="[PROJECT]", help="Its folder; default this one.")
+    ] = Path(),
+    host: Annotated[
+        str | None,
+        typer.Option(help="Address by which others open it, encrypted; default nobody else can."),
+    ] = None,
+    port: Annotated[
+        int, typer.Option(help="Port; default one that is free.", min=0, max=65535)
+    ] = 0,
+    open: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Open the studio: drawing, program, cell and controller in one window of the browser."""
+    raise typer.Exit(run_studio(project, host, port, open, format))
+
+
+def run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
+    from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
+    from assistant.cli.presentation import print_findings, print_json, say
+    from assistant.studio.server import serving
+
+    studio: Studio | None = None
+    try:
+        with raise_on_termination() as ending, serving(project, host, port) as served:
+            studio = served.studio
+            if format is Format.JSON:
+                print_json({"folder": str(served.studio.folder), "address": served.address})
+            else:
+                say(f"studio of {served.studio.folder}, listening on {served.address} until Ctrl-C")
+            sys.stdout.flush()
+            if opened:  # a browser of the terminal would come back only when it is closed
+                Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
+            try:
+                wait_for_termination()
+            finally:
+                ending.hold()  # an arm is let go of, whatever else comes
+    except KeyboardInterrupt as caught:
+        left_on = () if studio is None else studio.left_on
+        print_findings(left_on)
+        if not is_ctrl_c(caught):
+            raise
+        return 1 if left_on else 0
+    return 0
+
+
+def lsp(
+    tcp: Annotated[
+        int | None,
+        typer.Option(
+            "--tcp",
+            metavar="PORT",
+            min=0,
+            max=65535,
+            help="Listen for one editor on this computer instead of pipes; 0 takes a free port.",
+        ),
+    ] = None,
+    extension: Annotated[
+        Path | None,
+        typer.Option(
+            "--extension",
+            metavar="FILE",
+            help="Write the extension for VS Code, FILE.vsix, and end.",
+            dir_okay=False,
+        ),
+    ] = None,
+) -> None:
+    """Answer an editor over the Language Server Protocol; see docs/editors.md."""
+    raise typer.Exit(run_lsp(tcp) if extension is None else run_extension(extension))
+
+
+def run_lsp(tcp: int | None) -> int:
+    """0 when the editor has left. Raises Refused without the library, or for a port in use."""
+    from assistant import __version__
+    from assistant.base.diagnostics import Refused
+    from assistant.editing import symbols
+
+    try:
+        from assistant.editing.language_server import serve_line, serve_pipes
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        raise Refused(symbols.NO_LIBRARY(name="pygls"), exit_status=2) from None
+    if tcp is None:
+        serve_pipes(__version__)
+    else:
+        serve_line(__version__, tcp, lambda port: say(f"listening on 127.0.0.1:{port}"))
+    return 0
+
+
+def run_extension(file: Path) -> int:
+    """0 when the file is there. Raises Refused where it cannot be written."""
+    from assistant import __version__
+    from assistant.base.file_sets import write_files
+    from assistant.editing.vscode.extension import packed
+
+    (path,) = write_files({file.name: packed(__version__)}, file.parent)
+    say(f"wrote {path}")
+    return 0
+
+
+NOT_AN_ADDRESS: Final = error(
+    "CL291", "`{text}` is no address with a port", "write it as 192.168.0.20:10003"
+)
+NOT_STARTED: Final = error(
+    "CL292", "the gateway cannot listen at port {port}: {reason}", "name another port"
+)
+NO_CONNECTION_LINE: Final = error(
+    "CL293",
+    "the gateway connects to one place, but {named}",
+    "name the controller's line, or with `--to` the other end of a line that connects to here",
+)
+PORTS: Final = range(1, 65536)
+
+
+def gateway(
+    line: Annotated[
+        str,
+        typer.Argument(
+            help="The controller's line that waits for a connection, as 192.168.0.20:11002."
+        ),
+    ] = "",
+    listen: Annotated[
+        int,
+        typer.Option(
+            help="Port here: of the other end, or with --to of the line; 0 for any free one.",
+            min=0,
+            max=PORTS.stop - 1,
+        ),
+    ] = 0,
+    to: Annotated[
+        str,
+        typer.Option(
+            help="The other end, for a line that connects to this computer.", metavar="HOST:PORT"
+        ),
+    ] = "",
+    host: Annotated[
+        str, typer.Option(help="Address of this computer to listen at; default all of them.")
+    ] = "",
+) -> None:
+    """Hand bytes on between a socket and a controller whose lines carry texts alone."""
+    if bool(line) == bool(to):
+        named = f"`{line}` and `{to}` are named" if line else "none is named"
+        raise Refused(NO_CONNECTION_LINE(named=named), exit_status=2)
+    raise typer.Exit(run_gateway((host, listen), _host_and_port(line or to), bool(to)))
+
+
+def _host_and_port(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(":")
+    if not host or not port.isdecimal() or int(port) not in PORTS:
+        raise Refused(NOT_AN_ADDRESS(text=text), exit_status=2)
+    return host, int(port)
+
+
+def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
+    """at: where it listens. to: what it connects to. for_controller: who connects is one."""
+    import asyncio
+
+    from assistant.controllers.gateway import Gateway
+
+    gateway = Gateway(at, to, for_controller=for_controller)
+    gateway.report = _print_flushed
+    try:
+        asyncio.run(_serve_gateway(gateway))
+    except OSError as failed:
+        reason = failed.strerror or str(failed)
+        raise Refused(NOT_STARTED(port=at[1], reason=reason)) from None
+    except KeyboardInterrupt as caught:
+        say("ended")
+        if not is_ctrl_c(caught):
+            raise
+    return 0
+
+
+async def _serve_gateway(gateway: Gateway) -> None:
+    server = await gateway.start()
+    _print_flushed(f"listens at port {gateway.at[1]}; end it with Ctrl-C")
+    async with server:
+        await server.serve_forever()
+
+
+def _print_flushed(line: str) -> None:
+    say(line)
+    sys.stdout.flush()
+
+
+SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
+
+
+def answer(
+    seen: Annotated[Path, typer.Argument(help="Where objects were found; read at each question.")],
+    at: Annotated[
+        str,
+        typer.Option(
+            help="listen:ADDRESS:PORT for programs that come here, or HOST:PORT of one that waits.",
+        ),
+    ],
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", "-p", help="Process file that says how far sights are trusted."),
+    ] = None,
+    robot: RobotOption = None,
+    cell: CellOption = None,
+    times: Annotated[int, typer.Option(help="Programs to answer; 0 until Ctrl-C.", min=0)] = 0,
+    patience: Annotated[
+        float | None, typer.Option(help="Seconds without a word; default for ever.", min=0.1)
+    ] = None,
+) -> None:
+    """Answer programs that ask as they run where objects are. No robot is moved by it."""
+    given = AnswerOptions(seen, at, times, math.inf if patience is None else patience)
+    raise typer.Exit(run_answer(given, process, robot, cell))
+
+
+@dataclass(frozen=True, slots=True)
+class AnswerOptions:
+    """seen: file of what was found. at: the line. times: programs, 0 for any number of them."""
+
+    seen: Path
+    at: str
+    times: int
+    patience: float
+
+    def look(self, name: str) -> Sight | None:
+        """As the file says it now."""
+        from assistant.sources.sights import read_sights
+
+        sights = {key.casefold(): one for key, one in read_sights(self.seen).items()}
+        return sights.get(name.casefold())
+
+
+def run_answer(
+    given: AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
+) -> int:
+    """0 if all that was asked for was found, else 1."""
+    from assistant.sources.process import DEFAULT_TRUST
+    from assistant.sources.process.file import read_process
+    from assistant.sources.sights import read_sights
+
+    trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust
+    base = _robot_base(robot, cell)
+    read_sights(given.seen)  # what is wrong in it is told before any program waits
+    try:
+        return _serve_answers(given, trust, base)
+    except KeyboardInterrupt as caught:
+        say("ended")
+        if not is_ctrl_c(caught):
+            raise
+    return 0
+
+
+def _serve_answers(given: AnswerOptions, trust: Trust, base: Pose | None) -> int:
+    from assistant.controllers.mitsubishi.data_link import DataLink
+    from assistant.vision.answering import answer as answers
+
+    status = done = 0
+    link = DataLink(given.at)
+    link.prepare()
+    say(f"listening for questions at {given.at}" + ("" if given.times else "; end it with Ctrl-C"))
+    while not given.times or done < given.times:
+        sys.stdout.flush()
+        for told in answers(link, given.look, trust=trust, base=base, patience=given.patience):
+            status = max(status, _print_answer(told))
+        done += 1
+    return status
+
+
+def _print_answer(told: Answer) -> int:
+    print_findings(told.findings)
+    where = ""
+    if told.pose is not None:
+        where = " at " + ", ".join(f"{value:.2f}" for value in told.pose.position) + " mm"
+    say(f"{told.name or 'a line'}: {SIGHT_STATES[told.state]}{where}")
+    sys.stdout.flush()
+    return 0 if told.state == 1 else 1
+
+
+def _robot_base(robot: str | None, cell: Path | None) -> Pose | None:
+    """Where the robot stands in the world of a cell; None if that is not known."""
+    if cell is None:
+        return None
+    from assistant.cell.clearances import robot_of as robot_in
+    from assistant.compiler.arms import open_cell
+
+    stands = open_cell(cell, robot)
+    if stands.scene is None:
+        return None
+    arm = stands.robot
+    if arm is None and len(stands.scene.robots) == 1:
+        return stands.scene.robots[0].base
+    try:
+        return None if arm is None else robot_in(stands.scene, arm).base
+    except LookupError:
+        return None

@@ -1,0 +1,464 @@
+"""Translate programs into another language, and count what a language can express of them.
+
+`translate` reports on every statement: translated, translated with a change, or not, and why. It
+asks for values that programs lack, such as tool data, if standard input is a terminal, and writes
+them into the cell file. `coverage` counts the constructs of programs by the same three levels.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.base.source_text import is_folder, lines_of, visible
+from assistant.cli.compilation import (
+    NO_FILE_NAME,
+    STANDARD,
+    TWICE,
+    keep_sources,
+    standard_input,
+    working,
+)
+from assistant.cli.output_files import Outcomes, output_folders, output_paths, write_outputs
+from assistant.cli.presentation import (
+    FindingFormat,
+    Format,
+    FramesAs,
+    GrammarAs,
+    TranslationFormat,
+    print_findings,
+    print_for_programs,
+    print_json,
+    say,
+)
+from assistant.cli.report_pages import PageRequest, page_name, write_page
+
+if TYPE_CHECKING:
+    from assistant.base.source_text import SourceText
+    from assistant.compiler import Loaded
+    from assistant.compiler.motion_proof import Proving
+    from assistant.compiler.program_files import Task
+    from assistant.languages import Language
+    from assistant.languages.coverage import Construct
+    from assistant.report.translation import Translated
+    from assistant.sources.sights import Seeing
+
+
+REPORT_TO_OUTPUT: Final = error(
+    "CL014",
+    "the report of a translation goes to standard output, so programs cannot",
+    "name a folder with --output",
+)
+LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TranslateOptions:
+    """What all programs of one command are translated with."""
+
+    to: str
+    robot: str | None
+    from_robot: str | None
+    process: Path | None
+    cell: Path | None = None
+    frames: FramesAs
+    grammar: GrammarAs
+    from_language: str | None
+    draft: bool
+    entry: str | None
+    proving: Proving | None = None
+    seeing: Seeing | None = None
+
+    def check(self) -> None:
+        """Raises Refused for what no program could be translated with."""
+        from assistant.compiler.arms import robot_of
+        from assistant.compiler.loader import language_of
+
+        for name in (self.to, self.from_language):
+            if name is not None:
+                language_of(name)
+        robot_of(self.from_robot)
+        if self.cell is None:  # it may name one of its own
+            robot_of(self.robot)
+
+
+def run_translate(
+    programs: Sequence[str],
+    options: TranslateOptions,
+    *,
+    output: str,
+    report: Path | None,
+    format: TranslationFormat,
+    names: Path | None = None,
+    ask: bool = False,
+    every: bool = False,
+    opened: bool = False,
+) -> int:
+    """0 if everything is said, 1 if something is not, 2 if a program cannot be read.
+
+    names: file for the table of old and new names. every: the text answer tells of each
+    statement, not only of what most have in common. opened: the report as a page is shown in the
+    browser.
+    """
+    from assistant.compiler.loader import language_of
+    from assistant.findings.formats import finding_record
+    from assistant.report.markdown import findings_markdown
+    from assistant.report.translation import names_csv, report_markdown, report_record
+    from assistant.report.translation import report_bytes as report_written
+
+    if list(programs).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
+    if output == STANDARD:
+        raise Refused(REPORT_TO_OUTPUT(), exit_status=2)
+    beside = [path for path in (report, names) if path is not None]
+    for path in beside:
+        if not path.name:
+            raise Refused(NO_FILE_NAME(name=path), exit_status=2)
+    asked = PageRequest(report, opened)
+    options.check()
+    options = replace(options, to=language_of(options.to).name)
+    answers = Outcomes()
+    tasks = _translation_tasks(programs, options, output, answers)
+    done = _translate_all(tasks, options, answers)
+    if options.cell is not None and ask and _ask_missing_values(options.cell, done):
+        answers = Outcomes()
+        done = _translate_all(tasks, options, answers)
+    files = {one.source: one.translation.files for one in done if one.translation.files}
+    folders, told = output_folders(files)
+    refusals = [*answers.refusals, *told]
+    reported = partial(report_written, refusals=refusals)
+    whole = all(one.translation.ok for one in done)
+    status = max(answers.status, 0 if whole else 1)
+    keep_sources(
+        [file for task in tasks for file in task.files],
+        [*output_paths(files, folders, output), *beside],
+    )
+    paths = {task.name: task.files[0] for task in tasks if task.files}
+    written, others = write_outputs(files, folders, output, paths)
+    refusals += others
+    status = max(status, 1 if others else 0)
+    if report is not None and not asked.html:
+        written += _write_report_file(report, reported(done, report))
+    if asked.html or opened:
+        with working("drawing the page"):
+            pages, told = _write_translation_page(
+                asked, done, refusals, options, [f for t in tasks for f in t.files]
+            )
+        written += map(str, pages)
+        refusals += told
+    if names is not None:
+        written += _write_report_file(names, names_csv(done).encode("utf-8"))
+    if options.cell is not None:
+        written += _cell_file_with_blanks(options.cell, done)
+    if format is TranslationFormat.TEXT:
+        print_findings(refusals)
+        for one in done:
+            _print_translation(one, every)
+        if len(done) > 1:
+            say(f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole")
+        changed = any(
+            row.level != "supported" for one in done for row in one.translation.rows.noted
+        )
+        if changed and not every:
+            say("each statement by itself: --all, or --report FILE")
+        for file in written:
+            say(f"wrote {file}")
+    elif format is TranslationFormat.JSON:
+        answer = {
+            "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
+            "findings": list(map(finding_record, refusals)),
+        }  # fmt: skip
+        print_json(answer)
+    elif format is TranslationFormat.MARKDOWN:
+        for line in (*findings_markdown(refusals), *lines_of(report_markdown(done))):
+            say(line)
+    else:
+        found = [f for one in done for f in one.translation.findings]
+        print_for_programs([*refusals, *found], (), FindingFormat(format))
+    return status
+
+
+def _write_translation_page(
+    asked: PageRequest,
+    done: Sequence[Translated],
+    refusals: Sequence[Diagnostic],
+    options: TranslateOptions,
+    sources: Sequence[str],
+) -> tuple[list[Path], list[Diagnostic]]:
+    """The page of all programs; its file, and what is to be said of it."""
+    from assistant.cli.report_pages import refused_sheets, translated_sheet
+    from assistant.compiler.arms import open_cell
+
+    stands = open_cell(options.cell, options.robot, values=True)
+    sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
+    sheets += refused_sheets(refusals)
+    return write_page(asked.page(), sheets, sources, page_name(*sources[:1] or ["program"]))
+
+
+def _translation_tasks(
+    programs: Sequence[str], options: TranslateOptions, output: str, answers: Outcomes
+) -> tuple[Task, ...]:
+    """What of the files, and of those in folders, is one program each."""
+    from assistant.compiler.program_files import OutputFolder, programs_in, tasks_of
+
+    found: dict[str, None] = {}
+    language, made = options.from_language, OutputFolder(output, options.to)
+    for program in programs:
+        if program == STANDARD or not is_folder(program):
+            found[program] = None
+        else:
+            with answers.of(program):
+                told = answers.refusals.append
+                found |= dict.fromkeys(programs_in(program, language, told, made))
+    return tasks_of(list(found), language)
+
+
+def _translate_task(task: Task, options: TranslateOptions) -> Translated:
+    from assistant.compiler import translate
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.program_files import load_task
+    from assistant.report.translation import Translated
+    from assistant.sources.sights import NOTHING_SEEN
+
+    name = task.name
+    source: str | Loaded = name
+    if name == STANDARD:
+        source = _load_standard_input(options)
+    elif len(task.files) > 1 or task.findings:
+        arm = robot_of(options.from_robot)
+        source = load_task(task, process=options.process, robot=arm)
+    translation = translate(
+        source,
+        to=options.to,
+        robot=options.robot,
+        from_robot=options.from_robot,
+        process=options.process,
+        cell=options.cell,
+        frames=options.frames.value,
+        grammar=options.grammar.value,
+        language=options.from_language,
+        draft=options.draft,
+        entry=options.entry,
+        proving=options.proving,
+        seeing=options.seeing or NOTHING_SEEN,
+    )
+    return Translated("standard input" if name == STANDARD else name, translation)
+
+
+def _load_standard_input(options: TranslateOptions) -> Loaded:
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.loader import load_text
+
+    text, spoken = standard_input(options.from_language)
+    arm = robot_of(options.from_robot)
+    return load_text(text, process=options.process, robot=arm, language=spoken)
+
+
+def _write_report_file(path: Path, data: bytes) -> list[str]:
+    from assistant.base.file_sets import write_files
+
+    return list(map(str, write_files({path.name: data}, path.parent)))
+
+
+def _translate_all(
+    tasks: Sequence[Task], options: TranslateOptions, answers: Outcomes
+) -> list[Translated]:
+    done = []
+    for task in tasks:
+        with answers.of(task.name), working(f"translating {task.name}"):
+            done.append(_translate_task(task, options))
+    return done
+
+
+def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
+    """Asks for what programs lack and writes the answers; whether there was any.
+
+    An empty answer leaves a value open, the end of input all that follow. An answer that cannot be
+    is asked for once more.
+    """
+    from assistant.base.file_sets import write_all
+    from assistant.base.source_text import SourceText
+    from assistant.compiler.cell_defaults import cell_text
+    from assistant.sources.cell_values import (
+        open_keys,
+        parse_cell,
+        read_cell,
+        wanted_in_words,
+        with_answer,
+    )
+
+    wanting = {(one.kind, one.name.lower()): one for d in done for one in d.translation.wanting}
+    text = before = cell_text(read_cell(path), wanting.values())
+    for one in wanting.values():
+        for key, remark in open_keys(one):
+            while True:
+                used = f", used in {', '.join(one.uses[:3])}" if one.uses else ""
+                sys.stderr.write(
+                    f"{wanted_in_words(one)}{used}\n  {key}{f' ({remark})' if remark else ''}: "
+                )
+                sys.stderr.flush()
+                line = sys.stdin.readline()
+                if not line.strip():
+                    break
+                filled = with_answer(text, one, key, line.strip())
+                try:
+                    parse_cell(SourceText(filled, str(path)))
+                except Refused as refused:
+                    print_findings(refused.findings)
+                    continue
+                text = filled
+                break
+            if not line:
+                break
+    if text != before:
+        write_all({path: text.encode("utf-8")})
+    return text != before
+
+
+def _cell_file_with_blanks(path: Path, done: Sequence[Translated]) -> list[str]:
+    """The cell file, with a place for each value that programs lack; nothing if it has them all."""
+    from assistant.base.file_sets import write_all
+    from assistant.compiler.cell_defaults import cell_text
+    from assistant.sources.cell_values import read_cell
+
+    cell = read_cell(path)
+    text = cell_text(cell, [lack for one in done for lack in one.translation.wanting])
+    return [] if text == cell.text else list(map(str, write_all({path: text.encode("utf-8")})))
+
+
+def _print_translation(one: Translated, every: bool) -> None:
+    """How much is said, or every statement; findings on the whole program first."""
+    from assistant.report.translation import level_totals, reason_lines, report_lines, summary
+
+    translation = one.translation
+    whole = [finding.within(one.source) for finding in translation.whole]
+    print_findings(whole if every else _first_of_each_code(whole))
+    if every and sys.stdout.isatty():
+        _print_statements(one)
+        for line in (f"{one.source}: {level_totals(translation)}", *reason_lines(one)):
+            say(line)
+    else:
+        for line in report_lines(one) if every else summary(one):
+            say(line)
+    for line in translation.written.proof_lines():
+        say(f"{one.source}: {line}")
+    if translation.draft and translation.written is not translation.compiled:
+        say(f"{one.source}: the files are a draft, with a stop for each that is not said")
+    elif translation.draft:
+        count = len(translation.wanting)
+        say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
+
+
+MOST_OF_ONE_CODE: Final = 3
+"""Findings of one code on a whole program that are shown, unless each is asked for."""
+
+
+def _first_of_each_code(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """The first few of each code, the last of them with how many there are besides."""
+    alike: dict[str, list[Diagnostic]] = {}
+    for finding in findings:
+        alike.setdefault(finding.code, []).append(finding)
+    shown = list[Diagnostic]()
+    for found in alike.values():
+        some, rest = found[:MOST_OF_ONE_CODE], len(found) - MOST_OF_ONE_CODE
+        if rest > 0:
+            some[-1] = replace(some[-1], message=f"{some[-1].message} (and {rest:,} more like it)")
+        shown += some
+    return shown
+
+
+def _print_statements(one: Translated) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table("line", "level", "statement", "why", box=None, pad_edge=False)
+    table.columns[0].justify = "right"
+    for row in one.translation.rows:
+        why = "\n".join(visible(f"{f.code} {f.message}") for f in row.reasons)
+        count = f" ({row.count} rows)" if row.count > 1 else ""
+        table.add_row(
+            str(row.place.line),
+            Text(row.level, style=LEVEL_STYLES[row.level]),
+            Text("\n".join(map(visible, (row.text + count).split("\n")))),
+            Text(why),
+        )
+    Console(highlight=False, emoji=False).print(table)
+
+
+LANGUAGE_UNCLEAR = error(
+    "CL006", "the text does not show which robot language it is in", "name it with --from"
+)
+COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
+
+
+def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> int:
+    """0 if every program could be read, 1 if one has syntax errors, 2 if one is unreadable."""
+    from assistant.languages.coverage import coverage, total
+
+    if list(paths).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
+    status, found = 0, []
+    wrong: list[Diagnostic] = []
+    for path in dict.fromkeys(paths):
+        try:
+            for name, spoken, source in _programs_to_count(path, language):
+                with working(f"reading {name}"):
+                    tree = spoken.parse(source)
+                    told = [f.within(name) for f in tree.findings]
+                    print_findings(told)
+                    if has_errors(tree.findings):
+                        status = max(status, 1)
+                        wrong += told
+                        continue
+                    found.append(coverage(spoken, [tree]))
+        except Refused as refused:
+            told = [f.within(str(path)) for f in refused.findings]
+            print_findings(told)
+            wrong += told
+            status = max(status, refused.exit_status)
+    _print_coverage(total(found), wrong, format)
+    return status
+
+
+def _programs_to_count(
+    path: str, language: str | None
+) -> Iterator[tuple[str, Language[Any], SourceText]]:
+    """Name, language and text of each program that a path stands for."""
+    from assistant.compiler.formatter import read_program
+    from assistant.compiler.loader import language_of
+    from assistant.compiler.program_files import programs_in
+
+    if path != STANDARD:
+        for name in programs_in(path, language):
+            yield name, *read_program(name, language)
+        return
+    text, spoken = standard_input(language)
+    if spoken is None:
+        raise Refused(LANGUAGE_UNCLEAR(path="standard input"), exit_status=2)
+    yield "standard input", language_of(spoken), text
+
+
+def _print_coverage(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:
+    """wrong: why programs are not counted, which a list of constructs alone would not tell."""
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        constructs = [asdict(row) for row in rows]
+        findings = [finding_record(finding) for finding in wrong]
+        print_json(
+            {"ok": False, "constructs": constructs, "findings": findings} if wrong else constructs
+        )
+        return
+    counts = [(row.name, row.supported, row.partial, row.verbatim) for row in rows]
+    sums = [sum(column) for column in zip(*(c[1:] for c in counts), strict=True)]
+    lines = [COVERAGE_HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
+    width = max(len(str(line[0])) for line in lines)
+    for first, *rest in lines:
+        said = f"{first:{width}}" + "".join(f"{value:>15}" for value in rest)
+        say(said.rstrip())

@@ -1,0 +1,434 @@
+"""Serve a virtual controller until Ctrl-C: `virtual irc5` and `virtual cr`.
+
+A password that was made up is printed, as nobody else knows it. Lines of a program can lead to
+files, sockets or serial lines of this computer.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Container, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
+
+import typer
+
+from assistant.base.diagnostics import Refused, error
+from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
+from assistant.cli.options import complete_robot
+from assistant.cli.presentation import say
+from assistant.controllers.address import PASSWORD_VARIABLE
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+    from assistant.virtual.cr import Faults, VirtualCr
+    from assistant.virtual.irc5 import Signal, VirtualIrc5
+    from assistant.virtual.melfa.communication_lines import Line
+
+
+virtual: Final = typer.Typer(
+    help="Run a virtual controller on this computer.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    add_completion=False,
+)
+
+
+class Framing(StrEnum):
+    """Of a serial line."""
+
+    PLAIN = "plain"
+    PROCEDURAL = "procedural"
+    DATA_LINK = "data-link"
+
+
+FRAMINGS: Final[dict[Framing, Literal["plain", "procedural", "data link"]]] = {
+    Framing.PLAIN: "plain",
+    Framing.PROCEDURAL: "procedural",
+    Framing.DATA_LINK: "data link",
+}
+
+
+@virtual.command("irc5")
+def virtual_irc5(
+    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
+    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
+    user: Annotated[str, typer.Option(help="Its user.")] = "robot",
+    robot: Annotated[
+        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
+    ] = "irb1200-7-0.7",
+    rws_port: Annotated[
+        int, typer.Option(help="Port of Robot Web Services 1.0; 0 takes a free one.")
+    ] = 0,
+    rwss_port: Annotated[
+        int, typer.Option(help="Port of Robot Web Services 2.0; 0 takes a free one.")
+    ] = 0,
+    signal: Annotated[
+        list[str] | None,
+        typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
+    ] = None,
+    egm: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A UdpUc device of EGM and where it sends to, as UCdevice=127.0.0.1:6510;"
+            " repeatable."
+        ),
+    ] = None,
+    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False,
+    grant: Annotated[
+        bool, typer.Option("--grant", help="Let whoever asks modify in manual mode.")
+    ] = False,
+    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
+    delay: Annotated[
+        float, typer.Option(help="Seconds before each answer of Robot Web Services.", min=0.0)
+    ] = 0.0,
+) -> None:
+    """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
+    ports = (port, rws_port, rwss_port)
+    run_irc5(
+        folder,
+        user,
+        robot,
+        ports,
+        signal or [],
+        egm or [],
+        mode="MANR" if manual else "AUTO",
+        grants=grant,
+        pace=pace,
+        delay=delay,
+    )
+
+
+@virtual.command("cr")
+def virtual_cr(
+    robot: Annotated[
+        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
+    ] = "rv-2aj",
+    port: Annotated[
+        int,
+        typer.Option(
+            help="Controller-link port on this computer; 0 takes a free one.", min=0, max=65535
+        ),
+    ] = 10001,
+    folder: Annotated[
+        Path | None, typer.Option(help="Folder of its programs; in memory if left out.")
+    ] = None,
+    data_port: Annotated[
+        int,
+        typer.Option(
+            help="Port of the line OPT11; those of the data link follow, COM2: at the next one. "
+            "0 takes free ones.",
+            min=0,
+            max=65500,
+        ),
+    ] = 0,
+    mxt_port: Annotated[
+        int,
+        typer.Option(
+            help="UDP port of real-time external control; 0 takes a free one.", min=0, max=65535
+        ),
+    ] = 10000,
+    serial: Annotated[
+        str | None,
+        typer.Option(
+            help="A serial port to serve too, `pty` to make a line, or `pty:FILE` to make one that"
+            " clients find by that name.",
+            metavar="PORT",
+        ),
+    ] = None,
+    framing: Annotated[Framing, typer.Option(help="Of the serial line.")] = Framing.PLAIN,
+    line: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=TARGET",
+            help="What a line of its programs leads to, as COM1=10003: a port for others to call,"
+            " the HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one;"
+            " repeatable.",
+        ),
+    ] = None,
+    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
+    delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0,
+    broken: Annotated[
+        int, typer.Option(help="How many characters apart one comes broken.", min=0)
+    ] = 0,
+    refuse: Annotated[
+        list[str] | None,
+        typer.Option(help="A command it refuses, with the error, as SRVON=5600; repeatable."),
+    ] = None,
+    contact: Annotated[
+        str | None,
+        typer.Option(help="Input that is on while the arm touches something of --cell."),
+    ] = None,
+    cell: Annotated[
+        Path | None, typer.Option("--cell", help="File of the cell that the arm is in.")
+    ] = None,
+    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False,
+) -> None:
+    """A virtual CR controller: controller link, data link, programs that run in real time."""
+    from assistant.virtual.cr import Faults
+
+    faults = Faults(delay=delay, broken=broken)
+    run_cr(
+        robot,
+        faults,
+        refuse or [],
+        port=port,
+        folder=folder,
+        data_port=data_port,
+        mxt_port=mxt_port,
+        serial=serial or False,
+        framing=FRAMINGS[framing],
+        lines=line or [],
+        pace=pace,
+        contact=contact,
+        cell=cell,
+        log=log,
+    )
+
+
+NOT_STARTED = error(
+    "CL101",
+    "the virtual controller cannot start: {reason}",
+    "name another port or folder; ports below 1024 need more rights",
+)
+
+
+NOT_A_REFUSAL = error(
+    "CL103",
+    "`{text}` is no command with the number of an error",
+    "write them as SRVON=5600",
+)
+INCOMPLETE_CONTACT = error(
+    "CL105",
+    "the contact input needs its number and a cell",
+    "add `--contact 10 --cell cell.toml`, with an input of the controller and the file of its cell",
+)
+NOT_A_SIGNAL = error(
+    "CL102",
+    "`{text}` is no signal",
+    "write its name and type, as do_grip=DO; types are DI, DO, GI, GO, AI, AO",
+)
+
+
+def run_irc5(
+    folder: Path,
+    user: str,
+    robot: str,
+    ports: tuple[int, int, int],
+    signals: Sequence[str],
+    devices: Sequence[str],
+    *,
+    mode: Literal["AUTO", "MANR"],
+    grants: bool,
+    pace: float,
+    delay: float,
+) -> None:
+    """ports: of FTP, and of Robot Web Services 1.0 and 2.0. delay: seconds before each answer."""
+    from assistant.compiler.arms import robot_of
+    from assistant.virtual.irc5 import VirtualIrc5
+    from assistant.virtual.irc5.controller import DEVICES
+    from assistant.virtual.irc5.rws_faults import Fault
+
+    arm, given = robot_of(robot), os.environ.get(PASSWORD_VARIABLE)
+    assert arm is not None
+    controller = VirtualIrc5(
+        folder,
+        port=ports[0],
+        user=user,
+        password=given,
+        report=_print_flushed,
+        robot=arm.name,
+        rws=ports[1],
+        rwss=ports[2],
+        signals=[_signal_of(text) for text in signals],
+        devices=DEVICES if not devices else dict(_udp_device(text) for text in devices),
+        mode=mode,
+        grants=grants,
+        rate=pace,
+    )
+    if delay:
+        controller.faults.add(Fault("delay", seconds=delay))
+    about = f"HOME: is {controller.folder}"
+    _serve_until_end(controller, about, None if given else controller.password, _print_services)
+
+
+NOT_A_DEVICE = error(
+    "CL104",
+    "`{text}` is no UdpUc device",
+    "write its name and where it sends to, as UCdevice=127.0.0.1:6510",
+)
+
+
+def _udp_device(text: str) -> tuple[str, tuple[str, int]]:
+    name, _, place = text.partition("=")
+    host, _, port = place.rpartition(":")
+    if not name.strip() or not host.strip() or not port.isdecimal() or int(port) > 65535:
+        raise Refused(NOT_A_DEVICE(text=text), exit_status=2)
+    return name.strip(), (host.strip(), int(port))
+
+
+def _signal_of(text: str) -> Signal:
+    from assistant.virtual.irc5 import Signal
+    from assistant.virtual.irc5.cabinet import SIGNAL_TYPES
+
+    name, _, type = text.partition("=")
+    found = SIGNAL_TYPES.get(type.strip().upper())
+    if found is None or not name.strip().isidentifier():
+        raise Refused(NOT_A_SIGNAL(text=text), exit_status=2)
+    return Signal(name.strip(), found)
+
+
+def _print_services(controller: VirtualIrc5) -> None:
+    say(f"Robot Web Services 1.0 at {controller.rws_address}")
+    say(f"Robot Web Services 2.0 at {controller.rwss_address}")
+    say(f"its certificate: {controller.certificate}")
+
+
+def run_cr(
+    robot: str,
+    faults: Faults,
+    refused: Sequence[str],
+    *,
+    port: int,
+    folder: Path | None,
+    data_port: int,
+    mxt_port: int,
+    serial: bool | str,
+    framing: Literal["plain", "procedural", "data link"],
+    lines: Sequence[str],
+    pace: float,
+    contact: str | None,
+    cell: Path | None,
+    log: bool,
+) -> None:
+    """Serve a virtual CR controller until it is ended.
+
+    refused: commands that are answered with an error, as SRVON=5600. contact: the input that is on
+    while the arm touches something of the cell. lines: targets of lines of programs, as COM1=10003.
+    """
+    from assistant.cli.run_environment import line_targets
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.exploration import contact_test
+    from assistant.virtual.cr import Contact
+
+    arm = robot_of(robot)
+    assert arm is not None
+    felt = None
+    if contact is not None or cell is not None:
+        if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
+            raise Refused(INCOMPLETE_CONTACT(), exit_status=2)
+        felt = Contact(str(int(contact)), contact_test(cell, arm.name))
+    faults.errors = dict(map(_refused_command, refused))
+    with ExitStack() as open_:
+        given, made = line_targets(lines), {}
+        for name, target in given.items():
+            made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_open_line(name, target))
+        _serve_cr(
+            arm,
+            [f"line {name} leads to {target}" for name, target in given.items()],
+            port=port,
+            folder=folder,
+            data_port=data_port,
+            mxt_port=mxt_port,
+            serial=serial,
+            framing=framing,
+            lines=made,
+            pace=pace,
+            faults=faults,
+            report=_print_flushed if log else None,
+            contact=felt,
+        )
+
+
+@contextmanager
+def _open_line(name: str, target: str) -> Iterator[Line]:
+    """Open the target of a line until the controller ends; raises Refused."""
+    from assistant.virtual.melfa.communication_lines import line_to
+
+    try:
+        line, leave = line_to(target)
+    except OSError as error:
+        reason = f"{name} cannot lead to {target}: {error.strerror or error}"
+        raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
+    try:
+        yield line
+    finally:
+        leave()
+
+
+def _serve_cr(arm: Robot, notes: Sequence[str], **options: Any) -> None:
+    """Serve the controller. notes: printed once it listens. options: of `VirtualCr`."""
+    from assistant.languages import get
+    from assistant.virtual.cr import VirtualCr
+
+    try:
+        controller = VirtualCr(arm.name, **options)
+    except (ValueError, OSError) as error:
+        raise Refused(NOT_STARTED(place=arm.name, reason=error), exit_status=2) from None
+    about = f"{arm.title}, {get(controller.state.language).title}"
+
+    def tell(running: VirtualCr) -> None:
+        _print_lines(running, options["lines"])
+        for text in notes:
+            say(text)
+
+    _serve_until_end(controller, about, None, tell)
+
+
+def _refused_command(text: str) -> tuple[str, int]:
+    command, sign, number = text.rpartition("=")
+    if not sign or not command or not re.fullmatch(r"\d{1,4}", number, re.ASCII):
+        raise Refused(NOT_A_REFUSAL(text=text), exit_status=2)
+    return command, int(number)
+
+
+def _print_lines(controller: VirtualCr, others: Container[str]) -> None:
+    """Print where its lines can be reached. others: lines with another target."""
+    if controller.has_serial:
+        is_link = controller.state.parameters["CPRC232"] != ("2",)
+        say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")
+    for name, (host, port) in controller.data_ports.items():
+        if name not in others:
+            say(f"data link {name} at {host}:{port}")
+    say(f"real-time control at UDP port {controller.mxt_port}, while a program waits for it")
+
+
+C = TypeVar("C", "VirtualIrc5", "VirtualCr")
+
+
+def _serve_until_end(
+    controller: C, about: str, password: str | None, tell: Callable[[C], None] | None = None
+) -> None:
+    """Runs until Ctrl-C. A password that was made up is told, as nobody else knows it.
+
+    tell: says more about it when it runs.
+    """
+    try:
+        controller.start()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
+    try:
+        say(f"listening at {controller.address} ({about}); Ctrl-C ends it")
+        if tell is not None:
+            tell(controller)
+        if password is not None:
+            say(f"password: {password} (set {PASSWORD_VARIABLE} to choose one)")
+        sys.stdout.flush()
+        wait_for_termination()
+    except KeyboardInterrupt as caught:
+        say("ended")
+        if not is_ctrl_c(caught):
+            raise
+    finally:
+        with defer_termination():
+            controller.stop()
+
+
+def _print_flushed(line: str) -> None:
+    say(line)
+    sys.stdout.flush()

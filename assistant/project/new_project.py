@@ -1,0 +1,389 @@
+"""A new project: a working example, the user's drawings, and what a repository needs.
+
+The process file of a drawing lists its layers. What would move a robot wrongly if it were guessed,
+the tip of the tool and the place of the work, is left empty: until the user fills it in, every
+command says so and writes nothing. Files that are there are never overwritten.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant import __version__
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.file_access import read_file
+from assistant.base.file_sets import write_all
+from assistant.base.length_units import UNITS, known_unit
+from assistant.base.source_text import read_bytes
+from assistant.program.program import TakenNames, identifier
+from assistant.program.settings_tables import shown
+from assistant.project import rules
+from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
+from assistant.resources import resource
+from assistant.sources import PROCESS_SUFFIX
+from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer, survey
+from assistant.sources.process import NO_PROCESS
+from assistant.sources.project_file import read_project
+
+COMMENT_COLUMN: Final = 30
+"""Columns before a comment."""
+BLANK_KEYS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
+"""What has to be filled in before anything moves."""
+
+TOP_ROWS: Final = (
+    ("# home = [0, 0, 0, 0, 30, 0]", "of the axes: there the program begins and ends, with"),
+    ('# robot = "irb1200-7-0.7"', "whose axes these are"),
+    ("# joint_percent = 20", "of joint moves, for controllers that take no mm/s"),
+)
+MOTION_ROWS: Final = (
+    ("speed = 100", "mm/s, where a layer or a location says no other"),
+    ('tool = "tool"', "defined below"),
+    ('frame = "work"', "defined below; base is the robot's own"),
+    ("# blend = 1", 'mm of rounding at corners, or "fine"; without it within the tolerance'),
+    ("# approach = 50", "mm in a line to locations, along the tool"),
+    ("# retract = 50", "and away from them"),
+    ('# kind = "joint"', "moves to locations; linear without it"),
+)
+TOOL_ROWS: Final = (
+    ("tip = []", "mm: x, y, z of the tool centre point in the flange frame"),
+    ("euler_zyx = [0, 0, 0]", "degrees about z, y, x that the tool is turned in the flange"),
+    ("# mass = 1.2", "kg; with it also the next"),
+    ("# centre = [0, 0, 60]", "mm, of gravity"),
+    ("# free_turn = true", "a round tool, which may be turned about its axis"),
+)
+PLACEMENT_ROWS: Final = (
+    ("# [placement]", "where the drawing stands in that frame, if not at its origin"),
+    ("# position = [0, 0, 0]", "mm; or three marks, as drawn and as taught, instead:"),
+    ("# euler_zyx = [0, 0, 0]", "degrees about z, y, x"),
+    ("# drawing = [[0, 0], [100, 0], [0, 50]]", ""),
+    ("# cell = [[0, 0, 0], [100, 0, 0], [0, 50, 0]]", ""),
+)
+SIGNAL_ROWS: Final = (
+    ("# [signals.work_on]", "that layers switch by `on` and `off`"),
+    ('# direction = "output"', ""),
+    ("# number = 8", "for controllers that count signals"),
+)
+LAYER_ROWS: Final = (
+    ("speed = 50", "mm/s along the contours"),
+    ("approach = 50", "mm above the first point, along the tool"),
+    ("retract = 50", "mm above the last one"),
+    ("travel = 200", "mm/s between contours"),
+)
+CHOICE_KEYS: Final = (
+    ('# process = "gluing"', "for people"),
+    ("# blend = 1", 'mm, or "fine"'),
+    ("# on = {work_on = 1}", "outputs at the start of each contour"),
+    ("# off = {work_on = 0}", "and at its end"),
+    ("# delay = 0.2", "seconds after switching on"),
+    ("# direction = [0, 0, -1]", "where the tool points, in the drawing"),
+    ("# tangential = true", "the tool's x axis follows the contour"),
+    ("# inside_first = false", "contours inside others need not come first"),
+    ("# offset = 3", "mm to the tool's centre: its radius, or half a kerf"),
+    ('# side = "nesting"', "outlines outside, holes inside; or inside, outside, left, right"),
+    ('# way_round = "climb"', "or conventional, clockwise, anticlockwise, drawn"),
+    ('# start = "nearest"', "of closed contours; or corner, longest, point"),
+    ("# lead_in = {arc = 5, angle = 90}", "or {line = 5, angle = 60}, {tangent = 5}"),
+    ("# lead_out = {line = 5}", "on the side where the tool is"),
+    ("# overlap = 8", "mm that a closed contour goes on over its own start"),
+    ("# depth = 12", "mm of the last pass below the drawing, along the tool"),
+    ("# passes = 3", "equal steps down to it"),
+    ("# allowances = [0.5, 0]", "mm more than the offset, once around for each"),
+    ('# order = "travel"', 'or "drawing"; "text": by the numbers beside contours'),
+    ("# corner_speed = 20", "mm/s at corners, with the next three"),
+    ("# corner_angle = 30", "degrees; turns by fewer are no corners"),
+    ("# corner_radius = 0", "mm; arcs of up to that radius are corners too"),
+    ("# corner_length = 5", "mm before and behind them"),
+    ("# start_speed = 30", "mm/s over the first mm, with the next"),
+    ("# start_length = 5", "mm"),
+    ("# end_speed = 30", "mm/s over the last mm, with the next"),
+    ("# end_length = 5", "mm"),
+    ("# on_before = {seconds = 0.03}", "`on` before the start; mm, seconds or both"),
+    ("# on_after = {mm = 5}", "or `on` that far behind it"),
+    ("# off_before = {mm = 5}", "`off` before the end; mm, seconds or both"),
+    ("# off_after = {mm = 5}", "or `off` behind it, mm or seconds"),
+    ("# travel_height = 80", "mm above the highest point of the layer, for retract"),
+    ("# travel_blend = 10", 'mm at the places above the work; "fine" without it'),
+    ('# travel_kind = "linear"', "or joint; without it joint where the tool would wind up"),
+)
+"""Keys of a layer that are told once."""
+
+KeyRow = tuple[str, str]
+
+
+def process_text(name: str, survey: Survey) -> str:
+    """The process file of a drawing by its name."""
+    return "\n".join(_process_lines(name, survey)) + "\n"
+
+
+def _process_lines(name: str, survey: Survey) -> Iterator[str]:
+    works = [layer for layer in survey.layers if layer.works]
+    idle = [layer for layer in survey.layers if layer.kinds and not _is_worked(layer)]
+    yield f"# How {shown(name, 80)} is worked: lengths in mm, speeds in mm/s, times in seconds,"
+    yield "# angles in degrees, masses in kg. A line with a # before its key is a choice: take the"
+    yield "# mark away to have it. Empty brackets have to be filled in before anything moves."
+    yield ""
+    yield from _commented_rows(
+        [*_unit_rows(survey), ("tolerance = 0.05", "for joining ends, fitting curves")]
+    )
+    yield from _commented_rows([_left_out_row(idle)])
+    yield from _commented_rows(TOP_ROWS)
+    yield ""
+    yield "[motion]"
+    yield from _commented_rows(MOTION_ROWS)
+    yield ""
+    yield "[tools.tool]"
+    yield from _commented_rows(TOOL_ROWS)
+    yield ""
+    yield from _commented_rows(
+        [("[frames.work]", "where the drawing's origin stands, in the robot's base")]
+    )
+    yield from _commented_rows([("position = []", f"mm; {_extent_text(survey.extents)}")])
+    yield from _commented_rows([("euler_zyx = [0, 0, 0]", "degrees about z, y, x")])
+    for rows in (PLACEMENT_ROWS, SIGNAL_ROWS):
+        yield ""
+        yield from _commented_rows(rows)
+    for number, layer in enumerate(works):
+        yield ""
+        yield f"[layers.{toml_quoted(layer.name)}]"
+        yield f"# {_layer_content(layer)}"
+        yield from _commented_rows(LAYER_ROWS)
+        yield from _commented_rows(CHOICE_KEYS if not number else ())
+
+
+def _is_worked(layer: SurveyedLayer) -> bool:
+    return layer.works or layer.locations > 0
+
+
+def _unit_rows(survey: Survey) -> Iterator[KeyRow]:
+    short = next((key for key, (name, _) in UNITS.items() if name == survey.unit), None)
+    if short is None:
+        yield f"# the drawing is in {survey.unit}", "which it says itself"
+    else:
+        size = "" if survey.extents is None else f": it is {_size_text(survey.extents)} mm then"
+        yield f"unit = {toml_quoted(short)}", f"{survey.stated}{size}"
+
+
+def _left_out_row(idle: Sequence[SurveyedLayer]) -> KeyRow:
+    names = ", ".join(toml_quoted(layer.name) for layer in idle)
+    about = "nothing there can be followed" if idle else '["*"]: all that have no table here'
+    return f"leave_out = [{names}]", about
+
+
+def _layer_content(layer: SurveyedLayer) -> str:
+    """What is on a layer, for a comment."""
+    contours = [f"{n} {what}" for n, what in ((layer.closed, "closed"), (layer.open, "open")) if n]
+    said = [f"contours: {', '.join(contours)}, {layer.length:.1f} mm in all"]
+    if layer.extents is not None:
+        said.append(f"size {_size_text(layer.extents)} mm")
+    if layer.colour is not None:
+        said.append(f"colour {layer.colour}")
+    if layer.state != "on":
+        said.append(f"the layer is {layer.state}")
+    return "; ".join(said)
+
+
+def _extent_text(extents: Extents | None) -> str:
+    if extents is None:
+        return "nothing is drawn"
+    low, high = (", ".join(f"{x:.1f}" for x in corner) for corner in (extents.low, extents.high))
+    return f"from there it reaches from [{low}] to [{high}]"
+
+
+def _size_text(extents: Extents) -> str:
+    return " x ".join(f"{length:.1f}" for length in extents.size)
+
+
+def _commented_rows(rows: Sequence[KeyRow]) -> Iterator[str]:
+    for key, about in rows:
+        yield f"{key:{COMMENT_COLUMN - 1}} # {about}" if about else key
+
+
+def toml_quoted(text: str) -> str:
+    """A text as TOML has it, all of it in one line."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def program_text(sources: Mapping[str, str]) -> str:
+    """Tables of programs, by their names, of sources as paths from the project's folder."""
+    tables = [
+        f"[programs.{name}]\nsource = {toml_quoted(path)}\n" for name, path in sources.items()
+    ]
+    return "\n".join(tables)
+
+
+PROJECT_FILE: Final = "assistant.toml"
+EXAMPLE_DRAWING: Final[Mapping[str, str]] = {
+    "drawings/plate.dxf": "drawings/plate.dxf",
+    "drawings/plate.process.toml": "drawings/plate.process.toml",
+}
+"""Files of the example's drawing → their templates."""
+EXAMPLE_FILES: Final = (*EXAMPLE_DRAWING, PROJECT_FILE)
+"""Files of the example; written where there is no project yet and no drawing is given.
+
+The project is the last: who is killed before it begins anew.
+"""
+EXAMPLE_PROGRAM: Final = """\
+[programs.plate]
+source = "drawings/plate.dxf"     # with drawings/plate.process.toml beside it
+"""
+EXAMPLE_NAMES: Final = '["plate"]'
+"""What the example's project says of its program."""
+DRAWINGS_FOLDER: Final = "drawings"
+"""Folder of drawings that are copied into a project."""
+REPOSITORY_FILES: Final[Mapping[str, str]] = {
+    ".gitignore": "gitignore",
+    ".pre-commit-config.yaml": "pre-commit-config.yaml",
+    ".github/workflows/robot.yml": "github.yml",
+    ".gitlab-ci.yml": "gitlab-ci.yml",
+}
+"""What a repository needs; each written unless it is there."""
+IGNORED_FOLDERS: Final = "/build/ and .robot-assistant/"
+VERSION_MARK: Final = "{{ version }}"
+NAMES_WIDTH: Final = 22
+"""Columns before the comment behind the names."""
+LONGEST_NAME: Final = 60
+
+
+@dataclass(frozen=True, slots=True)
+class StartedProject:
+    """written, in their order. findings: what was there already, and what drawings have. blank:
+    process files in which something has to be filled in.
+    """
+
+    folder: FilePath
+    written: tuple[FilePath, ...]
+    findings: tuple[Diagnostic, ...] = ()
+    blank: tuple[FilePath, ...] = ()
+
+
+def start_project(
+    folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None = None
+) -> StartedProject:
+    """Writes what is missing of a project into a folder; overwrites nothing.
+
+    drawings: programs of the project, each with a process file to be filled in; without any a new
+    project has an example. One that is not in the folder is copied. unit: that they are in,
+    whatever they say. Raises Unreadable or Refused for drawings that cannot be used, Refused
+    (exit status 2) if a file cannot be written.
+    """
+    drawn = [_add_drawing(folder, drawing, unit) for drawing in dict.fromkeys(drawings)]
+    contents = {name: _template_bytes(template) for name, template in REPOSITORY_FILES.items()}
+    contents[SCHEMA_FILE] = schema_text().encode()
+    found = [finding for one in drawn for finding in one.findings]
+    of_drawings = {name: data for one in drawn for name, data in one.files.items()}
+    programs = _program_names([one.source for one in drawn])
+    if _has_project_table(folder):
+        found += _missing_entries(folder, programs)
+        contents = {**of_drawings, **contents}
+    elif drawn:
+        contents = {
+            **of_drawings,
+            PROJECT_FILE: _project_text(program_text(programs), programs),
+            **contents,
+        }
+    else:
+        example = {name: _template_bytes(template) for name, template in EXAMPLE_DRAWING.items()}
+        contents = {**example, PROJECT_FILE: _template_bytes(PROJECT_FILE), **contents}
+    wanted: dict[FilePath, bytes] = {}
+    for name, data in contents.items():
+        file = folder / name
+        if file.exists() or file.is_symlink():
+            if _differs_on_disk(file, data):
+                found.append(rules.KEPT(file=name, cure=_replacement_cure(name)))
+            continue
+        _refuse_link_folders(folder, file)
+        wanted[file] = data
+    blank = tuple(file for file in wanted if file.name.endswith(PROCESS_SUFFIX) and drawn)
+    return StartedProject(folder, write_all(wanted), tuple(found), blank)
+
+
+@dataclass(frozen=True, slots=True)
+class _AddedDrawing:
+    """source: from the folder. files: of the project that it needs, by name."""
+
+    source: str
+    files: Mapping[str, bytes]
+    findings: tuple[Diagnostic, ...]
+
+
+def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _AddedDrawing:
+    """A drawing of the project, with its process file. Raises Unreadable or Refused."""
+    chosen = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
+    found = survey(drawing, chosen, "as was stated")
+    files: dict[str, bytes] = {}
+    here = drawing.resolve()
+    if here.is_relative_to(folder.resolve()):
+        source = here.relative_to(folder.resolve()).as_posix()
+    else:
+        source = f"{DRAWINGS_FOLDER}/{drawing.name}"
+        data = read_bytes(drawing)
+        if (folder / source).exists() and _differs_on_disk(folder / source, data):
+            raise Refused(rules.OTHER_DRAWING(path=str(drawing), file=source), exit_status=2)
+        files[source] = data
+    process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
+    files[process] = process_text(drawing.name, found).encode("utf-8", "replace")
+    told = tuple(finding.within(str(drawing)) for finding in found.findings)
+    return _AddedDrawing(source, files, tuple(f for f in told if f.severity is not Severity.INFO))
+
+
+def _program_names(sources: Sequence[str]) -> dict[str, str]:
+    """Names of programs → their sources."""
+    taken = TakenNames(())
+    names: dict[str, str] = {}
+    for source in sources:
+        name = identifier(FilePath(source).stem, taken)[:LONGEST_NAME]
+        taken.add(name)
+        names[name] = source
+    return names
+
+
+def _project_text(programs: str, names: Iterable[str]) -> bytes:
+    """The example's, with these programs instead of its own."""
+    listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
+    text = _template_bytes(PROJECT_FILE).decode().replace(EXAMPLE_PROGRAM, programs)
+    return text.replace(f"{EXAMPLE_NAMES:{NAMES_WIDTH}}", f"{listed:{NAMES_WIDTH}}").encode()
+
+
+def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
+    """What a project that is there has to say of the drawings. Raises Unreadable or Refused."""
+    known = {recipe.source.resolve() for recipe in project_of(folder).programs.values()}
+    for name, source in programs.items():
+        if (folder / source).resolve() not in known:
+            table = f"[programs.{name}] with source = {toml_quoted(source)}"
+            yield rules.NOT_ADDED(name=name, source=source, table=table)
+
+
+def _has_project_table(folder: FilePath) -> bool:
+    """Whether the folder itself has a file with a table of ours; raises Unreadable."""
+    file = folder / PROJECT_FILE
+    python = folder / "pyproject.toml"
+    of_python = python.is_file() and read_project(python, ("tool", "robot-assistant")) is not None
+    return file.exists() or file.is_symlink() or of_python
+
+
+def _refuse_link_folders(folder: FilePath, file: FilePath) -> None:
+    """Raises Refused if a link on the way leads out of the folder."""
+    if not file.parent.resolve().is_relative_to(folder.resolve()):
+        raise Refused(rules.OUTSIDE(file=file), exit_status=2)
+
+
+def _differs_on_disk(file: FilePath, data: bytes) -> bool:
+    try:
+        return read_file(file).replace(b"\r\n", b"\n") != data
+    except OSError:
+        return True
+
+
+def _replacement_cure(name: str) -> str:
+    if name == ".gitignore":
+        return f"see that it ignores {IGNORED_FOLDERS}"
+    return "move it away and run `robot-assistant init` again to have a new one"
+
+
+def _template_bytes(template: str) -> bytes:
+    text = resource("templates", f"project/{template}").read_text(encoding="utf-8")
+    return text.replace(VERSION_MARK, __version__).encode()
