@@ -16,7 +16,7 @@ import numpy as np
 from assistant import robots
 from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
-from assistant.blocks.code.templates import identifier
+from assistant.blocks.code.templates import source_identifier
 from assistant.robots import Robot
 from benchmarks.arms import ARMS, joints
 
@@ -118,7 +118,7 @@ def _one_by_one(robot: Robot, angles: np.ndarray, runs: int) -> Times:
 
 
 def _python(robot: Robot, angles: np.ndarray, folder: Path, runs: int) -> Times:
-    stem = identifier(robot.name)
+    stem = source_identifier(robot.name)
     write_files(kinematics(robot, "python"), folder)
     spec = importlib.util.spec_from_file_location(stem, folder / f"{stem}.py")
     assert spec is not None and spec.loader is not None
@@ -133,7 +133,7 @@ def _python(robot: Robot, angles: np.ndarray, folder: Path, runs: int) -> Times:
 
 
 def _c(robot: Robot, angles: np.ndarray, folder: Path, runs: int) -> Times:
-    stem = identifier(robot.name)
+    stem = source_identifier(robot.name)
     write_files(kinematics(robot, "c"), folder)
     text = TIMER.replace("ARM", stem).replace("POSES", str(POSES))
     text = text.replace("AXES", str(len(robot.axes))).replace("BRANCHES", str(robot.branches))

@@ -12,14 +12,14 @@ from collections.abc import Iterator, Sequence
 
 from assistant.learning.maps.experiments import Experiment, five_joints, three_joints
 from assistant.learning.maps.goals import Goals
-from assistant.learning.maps.rivals import Calibrated, errors_of, pictures_of
+from assistant.learning.maps.rivals import CalibratedBaseline, baseline_errors, nearest_baseline
 from assistant.learning.maps.training import (
-    Errors,
-    errors,
-    measured_goals,
-    trained,
-    usual,
-    with_noise,
+    MapErrors,
+    draw_test_goals,
+    goals_with_noise,
+    measure_errors,
+    train_and_measure,
+    usual_plan,
 )
 
 STEPS = (1_000, 10_000, 30_000)
@@ -34,7 +34,7 @@ EXPERIMENTS = {
 def report(steps: Sequence[int] = STEPS) -> None:
     for title, experiment in EXPERIMENTS.items():
         made = experiment()
-        tests = measured_goals(made.arm, made.space)
+        tests = draw_test_goals(made.arm, made.space)
         print(f"\n{title}; targets within {tests.diagonal:.0f} mm\n")
         head = f"{'steps':>8}{'a second':>10}{'mean mm':>10}{'worst mm':>10}{'degrees':>10}"
         print(f"{'':<36}{head}{f'mm, {NOISE:g} px':>13}")
@@ -46,33 +46,33 @@ def report(steps: Sequence[int] = STEPS) -> None:
 
 def rows(
     made: Experiment, tests: Goals, steps: Sequence[int]
-) -> Iterator[tuple[str, int, float, Errors, Errors]]:
+) -> Iterator[tuple[str, int, float, MapErrors, MapErrors]]:
     """Name, steps or pictures, how many of them or of targets a second, errors without and with
     noise.
     """
-    blurred, seen = made.arm.noisy(NOISE, 5), with_noise(tests, NOISE)
+    blurred, seen = made.arm.noisy(NOISE, 5), goals_with_noise(tests, NOISE)
     net = made.start()
-    noisy: list[Errors] = []
-    plan = usual(max(steps), marks=steps)
-    curve = trained(
+    noisy: list[MapErrors] = []
+    plan = usual_plan(max(steps), marks=steps)
+    curve = train_and_measure(
         *(net, made.arm, made.space, plan, tests),
-        watch=lambda _: noisy.append(errors(net, blurred, seen)),
+        watch=lambda _: noisy.append(measure_errors(net, blurred, seen)),
     )
     for found, worse in zip(curve, noisy, strict=True):
         yield "learned map, steps", found.steps, found.steps / found.seconds, found, worse
-    calibrated = Calibrated(made.arm, made.ranges)
+    calibrated = CalibratedBaseline(made.arm, made.ranges)
     rivals = [("calibrated pair, targets", len(tests.pixels), calibrated, 0.0)]
     for count in steps:
         began = time.perf_counter()
-        nearest = pictures_of(made.arm, made.ranges, 2 * count, tests)
+        nearest = nearest_baseline(made.arm, made.ranges, 2 * count, tests)
         rivals.append(
             ("nearest pictures, pictures", 2 * count, nearest, time.perf_counter() - began)
         )
     for name, count, rival, before in rivals:
         began = time.perf_counter()
-        found = errors_of(rival, made.arm, tests)
+        found = baseline_errors(rival, made.arm, tests)
         spent = before or time.perf_counter() - began
-        yield name, count, count / spent, found, errors_of(rival, blurred, seen)
+        yield name, count, count / spent, found, baseline_errors(rival, blurred, seen)
 
 
 if __name__ == "__main__":

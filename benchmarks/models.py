@@ -23,7 +23,7 @@ from assistant.base.arrays import Floats
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import LATE, run
+from assistant.blocks.diagrams.running import LATE_SHARE, run
 from assistant.blocks.library.external_control import ExternalControl, Led
 from assistant.blocks.library.sources import Constant, joint_table
 from assistant.controllers.cyclic import Leading, Limits
@@ -154,7 +154,7 @@ def report(seconds: float) -> None:
         for loop in LOOPS:
             row = measured(loop, seconds, load)
             late, ms = row.lateness, 1e3 * row.lateness
-            numbers = f"{len(late):>7}{int((late > LATE * STEP).sum()):>7}"
+            numbers = f"{len(late):>7}{int((late > LATE_SHARE * STEP).sum()):>7}"
             numbers += f"{ms.mean():>10.3f}{ms.max():>10.3f}{len(row.answers):>11}"
             numbers += f"{int((row.answers > CYCLE / 2).sum()):>7}{1e3 * row.answers.max():>10.3f}"
             print(f"  {loop:<29}{numbers}", flush=True)

@@ -209,21 +209,21 @@ def pointing() -> bytes:
     from assistant.vision.cameras.drawing import Optics
     from assistant.vision.cameras.drawing import draw as taken
     from assistant.vision.pointing.devices import wand
-    from assistant.vision.pointing.finding import spots
-    from assistant.vision.pointing.locating import Sighting, located
-    from assistant.vision.pointing.showing import things_of_device
+    from assistant.vision.pointing.finding import find_spots
+    from assistant.vision.pointing.locating import Sighting, locate_device
+    from assistant.vision.pointing.showing import bodies_of_device
 
     device = wand()
     turn = rotations.canonical((0.0, 0.28, 0.95, 0.14))
-    things = things_of_device(device, Pose.of(np.array([285.0, 30.0, 170.0]), turn))
+    things = bodies_of_device(device, Pose.of(np.array([285.0, 30.0, 170.0]), turn))
     cameras = tuple(read_cameras(PROJECT / "samples/cameras/pointing.toml").cameras.values())
     pictures = [taken(camera, things, Optics(noise=0.0)) for camera in cameras]
-    seen = located(device, cameras, pictures)
+    seen = locate_device(device, cameras, pictures)
     assert isinstance(seen, Sighting), seen
     axes = seen.pose.moved(np.concatenate([np.zeros((1, 3)), 60.0 * np.eye(3)]))
     large, views = 16.0, []
     for camera, picture in zip(cameras, pictures, strict=True):
-        for (spot, *_), name in zip(spots(picture, camera, device.marks), "ABC", strict=True):
+        for (spot, *_), name in zip(find_spots(picture, camera, device.marks), "ABC", strict=True):
             middle = [round(large * part) for part in spot.place]
             radius = round(large * spot.radius)
             cv2.circle(picture, middle, radius, (255, 255, 255), 1, cv2.LINE_AA, shift=4)
@@ -290,11 +290,11 @@ def servoing() -> bytes:
 
     from assistant import robots
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.servoing.ideal import Ideal, Ticks
+    from assistant.vision.servoing.ideal import IdealArm, SteppedClock
     from assistant.vision.servoing.interaction import flange_of
     from assistant.vision.servoing.loop import servo
-    from assistant.vision.servoing.setting_up import eyes_of, set_up
-    from assistant.vision.servoing.synthetic import Drawn, Projected, World
+    from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
+    from assistant.vision.servoing.synthetic import DrawnEyes, ProjectedEyes, ServoWorld
     from assistant.vision.servoing.task_file import read_servo
 
     samples = PROJECT / "samples/servoing"
@@ -305,10 +305,10 @@ def servoing() -> bytes:
     figure, (seen, left) = plt.subplots(1, 2, figsize=(9, 3.4))
     image, pose = replace(file, law="image"), replace(file, law="pose")
     for task, colour, name in ((image, "C1", "image-based"), (pose, "C0", "position-based")):
-        setting = set_up(task, rig, robot)
-        arm, clock = Ideal(begin, setting.guard.speeds), Ticks()
-        world = World(robot, arm.joints, (file.target, file.drawn))
-        eyes = Projected(setting.cameras, world, clock, noise=0.1)
+        setting = set_up_servo(task, rig, robot)
+        arm, clock = IdealArm(begin, setting.guard.speeds), SteppedClock()
+        world = ServoWorld(robot, arm.joints, (file.target, file.drawn))
+        eyes = ProjectedEyes(setting.cameras, world, clock, noise=0.1)
         done = servo(eyes, setting.law, arm, setting.guard, clock=clock)
         placed = [setting.cameras[0].carried(flange_of(robot, row)) for row in arm.rows]
         points = file.drawn.moved(file.target.points)
@@ -318,8 +318,8 @@ def servoing() -> bytes:
         columns = done.columns
         left.semilogy(columns["seconds"], columns["distance"], color=colour, label=f"{name}, mm")
         left.semilogy(columns["seconds"], columns["turn"], color=colour, ls="--")
-    with eyes_of(setting, lambda: begin) as drawn:
-        assert isinstance(drawn, Drawn)
+    with open_eyes(setting, lambda: begin) as drawn:
+        assert isinstance(drawn, DrawnEyes)
         seen.imshow(drawn.pictures()[0][..., ::-1])
     seen.set(xticks=(), yticks=(), title="from the first picture on")
     seen.legend(fontsize=8, loc="lower left")

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Final, Generic, TypeVar
 
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.running import ending
+from assistant.blocks.diagrams.running import closing_all
 from assistant.blocks.rules import NO_STATEMENTS
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
@@ -19,14 +19,14 @@ from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
 
-T = TypeVar("T", covariant=True)
-Job = tuple[Sequence[str], Goal, Future[Position]]
+T_co = TypeVar("T", covariant=True)
+StatementJob = tuple[Sequence[str], Goal, Future[Position]]
 
-PATIENCE: Final = 10.0
+STOP_TIMEOUT: Final = 10.0
 """Seconds that a statement has to come to its end once the arm was stopped."""
 
 
-class Connection(Generic[T]):
+class Connection(Generic[T_co]):
     """A connection by its name, for as many blocks as use it; those of other robots have others.
 
     opening: gives a context manager, entered when the first block begins and left when the last
@@ -34,13 +34,13 @@ class Connection(Generic[T]):
     """
 
     def __init__(
-        self, name: str, opening: Callable[[], AbstractContextManager[T]], *, moves: bool = False
+        self, name: str, opening: Callable[[], AbstractContextManager[T_co]], *, moves: bool = False
     ) -> None:
         self.name, self.moves = name, moves
         self._opening = opening
         self._users = 0
-        self._context: AbstractContextManager[T] | None = None
-        self._value: T | None = None
+        self._context: AbstractContextManager[T_co] | None = None
+        self._value: T_co | None = None
 
     @property
     def users(self) -> int:
@@ -48,11 +48,11 @@ class Connection(Generic[T]):
         return self._users
 
     @property
-    def value(self) -> T | None:
+    def value(self) -> T_co | None:
         """What is connected to, None while no block uses it."""
         return self._value
 
-    def take(self) -> T:
+    def take(self) -> T_co:
         """What is connected to, for one block more; raises what opening it raises."""
         if self._context is None:
             context = self._opening()
@@ -81,7 +81,7 @@ class Operator:
         self.session = session
         self._alone = session.address.port == 0
         self._held = True
-        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[StatementJob | None] = queue.SimpleQueue()
         self._open: Future[Position] | None = None
         self._asking = False
         self._lost = False
@@ -124,7 +124,7 @@ class Operator:
                 self.session.stop()
         finally:
             self._jobs.put(None)
-            self._thread.join(PATIENCE)
+            self._thread.join(STOP_TIMEOUT)
 
     def _stop(self) -> None:
         assert self._open is not None
@@ -135,7 +135,7 @@ class Operator:
             with other:
                 other.stop()
         with suppress(Refused, TimeoutError):  # what ended it was this stop
-            self._open.result(PATIENCE)
+            self._open.result(STOP_TIMEOUT)
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
@@ -171,7 +171,7 @@ def operated(
         session = connect(address, timeout=timeout)
         if not isinstance(session, Cr):
             raise Refused(NO_STATEMENTS(name=name, address=session.address), exit_status=2)
-        with session, ending() as last:
+        with session, closing_all() as last:
             last.callback(session.set_override, session.state().override or override)
             session.set_override(override)
             if servo:

@@ -19,10 +19,10 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.running import ending
+from assistant.blocks.diagrams.running import closing_all
 from assistant.blocks.library.arrays import pose_signal
 from assistant.blocks.library.kinematics import tool_pose
-from assistant.blocks.rules import BEHIND, NO_MEASURING, NO_WAY
+from assistant.blocks.rules import NO_SETPOINT_MODE, NO_STATUS_STREAM, SETPOINTS_BEHIND
 from assistant.compiler.taught_targets import own_joints
 from assistant.controllers import Controller, connect
 from assistant.controllers.mitsubishi.control_mode import Measuring, Status
@@ -34,16 +34,16 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 
-CONTINUOUS: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
+CONTINUOUS_MODES: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
 """Ways of leading in which the arm does not stop at each step."""
-SPEED_WINDOW: Final = 0.1
+SPEED_SECONDS: Final = 0.1
 """Seconds of which a stream tells the mean speed; timers of controllers count milliseconds."""
-MOST_WAITING: Final = 50
+MOST_QUEUED: Final = 50
 """Setpoints that have not gone out yet."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class ArmStatus:
     """What a controller tells of an arm of a axes.
 
     seconds: on its own clock. pose: (7,) of its tool. joints: (a,) as measured. told: (a,) as they
@@ -59,14 +59,14 @@ class Measured:
     records: int = 0
 
 
-class Measures(Protocol):
+class StatusSource(Protocol):
     """What a connection leads to, if it tells where the arm is while it moves."""
 
-    def measured(self) -> Measured:
+    def measured(self) -> ArmStatus:
         """The latest; raises Refused if it is not known any more."""
 
 
-class Stream:
+class StatusStream:
     """The status on a data link. real_time: both sides end it for what does not come in time.
 
     Its speed comes from the positions of the last `SPEED_WINDOW`: `M_RSPD(1)` is the speed of the
@@ -79,8 +79,8 @@ class Stream:
         self._source, self._axes = source, robot.axes
         self._seen: deque[tuple[float, Floats]] = deque()
 
-    def measured(self) -> Measured:
-        found = _of_status(self._source.status, len(self._source.recording), self._axes)
+    def measured(self) -> ArmStatus:
+        found = _arm_status(self._source.status, len(self._source.recording), self._axes)
         speed = self._speed(found.seconds, found.pose[:3])
         return dataclasses.replace(found, speed=speed)
 
@@ -89,7 +89,7 @@ class Stream:
         seen = self._seen
         if not seen or seconds != seen[-1][0]:
             seen.append((seconds, place))
-        while len(seen) > 2 and seconds - seen[1][0] >= SPEED_WINDOW:
+        while len(seen) > 2 and seconds - seen[1][0] >= SPEED_SECONDS:
             seen.popleft()
         if len(seen) < 2:
             return math.nan
@@ -98,7 +98,7 @@ class Stream:
         return float(np.linalg.norm(steps, axis=1).sum() / (times[-1] - times[0]))
 
 
-class Leader:
+class SetpointSender:
     """Takes an arm to where blocks want it, in a thread of its own: they wait for nothing.
 
     Setpoints go out in their order, as fast as the way takes them. told: (a,) the last one, from
@@ -121,8 +121,8 @@ class Leader:
         """Wants the arm at joints (a,) in so many seconds; raises what one before met."""
         with self._news:
             self.check()
-            if len(self._waiting) >= MOST_WAITING:
-                raise Refused(BEHIND(count=len(self._waiting)))
+            if len(self._waiting) >= MOST_QUEUED:
+                raise Refused(SETPOINTS_BEHIND(count=len(self._waiting)))
             self._waiting.append((joints, seconds))
             self.told = joints
             self._news.notify_all()
@@ -132,14 +132,14 @@ class Leader:
         if self._failure is not None:
             raise self._failure
 
-    def measured(self) -> Measured:
+    def measured(self) -> ArmStatus:
         if isinstance(self.carrier, DataLinkCarrier):
             mode = self.carrier.mode
-            return _of_status(mode.status, len(mode.recording), self.arm.axes)
+            return _arm_status(mode.status, len(mode.recording), self.arm.axes)
         joints = self.carrier.joints()
         pose = self.arm.pose_of(joints)
         shown = pose_signal(pose.position, pose.quaternion)
-        return Measured(math.nan, shown, joints, self.carrier.told())
+        return ArmStatus(math.nan, shown, joints, self.carrier.told())
 
     def close(self) -> None:
         """What did not go out by now does not; what is on its way is waited for.
@@ -177,7 +177,7 @@ def led(
     wishes: LinkOptions | None = None,
     servo: bool = True,
     timeout: float = 10.0,
-) -> Connection[Leader]:
+) -> Connection[SetpointSender]:
     """An arm that blocks lead, without stops between their setpoints.
 
     address: of the controller, or its name in the project. by: one of `CONTINUOUS`.
@@ -185,23 +185,27 @@ def led(
     lines and ports, None for the usual ones. servo: whether the servos are switched on before and
     off after. Raises Refused for another way.
     """
-    if by not in CONTINUOUS:
-        raise Refused(NO_WAY(name=name, by=by, known=", ".join(CONTINUOUS)), exit_status=2)
-    arm, mode, given = arm_of(robot, percent, tool), MODES[by], wishes or LinkOptions()
+    if by not in CONTINUOUS_MODES:
+        raise Refused(
+            NO_SETPOINT_MODE(name=name, by=by, known=", ".join(CONTINUOUS_MODES)), exit_status=2
+        )
+    arm, mode, given = arm_at_percent(robot, percent, tool), MODES[by], wishes or LinkOptions()
 
     @contextmanager
-    def opening() -> Iterator[Leader]:
+    def opening() -> Iterator[SetpointSender]:
         with connect(address, timeout=timeout) as session:
             mode.check(session, given)
             near, switched = robot.home, None
             if isinstance(session, Controller):
                 near = np.array(own_joints(session.position(), robot))
                 switched = session if servo and mode.operates else None
-            with ending() as last:
+            with closing_all() as last:
                 if switched:
                     last.callback(switched.motors, False)
                     switched.motors(True)
-                leader = Leader(last.enter_context(mode.make(session, arm, given, near)), arm)
+                leader = SetpointSender(
+                    last.enter_context(mode.make(session, arm, given, near)), arm
+                )
                 last.callback(leader.close)
                 yield leader
 
@@ -216,7 +220,7 @@ def measured(
     address: str | None = None,
     replace: bool = False,
     timeout: float = 10.0,
-) -> Connection[Stream]:
+) -> Connection[StatusStream]:
     """A data link that tells where an arm is, and moves nothing.
 
     line: what leads to COM2 of the program. address: of the controller, on which the program is
@@ -224,21 +228,21 @@ def measured(
     """
 
     @contextmanager
-    def opening() -> Iterator[Stream]:
+    def opening() -> Iterator[StatusStream]:
         if address is None:
             with Measuring(None, line, timeout=timeout) as source:
-                yield Stream(source, robot)
+                yield StatusStream(source, robot)
             return
         session = connect(address, timeout=timeout)
         if not isinstance(session, Cr):
-            raise Refused(NO_MEASURING(name=name, address=session.address), exit_status=2)
+            raise Refused(NO_STATUS_STREAM(name=name, address=session.address), exit_status=2)
         with session, Measuring(session, line, timeout=timeout, replace=replace) as source:
-            yield Stream(source, robot)
+            yield StatusStream(source, robot)
 
     return Connection(name, opening)
 
 
-def arm_of(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
+def arm_at_percent(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
     """An arm whose axes go at a percentage of their speeds; raises ValueError for none."""
     if not 0.0 < percent <= 100.0:
         raise ValueError("a percentage is above 0 and at most 100")
@@ -261,9 +265,9 @@ def arm_of(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
     )
 
 
-def _of_status(status: Status, records: int, axes: tuple[str, ...]) -> Measured:
+def _arm_status(status: Status, records: int, axes: tuple[str, ...]) -> ArmStatus:
     place, commanded = status.position.values, status.commanded.values
     pose = pose_signal(place[:3], turn_of(commanded, place, five_axes="J4" not in axes))
     columns = [int(axis[1:]) - 1 for axis in axes]
     joints, told = (np.array(one)[columns] for one in (status.feedback.values, commanded))
-    return Measured(status.seconds, pose, joints, told, status.speed, records)
+    return ArmStatus(status.seconds, pose, joints, told, status.speed, records)

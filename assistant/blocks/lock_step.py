@@ -17,7 +17,7 @@ from typing import Any, Final, Protocol
 
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
-from assistant.blocks.rules import NOT_IN_STEP
+from assistant.blocks.rules import OUT_OF_LOCK_STEP
 
 PATIENCE: Final = 10.0
 LOOK: Final = 2e-5
@@ -68,7 +68,7 @@ class LockStep:
         for connection in self.connections:
             if getattr(connection.value, "real_time", False):
                 reason = f"`{connection.name}` has a line on which both sides count real seconds"
-                raise Refused(NOT_IN_STEP(reason=reason))
+                raise Refused(OUT_OF_LOCK_STEP(reason=reason))
         self._to(self.begins)
 
     def reach(self, moment: float) -> float:
@@ -101,7 +101,7 @@ class LockStep:
         """The end of the run. Time passes again, or no stop that is sent now would be answered."""
         for cell in self.cells:
             cell.free()
-        return Refused(NOT_IN_STEP(reason=reason))
+        return Refused(OUT_OF_LOCK_STEP(reason=reason))
 
     def _executing(self, one: Any) -> bool:
         """Whether the controller that it leads to has a statement under way."""

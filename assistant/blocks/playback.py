@@ -31,12 +31,12 @@ class Motion:
     def of(simulation: Simulation) -> Motion:
         """The samples of a simulation at its period, and where it ends."""
         seconds, period = simulation.seconds, simulation.period
-        table = _rows(simulation.samples)
+        table = _motion_rows(simulation.samples)
         if seconds > 0.0:
             ends = (simulation.history, seconds, seconds, simulation.robot, simulation.start)
             # A sample at the end itself, or so near to it that nothing is between, gives way.
             kept = math.ceil(seconds / period - 1e-6)
-            table = np.concatenate([table[:kept], _rows(samples_of(*ends))[-1:]])
+            table = np.concatenate([table[:kept], _motion_rows(samples_of(*ends))[-1:]])
         return Motion(table, period, seconds)
 
     def at(self, time: float) -> Floats:
@@ -94,7 +94,7 @@ class Playback:
         self.time = later
 
 
-def _rows(samples: Samples) -> Floats:
+def _motion_rows(samples: Samples) -> Floats:
     return np.column_stack(
         [samples.joints, samples.position, samples.quaternion, samples.tcp_speed]
     )

@@ -13,15 +13,15 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.clocks import Clock, Simulated
+from assistant.blocks.diagrams.clocks import RunClock, Simulated
 from assistant.blocks.diagrams.rules import BAD_STEP
 from assistant.blocks.diagrams.running import (
-    LATE,
-    Ran,
+    LATE_SHARE,
+    RunResult,
     check_confirmed,
-    confirmed,
-    ending,
-    steps_of,
+    closing_all,
+    confirmed_names,
+    step_count,
 )
 from assistant.blocks.library.adapted import CONFIRMED
 
@@ -35,7 +35,7 @@ def run_bdsim(
     diagram: BlockDiagram,
     seconds: float,
     *,
-    clock: Clock | None = None,
+    clock: RunClock | None = None,
     moving: Iterable[str] = (),
     **options: Any,
 ) -> Any:
@@ -46,9 +46,9 @@ def run_bdsim(
     `BDSim.run`. Raises Refused for an arm that is not among them.
     """
     if not diagram.compiled:
-        _compile(diagram)
-    with ending() as ends, _confirmed(diagram, moving), _in_time(diagram, clock):
-        _end_behind(diagram, ends)
+        _compile_quietly(diagram)
+    with closing_all() as ends, _confirmed(diagram, moving), _paced_by(diagram, clock):
+        _end_blocks_after(diagram, ends)
         return sim.run(diagram, T=seconds, **options)
 
 
@@ -58,23 +58,23 @@ def run_paced(
     seconds: float,
     step: float,
     *,
-    clock: Clock | None = None,
+    clock: RunClock | None = None,
     watch: Callable[[float], bool] | None = None,
     moving: Iterable[str] = (),
-) -> Ran:
+) -> RunResult:
     """Steps a bdsim diagram at a fixed step, in real time if `clock` is `RealTime`.
 
     What is continuous in it is integrated by the classical method of Runge and Kutta; clocks tick
     at the steps. Signals are recorded as columns, `block[port]`, of ports that give numbers.
     See `diagrams.running.run` for the rest.
     """
-    count = steps_of(seconds, step)
+    count = step_count(seconds, step)
     clock = clock or Simulated()
     if not diagram.compiled:
-        _compile(diagram)
-    stepping = _Stepping(sim, diagram, step)
-    with ending() as ends, _confirmed(diagram, moving):
-        _end_behind(diagram, ends)
+        _compile_quietly(diagram)
+    stepping = _SteppedDiagram(sim, diagram, step)
+    with closing_all() as ends, _confirmed(diagram, moving):
+        _end_blocks_after(diagram, ends)
         stepping.begin(seconds)
         clock.begin()
         for number in range(count):
@@ -87,7 +87,7 @@ def run_paced(
     return stepping.ran()
 
 
-def _compile(diagram: BlockDiagram) -> None:
+def _compile_quietly(diagram: BlockDiagram) -> None:
     """Without what bdsim prints of outputs that nobody asks for."""
     said = io.StringIO()
     try:
@@ -102,7 +102,7 @@ def _compile(diagram: BlockDiagram) -> None:
 @contextlib.contextmanager
 def _confirmed(diagram: BlockDiagram, names: Iterable[str]) -> Iterator[None]:
     """Raises Refused before anything begins; what a block refuses later comes as it is."""
-    known = confirmed(names)
+    known = confirmed_names(names)
     check_confirmed((one._inner for one in diagram.blocklist if hasattr(one, "_inner")), known)
     token = CONFIRMED.set(known)
     try:
@@ -119,7 +119,7 @@ def _confirmed(diagram: BlockDiagram, names: Iterable[str]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _in_time(diagram: BlockDiagram, clock: Clock | None) -> Iterator[None]:
+def _paced_by(diagram: BlockDiagram, clock: RunClock | None) -> Iterator[None]:
     """Has bdsim wait for each moment that it comes to; what it goes back to is over."""
     if clock is None:
         yield
@@ -142,14 +142,14 @@ def _in_time(diagram: BlockDiagram, clock: Clock | None) -> Iterator[None]:
         diagram.evaluate = evaluate
 
 
-def _end_behind(diagram: BlockDiagram, ends: contextlib.ExitStack) -> None:
+def _end_blocks_after(diagram: BlockDiagram, ends: contextlib.ExitStack) -> None:
     """Has the blocks ended that hold something; figures of bdsim are its own affair."""
     for block in diagram.blocklist:
         if hasattr(block, "_inner"):
             ends.callback(block.done)
 
 
-class _Stepping:
+class _SteppedDiagram:
     """A compiled diagram that is stepped from outside."""
 
     def __init__(self, sim: BDSim, diagram: BlockDiagram, step: float) -> None:
@@ -159,7 +159,7 @@ class _Stepping:
         self._state = BDSimState()
         self._state.options = sim.options
         self._x = np.asarray(diagram.getstate0(), dtype=np.float64)
-        self._every = {clock: _every(clock, step) for clock in diagram.clocklist}
+        self._every = {clock: _steps_per_tick(clock, step) for clock in diagram.clocklist}
         self._ports = [
             (block, number, f"{block.name}[{number}]")
             for block in diagram.blocklist
@@ -194,7 +194,7 @@ class _Stepping:
             clock._set_runtime_state(following[clock], state)
         return state.stop is None
 
-    def ran(self) -> Ran:
+    def ran(self) -> RunResult:
         """Ports that give numbers of one size, as columns."""
         columns = {}
         for place, (_, _, name) in enumerate(self._ports):
@@ -203,8 +203,8 @@ class _Stepping:
             if len(arrays) == len(values) and len({one.shape for one in arrays}) == 1:
                 columns[name] = np.array(arrays, dtype=np.float64).reshape(len(arrays), -1)
         lateness = np.array(self._late)
-        late = int((lateness > LATE * self._step).sum())
-        return Ran(np.array(self._times), columns, lateness, late)
+        late = int((lateness > LATE_SHARE * self._step).sum())
+        return RunResult(np.array(self._times), columns, lateness, late)
 
     def _integrated(self, now: float) -> Floats:
         """The classical method of fourth order, with what is sampled held over the step."""
@@ -221,7 +221,7 @@ class _Stepping:
         return np.asarray(self._diagram.deriv(now, states), dtype=np.float64)
 
 
-def _every(clock: Any, step: float) -> tuple[int, int]:
+def _steps_per_tick(clock: Any, step: float) -> tuple[int, int]:
     """Steps from tick to tick of a clock, and the first one."""
     told = clock.T, clock.offset
     every, first = (round(one / step) if math.isfinite(one) else 0 for one in told)

@@ -243,14 +243,14 @@ def _program_model(
 ) -> tuple[Model, Sequence[Diagnostic]]:
     """The motion of a program, and what of it only running it would tell."""
     from assistant.blocks.fmu import program_model, usual_period
-    from assistant.blocks.fmu.rules import NOT_PLAYED
+    from assistant.blocks.fmu.rules import PARTLY_PLAYED
     from assistant.blocks.playback import Motion
     from assistant.robots.timing import simulate
 
     done = simulate(ready.solution, period=options.period, acceleration=options.acceleration)
     if options.period is None:
         done = replace(done, wanted_period=usual_period(done.seconds))
-    unplayed = [NOT_PLAYED(what=str(one)) for one in done.unknown]
+    unplayed = [PARTLY_PLAYED(what=str(one)) for one in done.unknown]
     return program_model(Motion.of(done), done.robot, Path(wanted.source).stem), unplayed
 
 

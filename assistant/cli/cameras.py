@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.capture import Frame
     from assistant.vision.cameras.checking import Agreement
-    from assistant.vision.cameras.drawing import Thing
+    from assistant.vision.cameras.drawing import VisibleBody
 
 
 camera: Final = typer.Typer(
@@ -164,17 +164,17 @@ def run_calibrate(
     format: Format,
 ) -> int:
     from assistant.vision.calibration.boards import Board
-    from assistant.vision.calibration.rigs import calibrate, look, with_sources
+    from assistant.vision.calibration.rigs import calibrate_rig, find_board_in_folder, with_sources
     from assistant.vision.cameras.camera_file import write_cameras
 
     wanted = Board.parse(board)
     folders = _picture_folders(pictures)
-    looked = [look(wanted, name, folder) for name, folder in folders.items()]
+    looked = [find_board_in_folder(wanted, name, folder) for name, folder in folders.items()]
     told = [finding for one in looked for finding in one.findings]
     print_findings(told)
     flanges = None if poses is None else read_poses(poses)
     how = cast("Mounting", mounting)
-    found = calibrate(wanted, looked, flanges=flanges, mounting=how, flange=flange)
+    found = calibrate_rig(wanted, looked, flanges=flanges, mounting=how, flange=flange)
     sources = {name: _relative_folder(folder, output.parent) for name, folder in folders.items()}
     write_cameras(output, with_sources(found.rig, sources))
     print_findings([finding for finding in found.findings if finding not in told])
@@ -188,12 +188,12 @@ def run_calibrate(
 
 
 def _calibration_lines(found: RigFound) -> list[str]:
-    from assistant.vision.calibration.lenses import PARAMETERS
+    from assistant.vision.calibration.lenses import LENS_PARAMETERS
 
     lines = list[str]()
     for name, one in found.lenses.items():
         (fx, fy), (cx, cy), sigma = one.lens.focal, one.lens.centre, one.sigma
-        bends = zip(PARAMETERS[4:], one.lens.distortion, sigma[4:], strict=True)
+        bends = zip(LENS_PARAMETERS[4:], one.lens.distortion, sigma[4:], strict=True)
         lines += [
             f"{name}: {one.residual:.3f} px left in {len(one.poses)} views, focal length "
             f"{fx:.1f} ± {sigma[0]:.1f} and {fy:.1f} ± {sigma[1]:.1f} px",
@@ -223,7 +223,7 @@ def _calibration_lines(found: RigFound) -> list[str]:
 
 
 def _calibration_record(found: RigFound) -> dict[str, object]:
-    from assistant.vision.calibration.lenses import PARAMETERS
+    from assistant.vision.calibration.lenses import LENS_PARAMETERS
 
     answer: dict[str, object] = {
         "lenses": {
@@ -231,7 +231,7 @@ def _calibration_record(found: RigFound) -> dict[str, object]:
                 "residual_px": one.residual,
                 "views": len(one.poses),
                 "focal": one.lens.focal,
-                "sigma": dict(zip(PARAMETERS, map(float, one.sigma), strict=True)),
+                "sigma": dict(zip(LENS_PARAMETERS, map(float, one.sigma), strict=True)),
                 "coverage": one.coverage,
             }
             for name, one in found.lenses.items()
@@ -300,7 +300,7 @@ def read_poses(file: Path) -> list[Pose]:
 
 def run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.capture import look_at
+    from assistant.vision.cameras.capture import exposure_findings
     from assistant.vision.cameras.overlays import with_axes
 
     if output.suffix.lower() != ".png":
@@ -309,7 +309,7 @@ def run_view(file: Path, name: str, output: Path, source: str | None, format: Fo
     camera = rig[name]
     frame = _next_frame(rig, camera, source)
     write_png(output, with_axes(camera, frame.picture))
-    print_findings(look_at(camera, frame.picture))
+    print_findings(exposure_findings(camera, frame.picture))
     if format is Format.JSON:
         print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
     else:
@@ -318,13 +318,13 @@ def run_view(file: Path, name: str, output: Path, source: str | None, format: Fo
 
 
 def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
-    from assistant.vision.cameras.capture import opened
+    from assistant.vision.cameras.capture import open_frames
 
     named = source or rig.sources.get(camera.name, "")
     if not named:
         raise Refused(NO_SOURCE(name=camera.name), exit_status=2)
     folder = Path() if source else rig.folder
-    with opened(camera, named, folder) as frames:
+    with open_frames(camera, named, folder) as frames:
         return next(frames)
 
 
@@ -369,11 +369,11 @@ def _camera_agreements(
     import numpy as np
 
     from assistant.vision.calibration import rules
-    from assistant.vision.calibration.boards import Board, find
-    from assistant.vision.cameras.checking import agree
+    from assistant.vision.calibration.boards import Board, find_board
+    from assistant.vision.cameras.checking import check_agreement
 
     wanted = Board.parse(board)
-    views = {name: find(wanted, one.picture, name) for name, one in frames.items()}
+    views = {name: find_board(wanted, one.picture, name) for name, one in frames.items()}
     findings = [rules.NO_BOARD(name=name) for name, view in views.items() if view is None]
     agreements = []
     seen = {name: view for name, view in views.items() if view is not None}
@@ -384,7 +384,7 @@ def _camera_agreements(
             view.pixels[[int(np.flatnonzero(view.rows == row)[0]) for row in rows]]
             for view in (first, second)
         ]
-        found, more = agree([rig[one], rig[other]], pixels, wanted.corners[rows])
+        found, more = check_agreement([rig[one], rig[other]], pixels, wanted.corners[rows])
         agreements.append(found)
         findings += more
     return agreements, findings
@@ -424,14 +424,14 @@ def run_draw(
 ) -> int:
     from assistant.cell.cell_file import read_scene
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.drawing import Optics, draw, things_of
+    from assistant.vision.cameras.drawing import Optics, bodies_of_scene, draw
 
     rig = read_cameras(file)
     if shown is None and cell is None:
         raise Refused(NOTHING_TO_DRAW(), exit_status=2)
     scene, findings = (None, ()) if cell is None else read_scene(cell)
     print_findings(findings)
-    around = [] if scene is None else things_of(scene)
+    around = [] if scene is None else bodies_of_scene(scene)
     moments = _drawn_moments(shown, poses)
     for number, (place, flange) in enumerate(moments):
         things = [*around, *([] if shown is None or place is None else _drawn_things(shown, place))]
@@ -464,26 +464,26 @@ def _drawn_moments(
 def _camera_in_world(camera: Camera, scene: Scene | None, flange: Pose | None) -> Camera:
     from assistant.vision.cameras import rules
     from assistant.vision.cameras.camera import WORLD
-    from assistant.vision.cameras.standing import in_world
+    from assistant.vision.cameras.standing import camera_in_world
 
     if camera.parent == WORLD:
         return camera
     if flange is not None:
         return camera.carried(flange)
     if scene is None:
-        finding = rules.NOT_DRAWN(name=camera.name, parent=camera.parent)
+        finding = rules.UNKNOWN_CARRIER(name=camera.name, parent=camera.parent)
         raise Refused(finding, exit_status=2)
-    return in_world(camera, scene)
+    return camera_in_world(camera, scene)
 
 
-def _drawn_things(shown: DrawnScene, place: Pose) -> list[Thing]:
+def _drawn_things(shown: DrawnScene, place: Pose) -> list[VisibleBody]:
     from assistant.vision.calibration.boards import Board
-    from assistant.vision.cameras.drawing import Card, Thing
+    from assistant.vision.cameras.drawing import Card, VisibleBody
     from assistant.vision.pointing.devices import DEVICES
-    from assistant.vision.pointing.showing import things_of_device
+    from assistant.vision.pointing.showing import bodies_of_device
 
     what, _, board = shown
     if what != "board":
-        return things_of_device(DEVICES[what](), place)
+        return bodies_of_device(DEVICES[what](), place)
     wanted = Board.parse(board)
-    return [Thing(Card(wanted.size, wanted.picture(40)), place @ wanted.on_card.inverse())]
+    return [VisibleBody(Card(wanted.size, wanted.picture(40)), place @ wanted.on_card.inverse())]

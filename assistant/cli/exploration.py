@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from assistant.controllers import Controller
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
-    from assistant.vision.exploring.contacts import AnyContacts, Contacts, Region
-    from assistant.vision.exploring.moving import Log
+    from assistant.vision.exploring.contacts import AnyContacts, Contacts, PictureRegion
+    from assistant.vision.exploring.moving import ExplorationLog
     from assistant.vision.servoing.bounds import Guard
 
 
@@ -402,8 +402,8 @@ def run_wander_arm(
 ) -> int:
     """Move an arm at random; the chart and the log are written however it ends."""
     from assistant.cli.visual_servoing import joints_nearby, setpoint_mode
-    from assistant.vision.exploring.moving import Wanderer, log_of
-    from assistant.vision.exploring.rules import NO_LONGER
+    from assistant.vision.exploring.moving import RandomExplorer, empty_log
+    from assistant.vision.exploring.rules import EXPLORATION_TIME_OVER
     from assistant.vision.servoing.bounds import Bounds as Limits
     from assistant.vision.servoing.bounds import Guard
 
@@ -421,7 +421,7 @@ def run_wander_arm(
         sides = box_of(bounds.box)
         box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
     guard = Guard(robot, Limits(bounds.speed, FASTEST_TURN, LARGEST_SPEED_SHARE, box=box))
-    log, done = log_of(guard), None
+    log, done = empty_log(guard), None
     try:
         with moving(cell, "explore") as motion, ExitStack() as open_:
             there = motion.cell
@@ -442,7 +442,7 @@ def run_wander_arm(
             what = f"moves the arm at random, {runs} times, {_bounds_text(bounds)}"
             most = "" if faster else f", at {bounds.speed:g} mm/s at most"
             confirm(there.one, f"{what}{most}, {mode.title}", live.yes)
-            wanderer = Wanderer(
+            wanderer = RandomExplorer(
                 explorer,
                 carrier,
                 guard,
@@ -468,7 +468,7 @@ def run_wander_arm(
             done = _saved(begun, log, live)
     assert done is not None
     if wanderer.moves < runs and not ended():
-        print_findings([NO_LONGER(moves=wanderer.moves)])
+        print_findings([EXPLORATION_TIME_OVER(moves=wanderer.moves)])
     return report_chart(done, live.format)
 
 
@@ -573,12 +573,12 @@ class _WatchedArm:
     controller: Controller
 
     def __init__(self, begun: ExplorationStart) -> None:
-        from assistant.vision.exploring.moving import log_of
+        from assistant.vision.exploring.moving import empty_log
         from assistant.vision.servoing.bounds import Bounds as Limits
         from assistant.vision.servoing.bounds import Guard
 
         self.guard: Guard = Guard(begun.explorer.placed.robot, Limits())
-        self.log: Log = log_of(self.guard)
+        self.log: ExplorationLog = empty_log(self.guard)
         self._began: float | None = None
 
     def joints(self) -> Floats:
@@ -687,17 +687,17 @@ def _open_cameras(
 ) -> Iterator[Contacts]:
     """Open each camera of the file as a source; raises Refused for one without a source."""
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.exploring.contacts import seen
-    from assistant.vision.servoing.rules import NO_SOURCE
+    from assistant.vision.exploring.contacts import open_contact_camera
+    from assistant.vision.servoing.rules import NO_SERVO_SOURCE
 
     assert contact.cameras is not None
     rig, name = read_cameras(contact.cameras), begun.explorer.placed.name
     for camera in rig.cameras.values():
         source = rig.sources.get(camera.name, "")
         if not source:
-            raise Refused(NO_SOURCE(camera=camera.name), exit_status=2)
+            raise Refused(NO_SERVO_SOURCE(camera=camera.name), exit_status=2)
         yield open_.enter_context(
-            seen(
+            open_contact_camera(
                 camera,
                 source,
                 rig.folder,
@@ -707,7 +707,7 @@ def _open_cameras(
         )
 
 
-def _picture_region(text: str | None) -> Region | None:
+def _picture_region(text: str | None) -> PictureRegion | None:
     if text is None:
         return None
     parts = [part.strip() for part in text.split(",")]
@@ -726,7 +726,7 @@ def _progress_display(live: WatchOptions, runs: int) -> Callable[[int, int, floa
     return show
 
 
-def _saved(begun: ExplorationStart, log: Log, live: WatchOptions) -> ExplorationSummary:
+def _saved(begun: ExplorationStart, log: ExplorationLog, live: WatchOptions) -> ExplorationSummary:
     """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.occupancy import save_map
     from assistant.compiler.exploration import learn_from_runs, start_exploration

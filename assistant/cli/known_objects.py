@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.drawing import Picture
-    from assistant.vision.recognition.attached import Base
+    from assistant.vision.recognition.attached import OutputFrame
     from assistant.vision.recognition.estimating import Plane
     from assistant.vision.recognition.objects import KnownObject
-    from assistant.vision.recognition.seeing import Found, Sight
+    from assistant.vision.recognition.seeing import FoundObject, Recognition
 
 
 objects: Final = typer.Typer(
@@ -195,7 +195,7 @@ def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...
     drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING_SUFFIX]
     if drawings:
         if len(asked.files) > 1:
-            raise Refused(rules.ONE_WAY(cure="name one drawing alone"), exit_status=2)
+            raise Refused(rules.DRAWING_AND_PICTURES(cure="name one drawing alone"), exit_status=2)
         from assistant.vision.recognition.drawn import read_part
 
         drawn = read_part(
@@ -208,7 +208,7 @@ def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...
         return drawn.object, drawn.findings
     if asked.contour is not None or asked.lines:
         cure = "leave out --contour and --line, which are of drawings"
-        raise Refused(rules.ONE_WAY(cure=cure), exit_status=2)
+        raise Refused(rules.DRAWING_AND_PICTURES(cure=cure), exit_status=2)
     return _learn_from_pictures(asked)
 
 
@@ -217,22 +217,22 @@ def _learn_from_pictures(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnost
     from assistant.vision.cameras.capture import read_picture
     from assistant.vision.opencv import opencv
     from assistant.vision.recognition import rules
-    from assistant.vision.recognition.pictures import camera_of, picture_of
-    from assistant.vision.recognition.shown import View, learn_face, learn_lying
+    from assistant.vision.recognition.pictures import read_picture_of_camera, split_camera_and_file
+    from assistant.vision.recognition.shown import ObjectView, learn_face, learn_lying
     from assistant.vision.recognition.solid import learn_solid
 
     cv, height = opencv(), asked.height or 0.0
     if asked.cameras is None:
         if asked.width is None:
-            raise Refused(rules.NO_SCALE(), exit_status=2)
-        views = [View(file, read_picture(file)) for file in asked.files]
+            raise Refused(rules.NO_FACE_SIZE(), exit_status=2)
+        views = [ObjectView(file, read_picture(file)) for file in asked.files]
         learnt = learn_face(cv, asked.name, views, asked.width, height)
         return learnt.object, learnt.findings
     cameras = dict(read_cameras(asked.cameras).cameras)
     views = []
     for given in asked.files:
-        name, file = camera_of(given, cameras, alone=True)
-        views.append(View(file, picture_of(file, cameras[name]), cameras[name]))
+        name, file = split_camera_and_file(given, cameras, alone=True)
+        views.append(ObjectView(file, read_picture_of_camera(file, cameras[name]), cameras[name]))
     plane, findings = _plane_at(asked.plane), list[Diagnostic]()
     if asked.solid:
         learnt = learn_solid(cv, asked.name, views, plane)
@@ -249,14 +249,14 @@ def _height_by_depth(
     """By depth from the first two pictures of two cameras."""
     from assistant.vision.opencv import opencv
     from assistant.vision.recognition.depth import face_height
-    from assistant.vision.recognition.rules import NO_HEIGHT
+    from assistant.vision.recognition.rules import UNKNOWN_FACE_HEIGHT
 
     one = views[0]
     other = next(view for view in views if view.camera.name != one.camera.name)
     pair = (one.camera, other.camera), (one.picture, other.picture)
     found = face_height(opencv(), *pair, plane)
     if found is None:
-        findings.append(NO_HEIGHT(name=name))
+        findings.append(UNKNOWN_FACE_HEIGHT(name=name))
     return max(found or 0.0, 0.0)
 
 
@@ -335,10 +335,10 @@ def run_see(asked: SeeOptions, format: Format) -> int:
     findings = [*library.findings, *sight.findings, *_doubtful_findings(asked, sight)]
     written = _write_found(asked, sight, placed, when, findings)
     if asked.picture is not None:
-        from assistant.vision.recognition.overlay import with_found
+        from assistant.vision.recognition.overlay import draw_found
 
         name = next(iter(pictures))
-        _write_png(asked.picture, with_found(opencv(), cameras[name], pictures[name], sight))
+        _write_png(asked.picture, draw_found(opencv(), cameras[name], pictures[name], sight))
         written.append(asked.picture)
     print_findings(findings)
     _print_found(sight, _robot_base(placed), written, format)
@@ -381,13 +381,13 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptio
 
     from assistant.program.geometry import Pose
     from assistant.vision.cameras.camera import WORLD
-    from assistant.vision.recognition.rules import MOUNTED
+    from assistant.vision.recognition.rules import UNKNOWN_MOUNTING
 
     if camera.parent == WORLD:
         return camera
     carriers = () if placed is None else ("flange", f"{placed.name}.flange")
     if placed is None or asked.joints is None or camera.parent not in carriers:
-        found = MOUNTED(path=str(asked.cameras), camera=camera.name, parent=camera.parent)
+        found = UNKNOWN_MOUNTING(path=str(asked.cameras), camera=camera.name, parent=camera.parent)
         raise Refused(found, exit_status=2)
     try:
         joints = [float(part) for part in asked.joints.split(",")]
@@ -402,21 +402,21 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptio
 
 
 def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
-    from assistant.vision.cameras.capture import opened
-    from assistant.vision.recognition.pictures import pictures_of, sound
+    from assistant.vision.cameras.capture import open_frames
+    from assistant.vision.recognition.pictures import check_exposure, read_pictures_of_cameras
 
     if asked.images:
-        return pictures_of(asked.images, rig.cameras)
+        return read_pictures_of_cameras(asked.images, rig.cameras)
     found = {}
     for name, camera in rig.cameras.items():
         if not rig.sources.get(name):
             raise Refused(NO_PICTURES(path=str(asked.cameras), name=name), exit_status=2)
-        with opened(camera, rig.sources[name], rig.folder) as frames:
-            found[name] = sound(next(frames).picture, camera, rig.sources[name])
+        with open_frames(camera, rig.sources[name], rig.folder) as frames:
+            found[name] = check_exposure(next(frames).picture, camera, rig.sources[name])
     return found
 
 
-def _doubtful_findings(asked: SeeOptions, sight: Sight) -> list[Diagnostic]:
+def _doubtful_findings(asked: SeeOptions, sight: Recognition) -> list[Diagnostic]:
     """What is missing, and what is not known well enough."""
     from assistant.vision.recognition import rules
 
@@ -424,38 +424,38 @@ def _doubtful_findings(asked: SeeOptions, sight: Sight) -> list[Diagnostic]:
     if not sight.found:
         findings.append(rules.NOTHING_FOUND(count=len(sight.unknown)))
     there = {one.name.casefold() for one in sight.found}
-    findings += [rules.NOT_SEEN(name=n) for n in asked.expect if n.casefold() not in there]
+    findings += [rules.OBJECT_NOT_SEEN(name=n) for n in asked.expect if n.casefold() not in there]
     for one in sight.found:
         told = [(one.estimate.sigma_mm, asked.most_mm, "mm", "most-mm")]
         if one.object.symmetry != 0:
             told.append((one.estimate.sigma_deg, asked.most_deg, "degrees", "most-deg"))
         findings += [
-            rules.FAR_OUT(name=one.name, sigma=sigma, most=most, unit=unit, option=option)
+            rules.UNCERTAIN_POSE(name=one.name, sigma=sigma, most=most, unit=unit, option=option)
             for sigma, most, unit, option in told
             if sigma > most and one.larger is None
         ]
     done = any(one.object.places or one.object.lines for one in sight.found)
     if asked.to is not None and sight.found and not done:
-        findings.append(rules.NO_PLACES())
+        findings.append(rules.NOTHING_TO_DO())
     return findings
 
 
-def _robot_base(placed: PlacedRobot | None) -> Base:
+def _robot_base(placed: PlacedRobot | None) -> OutputFrame:
     """The robot's base, which is the world of the cameras where no cell says another."""
     from assistant.program.geometry import IDENTITY
-    from assistant.vision.recognition.attached import Base
+    from assistant.vision.recognition.attached import OutputFrame
 
-    return Base("base", IDENTITY if placed is None else placed.base)
+    return OutputFrame("base", IDENTITY if placed is None else placed.base)
 
 
 def _write_found(
     asked: SeeOptions,
-    sight: Sight,
+    sight: Recognition,
     placed: PlacedRobot | None,
     when: datetime.datetime,
     findings: list[Diagnostic],
 ) -> list[Path]:
-    from assistant.vision.recognition.attached import found_text, put, targets_text
+    from assistant.vision.recognition.attached import found_text, targets_text, write_seen_files
 
     if has_errors(findings):
         return []
@@ -465,7 +465,7 @@ def _write_found(
         files[asked.to] = targets_text(sight.found, base, when, robot)
     if asked.found is not None:
         files[asked.found] = found_text(sight.found, base, when)
-    return list(put(files)) if files else []
+    return list(write_seen_files(files)) if files else []
 
 
 def _write_png(file: Path, picture: object) -> None:
@@ -477,7 +477,9 @@ def _write_png(file: Path, picture: object) -> None:
     write_files({file.name: bytes(data)}, file.parent)
 
 
-def _print_found(sight: Sight, base: Base, written: list[Path], format: Format) -> None:
+def _print_found(
+    sight: Recognition, base: OutputFrame, written: list[Path], format: Format
+) -> None:
     if format is Format.JSON:
         found = [_found_record(one, base) for one in sight.found]
         unknown = [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown]
@@ -494,7 +496,7 @@ def _print_found(sight: Sight, base: Base, written: list[Path], format: Format) 
         say(f"wrote {path}")
 
 
-def _z_turn(one: Found, base: Base) -> float:
+def _z_turn(one: FoundObject, base: OutputFrame) -> float:
     """Degrees about the z axis of the base."""
     import numpy as np
 
@@ -503,7 +505,7 @@ def _z_turn(one: Found, base: Base) -> float:
     return float(rotations.to_euler(np.array(base.of(one.pose).quaternion), "ZYX")[0])
 
 
-def _found_record(one: Found, base: Base) -> dict[str, Any]:
+def _found_record(one: FoundObject, base: OutputFrame) -> dict[str, Any]:
     pose = base.of(one.pose)
     return {
         "name": one.name,

@@ -24,13 +24,13 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
-    from assistant.learning.maps.asked import Asked
+    from assistant.learning.maps.asked import ExperimentSettings
     from assistant.learning.maps.experiments import Experiment
     from assistant.learning.maps.extended_map import ExtendedMap
     from assistant.learning.maps.goals import Goals
-    from assistant.learning.maps.goals import Rule as Held
-    from assistant.learning.maps.seen_arm import SeenArm
-    from assistant.learning.maps.training import Errors, Plan
+    from assistant.learning.maps.goals import ToolRule as Held
+    from assistant.learning.maps.seen_arm import ObservedArm
+    from assistant.learning.maps.training import MapErrors, TrainingPlan
     from assistant.report.figures import LatticeStage
     from assistant.vision.cameras.camera import Camera
 
@@ -189,11 +189,11 @@ class LearnOptions:
     recorded: Sequence[Path] = ()
 
 
-def learning_task(options: LearnOptions) -> Asked:
+def learning_task(options: LearnOptions) -> ExperimentSettings:
     import numpy as np
 
     from assistant.compiler.arms import robot_of
-    from assistant.learning.maps.asked import Asked
+    from assistant.learning.maps.asked import ExperimentSettings
 
     robot = robot_of(options.robot)
     assert robot is not None
@@ -204,7 +204,7 @@ def learning_task(options: LearnOptions) -> Asked:
     low, high = _numbers_of(options.turn, ":", 2, BAD_TURN)
     if not -360.0 <= low <= high <= 360.0:
         raise Refused(BAD_TURN(given=options.turn), exit_status=2)
-    return Asked(
+    return ExperimentSettings(
         robot,
         dict(_name_and_value(text, _number_or_none, BAD_HOLD) for text in options.hold),
         np.array(points) if points else None,
@@ -326,12 +326,12 @@ class LearnOutputs:
 
 def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
     from assistant.learning.maps.asked import experiment_of
-    from assistant.learning.maps.map_file import load, save
-    from assistant.learning.maps.recorded import split, train_recorded
-    from assistant.learning.maps.training import errors, measured_goals, trained
+    from assistant.learning.maps.map_file import load_map, save_map
+    from assistant.learning.maps.recorded import split_recording, train_recorded
+    from assistant.learning.maps.training import draw_test_goals, measure_errors, train_and_measure
 
     _check_output_names(options, outputs)
-    known = None if options.go_on is None else load(options.go_on)
+    known = None if options.go_on is None else load_map(options.go_on)
     wanted = learning_task(options)
     rows = _recorded_joints(wanted, options)
     if rows is not None:
@@ -343,14 +343,14 @@ def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
     arm = arm.noisy(options.noise, options.seed)
     net = _initial_map(made, options) if known is None else known
     if rows is None:
-        tests = measured_goals(arm, made.space, options.seed)
+        tests = draw_test_goals(arm, made.space, options.seed)
     else:
-        rows, tests = split(arm, rows[:, arm.columns])
+        rows, tests = split_recording(arm, rows[:, arm.columns])
     begun = net.steps
     stages: list[LatticeStage] = []
-    curve: list[Errors] = []
+    curve: list[MapErrors] = []
 
-    def watch(found: Errors) -> None:
+    def watch(found: MapErrors) -> None:
         stages.append(_lattice_stage(net, found))
         curve.append(found)
         rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
@@ -360,25 +360,25 @@ def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
         _print_at_once(options, line)
     watch(_current_errors(net, arm, tests))
     if rows is None:
-        trained(net, arm, made.space, _learning_plan(net, options), tests, watch)
+        train_and_measure(net, arm, made.space, _learning_plan(net, options), tests, watch)
     else:
         train_recorded(
             net,
             rows,
             arm(rows),
             _learning_plan(net, options),
-            lambda seconds: watch(errors(net, arm, tests, seconds)),
+            lambda seconds: watch(measure_errors(net, arm, tests, seconds)),
         )
     beside = dict(_rival_results(made, net, arm, tests, options))
     for name, found in beside.items():
         _print_at_once(options, _error_row(f"{name:>19}", found))
     files = _output_data(net, arm.task.cameras, curve, stages, tests, outputs)
-    save(net, outputs.map, files)
+    save_map(net, outputs.map, files)
     _print_result(net, arm, curve, beside, tests, [outputs.map, *files], options)
     return 0
 
 
-def _recorded_joints(asked: Asked, options: LearnOptions) -> Floats | None:
+def _recorded_joints(asked: ExperimentSettings, options: LearnOptions) -> Floats | None:
     """Return the joints (n, a) of recordings with held joints in place; None without recordings."""
     import numpy as np
 
@@ -401,7 +401,9 @@ def _recorded_joints(asked: Asked, options: LearnOptions) -> Floats | None:
     return np.asarray(rows)
 
 
-def _task_in_recorded_ranges(asked: Asked, rows: Floats, net: ExtendedMap | None) -> Asked:
+def _task_in_recorded_ranges(
+    asked: ExperimentSettings, rows: Floats, net: ExtendedMap | None
+) -> ExperimentSettings:
     """Return the task in the recorded ranges, where none are stated or learnt already."""
     import numpy as np
 
@@ -417,10 +419,10 @@ def _task_in_recorded_ranges(asked: Asked, rows: Floats, net: ExtendedMap | None
     return replace(asked, ranges=found | dict(asked.ranges))
 
 
-def _current_errors(net: ExtendedMap, arm: SeenArm, tests: Goals) -> Errors:
-    from assistant.learning.maps.training import errors
+def _current_errors(net: ExtendedMap, arm: ObservedArm, tests: Goals) -> MapErrors:
+    from assistant.learning.maps.training import measure_errors
 
-    return errors(net, arm, tests)
+    return measure_errors(net, arm, tests)
 
 
 def _print_at_once(options: LearnOptions, line: str) -> None:
@@ -430,10 +432,12 @@ def _print_at_once(options: LearnOptions, line: str) -> None:
         sys.stdout.flush()
 
 
-def _table_head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool) -> Iterator[str]:
-    from assistant.learning.maps.training import TESTS
+def _table_head(
+    net: ExtendedMap, arm: ObservedArm, tests: Goals, *, recorded: bool
+) -> Iterator[str]:
+    from assistant.learning.maps.training import TEST_GOALS
 
-    share = 0.0 if recorded else 1.0 - len(tests.pixels) / TESTS
+    share = 0.0 if recorded else 1.0 - len(tests.pixels) / TEST_GOALS
     hidden = f", {share:.0%} of them hidden" if share else ""
     yield (
         f"{arm.robot.title}: {', '.join(arm.moves)}; {net.units:,} units, {net.task.seen} numbers "
@@ -445,21 +449,21 @@ def _table_head(net: ExtendedMap, arm: SeenArm, tests: Goals, *, recorded: bool)
 
 def _print_result(
     net: ExtendedMap,
-    arm: SeenArm,
-    curve: Sequence[Errors],
-    beside: Mapping[str, Errors],
+    arm: ObservedArm,
+    curve: Sequence[MapErrors],
+    beside: Mapping[str, MapErrors],
     tests: Goals,
     written: Sequence[Path],
     options: LearnOptions,
 ) -> None:
     from assistant.findings.formats import finding_record
-    from assistant.learning.maps.rules import BEYOND_RANGES, NOT_LEARNT
-    from assistant.learning.maps.training import beyond_ranges
+    from assistant.learning.maps.rules import BEYOND_RANGES, UNITS_WITHOUT_WINS
+    from assistant.learning.maps.training import measure_overrun
 
     left, path = float((net.wins == 0.0).mean()), str(written[0])
-    findings = [NOT_LEARNT(share=left, path=path)] if left > LARGEST_UNUSED_SHARE else []
+    findings = [UNITS_WITHOUT_WINS(share=left, path=path)] if left > LARGEST_UNUSED_SHARE else []
     if net.task.free:
-        found = beyond_ranges(net, arm, tests)
+        found = measure_overrun(net, arm, tests)
         if found.share:
             findings.append(
                 BEYOND_RANGES(
@@ -498,45 +502,45 @@ def _check_output_names(options: LearnOptions, outputs: LearnOutputs) -> None:
 
 
 def _initial_map(made: Experiment, options: LearnOptions) -> ExtendedMap:
-    from assistant.learning.maps.training import start_with
+    from assistant.learning.maps.training import start_map_with_shape
 
     if options.lattice is None:
         return made.start(options.seed)
     shape = lattice_of(options.lattice)
-    return start_with(shape, made.arm, made.space, made.ranges, options.seed)
+    return start_map_with_shape(shape, made.arm, made.space, made.ranges, options.seed)
 
 
-def _learning_plan(net: ExtendedMap, options: LearnOptions) -> Plan:
-    from assistant.learning.maps.cooling import learning, learning_again
-    from assistant.learning.maps.training import MARKS, Plan
+def _learning_plan(net: ExtendedMap, options: LearnOptions) -> TrainingPlan:
+    from assistant.learning.maps.cooling import first_cooling, relearning_cooling
+    from assistant.learning.maps.training import MEASURED_STEPS, TrainingPlan
 
     again = options.go_on is not None
-    cooling = (learning_again if again else learning)(options.steps, options.noise)
-    marks = tuple(net.steps + mark for mark in MARKS if mark < options.steps)
-    return Plan(options.steps, cooling, marks=marks, seed=options.seed + net.steps)
+    cooling = (relearning_cooling if again else first_cooling)(options.steps, options.noise)
+    marks = tuple(net.steps + mark for mark in MEASURED_STEPS if mark < options.steps)
+    return TrainingPlan(options.steps, cooling, marks=marks, seed=options.seed + net.steps)
 
 
 def _rival_results(
-    made: Experiment, net: ExtendedMap, arm: SeenArm, tests: Goals, options: LearnOptions
-) -> Iterable[tuple[str, Errors]]:
+    made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: LearnOptions
+) -> Iterable[tuple[str, MapErrors]]:
     """The map with noise, and the rivals without and with it."""
-    from assistant.learning.maps.rivals import Calibrated, errors_of, pictures_of
-    from assistant.learning.maps.training import errors, with_noise
+    from assistant.learning.maps.rivals import CalibratedBaseline, baseline_errors, nearest_baseline
+    from assistant.learning.maps.training import goals_with_noise, measure_errors
 
     noise = options.noise or TEST_NOISE
-    blurred, seen = arm.noisy(noise, options.seed + 5), with_noise(tests, noise, options.seed)
-    yield f"{noise:g} px of noise", errors(net, blurred, seen)
+    blurred, seen = arm.noisy(noise, options.seed + 5), goals_with_noise(tests, noise, options.seed)
+    yield f"{noise:g} px of noise", measure_errors(net, blurred, seen)
     if not options.rivals:
         return
     clear = arm.noisy(0.0)
-    calibrated = Calibrated(made.arm.noisy(0.0), made.ranges)
-    nearest = pictures_of(arm, made.ranges, 2 * options.steps, tests, options.seed)
+    calibrated = CalibratedBaseline(made.arm.noisy(0.0), made.ranges)
+    nearest = nearest_baseline(arm, made.ranges, 2 * options.steps, tests, options.seed)
     for name, rival in (("calibrated pair", calibrated), ("regression", nearest)):
-        yield name, errors_of(rival, clear, tests)
-        yield f"{name[:10]}, noise", errors_of(rival, blurred, seen)
+        yield name, baseline_errors(rival, clear, tests)
+        yield f"{name[:10]}, noise", baseline_errors(rival, blurred, seen)
 
 
-def _error_row(head: str, found: Errors) -> str:
+def _error_row(head: str, found: MapErrors) -> str:
     mm = f"{_short_number(found.mm):>9} {_short_number(found.worst_mm):>9}"
     if math.isnan(found.degrees):
         return f"{head} {mm}"
@@ -547,7 +551,7 @@ def _short_number(value: float) -> str:
     return f"{value:.3f}" if value < 100.0 else f"{value:.1f}"
 
 
-def _error_record(found: Errors) -> dict[str, float | int | None]:
+def _error_record(found: MapErrors) -> dict[str, float | int | None]:
     return {
         "steps": found.steps,
         "seconds": found.seconds,
@@ -559,7 +563,7 @@ def _error_record(found: Errors) -> dict[str, float | int | None]:
     }
 
 
-def _lattice_stage(net: ExtendedMap, found: Errors) -> LatticeStage:
+def _lattice_stage(net: ExtendedMap, found: MapErrors) -> LatticeStage:
     from assistant.report.figures import LatticeStage
 
     return LatticeStage(found.steps, net.scale.pixels(net.places), found.mm)
@@ -568,7 +572,7 @@ def _lattice_stage(net: ExtendedMap, found: Errors) -> LatticeStage:
 def _output_data(
     net: ExtendedMap,
     cameras: Sequence[str],
-    curve: Sequence[Errors],
+    curve: Sequence[MapErrors],
     stages: Sequence[LatticeStage],
     tests: Goals,
     outputs: LearnOutputs,

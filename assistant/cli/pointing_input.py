@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.pointing.devices import Device
-    from assistant.vision.pointing.holding import Held, Still
+    from assistant.vision.pointing.holding import HeldPosition, HoldLimits
     from assistant.vision.pointing.locating import Limits
-    from assistant.vision.pointing.tracking import Look
-    from assistant.vision.servoing.setting_up import SetUp
+    from assistant.vision.pointing.tracking import Observation
+    from assistant.vision.servoing.setting_up import ServoSetup
     from assistant.vision.servoing.task_file import ServoFile
 
 
@@ -89,18 +89,18 @@ class ShownPlaces:
     reasons: Counter[str] = field(default_factory=Counter)
 
     @contextmanager
-    def looks(self) -> Iterator[Iterator[Look]]:
+    def looks(self) -> Iterator[Iterator[Observation]]:
         from assistant.vision.pointing.locating import check_cameras
-        from assistant.vision.pointing.moments import moments
-        from assistant.vision.pointing.tracking import tracked
+        from assistant.vision.pointing.moments import open_moments
+        from assistant.vision.pointing.tracking import track_device
 
         check_cameras(self.cameras)
-        with moments(self.rig, self.cameras, self.options.rate) as given:
+        with open_moments(self.rig, self.cameras, self.options.rate) as given:
             fastest = self.options.fastest
-            looks = tracked(given, self.device, self.cameras, self.limits, fastest)
+            looks = track_device(given, self.device, self.cameras, self.limits, fastest)
             yield self._counted(looks)
 
-    def _counted(self, looks: Iterator[Look]) -> Iterator[Look]:
+    def _counted(self, looks: Iterator[Observation]) -> Iterator[Observation]:
         for look in looks:
             self.count += 1
             if isinstance(look.seen, Diagnostic):
@@ -110,17 +110,17 @@ class ShownPlaces:
             yield look
 
     @contextmanager
-    def holds(self) -> Iterator[Iterator[Held]]:
-        from assistant.vision.pointing.holding import holds
+    def holds(self) -> Iterator[Iterator[HeldPosition]]:
+        from assistant.vision.pointing.holding import find_holds
 
         with self.looks() as looks:
-            yield holds(looks, self.device, self.cameras, self.limits, self.still, self.tell)
+            yield find_holds(looks, self.device, self.cameras, self.limits, self.still, self.tell)
 
     @property
-    def still(self) -> Still:
-        from assistant.vision.pointing.holding import Still
+    def still(self) -> HoldLimits:
+        from assistant.vision.pointing.holding import HoldLimits
 
-        return Still(self.options.frames)
+        return HoldLimits(self.options.frames)
 
     @property
     def limits(self) -> Limits:
@@ -134,12 +134,12 @@ class ShownPlaces:
 
     def ended(self, name: str) -> Refused:
         """What to say when the pictures ended before something was shown."""
-        from assistant.vision.pointing.rules import NOT_SHOWN
+        from assistant.vision.pointing.rules import POSITION_NOT_SHOWN
 
         most = self.reasons.most_common(1)
         mostly = f"; mostly {most[0][0]}" if most else ""
         return Refused(
-            NOT_SHOWN(
+            POSITION_NOT_SHOWN(
                 name=name,
                 seen=self.good,
                 count=self.count,
@@ -151,11 +151,11 @@ class ShownPlaces:
 
 def next_place(
     name: str,
-    holds: Iterator[Held],
+    holds: Iterator[HeldPosition],
     shown: ShownPlaces,
     robot: Robot | None,
     near: Sequence[float] | None = None,
-) -> tuple[Held, ShownTarget] | None:
+) -> tuple[HeldPosition, ShownTarget] | None:
     """The next place that is shown and reached; None when there are no pictures any more."""
     import numpy as np
 
@@ -187,11 +187,11 @@ def place_line(place: ShownTarget) -> str:
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
 
 
-def certainty(held: Held) -> str:
+def certainty(held: HeldPosition) -> str:
     return f"{held.frames} moments within {held.spread:.2f} mm, mean known to {held.sigma:.2f} mm"
 
 
-def pointing_record(held: Held, place: ShownTarget) -> dict[str, object]:
+def pointing_record(held: HeldPosition, place: ShownTarget) -> dict[str, object]:
     return {
         "name": place.name,
         "position": list(place.pose.position),
@@ -327,7 +327,7 @@ def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
 
     from assistant.base.file_sets import write_files
     from assistant.compiler.taught_targets import turned_into_plane
-    from assistant.vision.pointing.strokes import Smoothing, strokes
+    from assistant.vision.pointing.strokes import Smoothing, find_strokes
 
     options = shown.options
     if options.format is Format.TEXT:
@@ -335,7 +335,7 @@ def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
         sys.stdout.flush()
     smoothing = Smoothing(options.step)
     with shown.looks() as looks:
-        ways = strokes(
+        ways = find_strokes(
             looks, shown.device, shown.cameras, shown.limits, shown.still, smoothing, shown.tell
         )
         way = next(ways, None)
@@ -382,7 +382,7 @@ class _ArmLeader:
     wishes: LinkOptions
     pictures: tuple[ByPictures, ServoFile] | None
 
-    def led(self, place: ShownTarget, held: Held) -> dict[str, float]:
+    def led(self, place: ShownTarget, held: HeldPosition) -> dict[str, float]:
         """Asks, and leads the arm to a place; how far it is from there. Raises Refused."""
         from assistant.compiler.commanded_motion import trajectory_of_program
         from assistant.compiler.taught_targets import (
@@ -414,30 +414,30 @@ class _ArmLeader:
         self.motion.began = False
         return {"off_mm": off, "off_degrees": turned}
 
-    def _set_up(self, place: ShownTarget) -> SetUp | None:
+    def _set_up(self, place: ShownTarget) -> ServoSetup | None:
         from assistant.compiler.taught_targets import tip_of
         from assistant.program.geometry import IDENTITY
-        from assistant.vision.servoing.setting_up import set_up
+        from assistant.vision.servoing.setting_up import set_up_servo
 
         if self.pictures is None:
             return None
         file = replace(self.pictures[1], target=None, place=place.tip, goal=IDENTITY)
-        return set_up(replace(file, tip=tip_of(place)), self.shown.rig, self.robot)
+        return set_up_servo(replace(file, tip=tip_of(place)), self.shown.rig, self.robot)
 
-    def _by_pictures(self, seen: SetUp) -> tuple[float, float]:
+    def _by_pictures(self, seen: ServoSetup) -> tuple[float, float]:
         """Mm and degrees that are left as the cameras see it."""
         import numpy as np
 
         from assistant.compiler.taught_targets import own_joints
         from assistant.vision.servoing.loop import servo
-        from assistant.vision.servoing.setting_up import eyes_of
+        from assistant.vision.servoing.setting_up import open_eyes
 
         assert self.pictures is not None
         mode, cell = self.pictures[0], self.motion.cell
         near = np.array(own_joints(cell.controller.position(), self.robot))
         session = cell.controller if mode.operates else cell.session
         carrier = mode.make(session, seen.guard.arm(), self.wishes, near)
-        with eyes_of(seen, carrier.joints) as eyes, carrier:
+        with open_eyes(seen, carrier.joints) as eyes, carrier:
             done = servo(eyes, seen.law, carrier, seen.guard, seen.file.settings)
         return done.distance, done.turn
 
@@ -489,7 +489,7 @@ def _servo_pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] 
 
 
 def _store_next(
-    name: str, holds: Iterator[Held] | None, leader: _ArmLeader
+    name: str, holds: Iterator[HeldPosition] | None, leader: _ArmLeader
 ) -> dict[str, object] | None:
     """Leads the arm to the next place and stores where it is then; None without a place."""
     from assistant.compiler.taught_targets import own_joints, teach_target

@@ -20,7 +20,7 @@ from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.learning.calibration.problem import Known
+    from assistant.learning.calibration.problem import KnownPlacement
     from assistant.vision.cameras.camera import Camera
 
 
@@ -249,9 +249,9 @@ def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> in
     written = write_files(files, output.parent)
     print_findings(done.findings)
     if options.format is Format.JSON:
-        print_json(telling.record(done) | {"files": [str(file) for file in written]})
+        print_json(telling.calibration_record(done) | {"files": [str(file) for file in written]})
     else:
-        for line in telling.lines(done):
+        for line in telling.calibration_lines(done):
             say(line)
         say(f"corrected robot: {', '.join(str(file) for file in written)}")
     return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
@@ -277,7 +277,7 @@ def run_poses(robot: str, options: PoseOptions) -> int:
     from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
     from assistant.learning.calibration import telling
-    from assistant.learning.calibration.poses import suggested
+    from assistant.learning.calibration.poses import suggest_poses
 
     if options.count < FEWEST_POSES:
         raise Refused(FEW_POSES(count=options.count, least=FEWEST_POSES), exit_status=2)
@@ -288,7 +288,7 @@ def run_poses(robot: str, options: PoseOptions) -> int:
     if options.box is not None:
         box = np.array(_finite_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
     seen = tuple((_read_given_cameras(options.cameras) or {}).values())
-    found = suggested(
+    found = suggest_poses(
         arm,
         options.count,
         estimate=options.estimate,
@@ -307,7 +307,7 @@ def run_poses(robot: str, options: PoseOptions) -> int:
         sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
         print_json({"poses": str(written), "count": options.count, "sigmas": sigmas})
         return 0
-    for line in telling.suggestion(found):
+    for line in telling.suggestion_lines(found):
         say(line)
     say(f"poses: {written}")
     return 0
@@ -326,15 +326,15 @@ def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
             raise Refused(OWN_FILE(name=file.name), exit_status=2)
 
 
-def _known_parts(tool: str | None, *, in_base: bool) -> Known:
-    from assistant.learning.calibration.problem import Known
+def _known_parts(tool: str | None, *, in_base: bool) -> KnownPlacement:
+    from assistant.learning.calibration.problem import KnownPlacement
     from assistant.program.geometry import IDENTITY
 
     base = IDENTITY if in_base else None
     if tool is None:
-        return Known(base)
+        return KnownPlacement(base)
     a, b, c = _finite_numbers(tool, 3, "x,y,z")
-    return Known(base, (a, b, c))
+    return KnownPlacement(base, (a, b, c))
 
 
 def _read_given_cameras(file: Path | None) -> dict[str, Camera] | None:

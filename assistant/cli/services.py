@@ -284,7 +284,7 @@ def run_answer(
 
 def _serve_answers(given: AnswerOptions, trust: Trust, base: Pose | None) -> int:
     from assistant.controllers.mitsubishi.data_link import DataLink
-    from assistant.vision.answering import answer as answers
+    from assistant.vision.answering import serve_program as answers
 
     status = done = 0
     link = DataLink(given.at)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from assistant.controllers.setpoint_streams import Mode
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
-    from assistant.vision.servoing.loop import Served
+    from assistant.vision.servoing.loop import ServoResult
 
 
 NO_SERVO_MODE: Final = error(
@@ -54,8 +54,8 @@ class ServoOptions:
 def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
     """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.servoing.loop import Broken, servo
-    from assistant.vision.servoing.setting_up import eyes_of, set_up
+    from assistant.vision.servoing.loop import ServoStopped, servo
+    from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
     from assistant.vision.servoing.task_file import read_servo
 
     mode = _servo_mode(options)
@@ -67,11 +67,11 @@ def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
             raise Refused(SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
         session: Programs = there.controller if mode.operates else there.session
         mode.check(session, options.wishes)
-        setting = set_up(file, rig, robot)
+        setting = set_up_servo(file, rig, robot)
         begin = joints_nearby(session, robot)
         carrier = mode.make(session, setting.guard.arm(), options.wishes, begin)
         with ExitStack() as open_:
-            eyes = open_.enter_context(eyes_of(setting, carrier.joints))
+            eyes = open_.enter_context(open_eyes(setting, carrier.joints))
             names = ", ".join(camera.name for camera in setting.cameras)
             what = f"leads the arm by what camera {names} sees"
             print_findings([*mode.faster(setting.guard.arm(), str(there.one.address))])
@@ -82,7 +82,7 @@ def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
                 progress = open_.enter_context(progress_bar(f"servoing {task}", options.format))
                 parts = (eyes, setting.law, carrier, setting.guard, file.settings)
                 done = servo(*parts, progress=progress)
-            except Broken as broken:
+            except ServoStopped as broken:
                 motion.began = (
                     not {finding.code for finding in broken.findings} <= ENDS_BEFORE_MOTION
                 )
@@ -125,12 +125,12 @@ def joints_nearby(session: Programs, robot: Robot) -> Floats:
     return robot.home
 
 
-def _write_recording(served: Served | None, options: ServoOptions) -> None:
+def _write_recording(served: ServoResult | None, options: ServoOptions) -> None:
     if options.log is not None and served is not None:
         served.save(options.log)
 
 
-def _print_result(name: str, address: str, done: Served, options: ServoOptions) -> None:
+def _print_result(name: str, address: str, done: ServoResult, options: ServoOptions) -> None:
     if options.format is Format.JSON:
         print_json(record(_result_record(address, done)))
         return
@@ -141,7 +141,7 @@ def _print_result(name: str, address: str, done: Served, options: ServoOptions) 
         say(f"wrote {options.log}")
 
 
-def _result_record(address: str, done: Served) -> dict[str, Any]:
+def _result_record(address: str, done: ServoResult) -> dict[str, Any]:
     left = {"pixels": done.pixels, "mm": done.distance, "degrees": done.turn}
     return {
         "address": address,

@@ -26,28 +26,28 @@ from assistant.program.settings_tables import shown
 from assistant.sources.process import DEFAULT_TRUST, Trust
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
-NO_QUESTION: Final = error(
+NOT_A_QUESTION: Final = error(
     "VS380",
     "`{text}` is no question for where an object is, and is not answered",
     "have the program send `see NAME`, as one does that is compiled with --ask-at",
 )
-NOT_SEEN: Final = error(
+ASKED_NOT_SEEN: Final = error(
     "VS381",
     "a program asked for `{name}`, which is not in sight",
     "put it where the cameras see it",
 )
-IN_WORLD: Final = error(
+ROBOT_POSE_UNKNOWN: Final = error(
     "VS382",
     "`{name}` was seen in the world of the cell, and where the robot stands in it is not known",
     "name the cell with --cell and its robot with --robot, or see it in the robot's base",
 )
 DECIMALS: Final = 4
-SLICE: Final = 0.2
+LISTENING_SLICE: Final = 0.2
 """Seconds that a line is listened to at a time, so that the whole can be ended."""
-LONGEST: Final = 1e6
+LONGEST_WAIT: Final = 1e6
 """Seconds that a socket waits at the most."""
 
-Look = Callable[[str], Sight | None]
+ObjectLookup = Callable[[str], Sight | None]
 """Looks for an object by its name; None where it is not in sight. May raise Refused."""
 
 
@@ -63,9 +63,9 @@ class Answer:
     findings: tuple[Diagnostic, ...] = ()
 
 
-def answer(
+def serve_program(
     link: DataLink,
-    look: Look,
+    look: ObjectLookup,
     *,
     trust: Trust = DEFAULT_TRUST,
     base: Pose | None = None,
@@ -78,42 +78,42 @@ def answer(
     Each answer is given when it is on its way. Raises Lost if the line cannot be opened or fails
     while an answer goes out.
     """
-    _opened(link, patience)
+    _open_link(link, patience)
     try:
-        while (line := _question(link, patience)) is not None:
-            told = answered(line, look, trust=trust, base=base)
+        while (line := _next_question(link, patience)) is not None:
+            told = answer_line(line, look, trust=trust, base=base)
             if told.state is not None:
-                for number in numbers(told):
+                for number in answer_numbers(told):
                     link.send(number)
             yield told
     finally:
         link.close()
 
 
-def answered(
-    line: str, look: Look, *, trust: Trust = DEFAULT_TRUST, base: Pose | None = None
+def answer_line(
+    line: str, look: ObjectLookup, *, trust: Trust = DEFAULT_TRUST, base: Pose | None = None
 ) -> Answer:
     """What is answered to a line of a program."""
     word, _, name = line.strip().partition(" ")
     name = name.strip()
     if word.lower() != QUESTION or not name:
-        return Answer("", None, findings=(NO_QUESTION(text=shown(line)),))
+        return Answer("", None, findings=(NOT_A_QUESTION(text=shown(line)),))
     try:
         sight = look(name)
     except Refused as refused:
         return Answer(name, NOT_THERE, findings=refused.findings)
     if sight is None:
-        return Answer(name, NOT_THERE, findings=(NOT_SEEN(name=shown(name)),))
+        return Answer(name, NOT_THERE, findings=(ASKED_NOT_SEEN(name=shown(name)),))
     why = tuple(doubts(sight, trust, datetime.datetime.now(datetime.UTC)))
     if sight.frame == "world" and base is None:
-        why += (IN_WORLD(name=shown(name)),)
+        why += (ROBOT_POSE_UNKNOWN(name=shown(name)),)
     if why:
         return Answer(name, DOUBTFUL, findings=why)
     pose = sight.pose if sight.frame == "base" or base is None else base.inverse() @ sight.pose
     return Answer(name, FOUND, pose)
 
 
-def numbers(told: Answer) -> tuple[float, ...]:
+def answer_numbers(told: Answer) -> tuple[float, ...]:
     """The seven of an answer: state, mm, degrees about x, y, z of R = Rz·Ry·Rx."""
     if told.state != FOUND or told.pose is None:
         return (told.state or NOT_THERE, *(0.0,) * 6)
@@ -122,9 +122,9 @@ def numbers(told: Answer) -> tuple[float, ...]:
     return (FOUND, *(round(value, DECIMALS) + 0.0 for value in values))
 
 
-def _opened(link: DataLink, patience: float) -> None:
+def _open_link(link: DataLink, patience: float) -> None:
     """Opens a line as soon as the program does; raises Lost if it has not in time."""
-    whole, link.timeout = link.timeout, min(patience, LONGEST)
+    whole, link.timeout = link.timeout, min(patience, LONGEST_WAIT)
     try:
         link.prepare()
         link.open()
@@ -132,12 +132,12 @@ def _opened(link: DataLink, patience: float) -> None:
         link.timeout = whole
 
 
-def _question(link: DataLink, patience: float) -> str | None:
+def _next_question(link: DataLink, patience: float) -> str | None:
     """The next line, None once the other end has closed; raises Lost if none comes in time."""
     end = time.monotonic() + patience
     while time.monotonic() < end:
         try:
-            line = link.wait(SLICE)
+            line = link.wait(LISTENING_SLICE)
         except Lost:
             return None
         if line is not None:

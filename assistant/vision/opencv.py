@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 from assistant.base.diagnostics import Refused
-from assistant.vision.rules import NO_LIBRARY
+from assistant.vision.rules import NO_OPENCV
 
 MOST_PIXELS: Final = 100_000_000
 """Of a picture; a small file can say to hold any number of them."""
@@ -23,7 +23,7 @@ def opencv() -> Any:
     try:
         import cv2
     except ImportError:
-        raise Refused(NO_LIBRARY(), exit_status=2) from None
+        raise Refused(NO_OPENCV(), exit_status=2) from None
     return cv2
 
 

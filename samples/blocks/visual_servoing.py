@@ -19,11 +19,11 @@ from assistant.blocks.library.adapted import add
 from assistant.blocks.library.arrays import joints_port
 from assistant.blocks.running_bdsim import run_paced
 from assistant.vision.cameras.camera_file import read_cameras
-from assistant.vision.servoing.ideal import Ticks
+from assistant.vision.servoing.ideal import SteppedClock
 from assistant.vision.servoing.interaction import flange_of, jacobian
-from assistant.vision.servoing.law import Moment
-from assistant.vision.servoing.setting_up import set_up
-from assistant.vision.servoing.synthetic import Projected, World
+from assistant.vision.servoing.law import ServoMoment
+from assistant.vision.servoing.setting_up import set_up_servo
+from assistant.vision.servoing.synthetic import ProjectedEyes, ServoWorld
 from assistant.vision.servoing.task_file import read_servo
 
 SAMPLES = Path(__file__).parent.parent / "servoing"
@@ -53,13 +53,13 @@ class SeeAndTell(Block):
         speeds = Port("speeds", len(ROBOT.axes), "deg/s")
         super().__init__(name, [joints_port(ROBOT)], [speeds, Port("pixels"), Port("left")])
         file, rig = read_servo(SAMPLES / "marker.toml"), read_cameras(SAMPLES / "cameras.toml")
-        self.setting = set_up(replace(file, law=law), rig, ROBOT)
-        self.world = World(ROBOT, lambda: self.joints, (file.target, file.drawn))
+        self.setting = set_up_servo(replace(file, law=law), rig, ROBOT)
+        self.world = ServoWorld(ROBOT, lambda: self.joints, (file.target, file.drawn))
         self.joints = START
 
     def begin(self) -> None:
-        self.clock = Ticks()
-        self.eyes = Projected(self.setting.cameras, self.world, self.clock, noise=0.1)
+        self.clock = SteppedClock()
+        self.eyes = ProjectedEyes(self.setting.cameras, self.world, self.clock, noise=0.1)
         self.setting.law.forget()
         self.says = [np.zeros(len(ROBOT.axes)), [0.0], [0.0]]
 
@@ -73,7 +73,7 @@ class SeeAndTell(Block):
         sight = self.eyes.look(-np.inf, 1.0)
         flange = flange_of(ROBOT, self.joints)
         cameras = [camera.carried(flange) for camera in self.eyes.cameras]
-        task = self.setting.law.task(Moment(cameras, sight, flange))
+        task = self.setting.law.task(ServoMoment(cameras, sight, flange))
         if isinstance(task, str):  # why it does not know
             self.says = [np.zeros(len(ROBOT.axes)), [np.nan], [np.nan]]
             return

@@ -10,7 +10,7 @@ import pytest
 import assistant
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.learning.calibration.measured import measured
+from assistant.learning.calibration.measured import measured_from_columns
 from assistant.program.geometry import Pose
 from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata
@@ -48,7 +48,7 @@ QUATERNIONS = POSES[:, 3:]
         lambda: from_flags(np.zeros((2, 3))),
         lambda: joints_on_other_arm(np.zeros((6, 5)), ROBOT, ROBOT),
         lambda: Path.of("p", np.zeros((3, 4)), np.zeros((4, 3)), speeds=[Speed(100.0)]),
-        lambda: measured(np.zeros((4, 6)), np.zeros((3, 4))),
+        lambda: measured_from_columns(np.zeros((4, 6)), np.zeros((3, 4))),
         lambda: assistant.from_poses(POSES.astype(complex), unit="mm"),
         lambda: assistant.from_poses(POSES.astype(bool), unit="mm"),
         lambda: assistant.from_joints(np.zeros((2, 6), bool), unit="deg", robot=ROBOT),

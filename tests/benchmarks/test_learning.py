@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.training import measured_goals
+from assistant.learning.maps.training import draw_test_goals
 from benchmarks.learning import rows
 
 
 def test_all_three_are_measured_at_each_number_of_steps() -> None:
     made = three_joints()
-    found = list(rows(made, measured_goals(made.arm, made.space), (160, 320)))
+    found = list(rows(made, draw_test_goals(made.arm, made.space), (160, 320)))
     assert [(name.split(",")[0], count) for name, count, *_ in found] == [
         ("learned map", 160),
         ("learned map", 320),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.blocks.fmu.compilers import here
+from assistant.blocks.fmu.compilers import this_platform
 from tests.blocks.code.compiled import compiler
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED
@@ -32,7 +32,7 @@ def test_the_name_of_a_robot_gives_an_arm(capsys: Capture, tmp_path: Path) -> No
         "Mitsubishi RV-2AJ, simulated: 26 parameters, 14 inputs, 34 outputs",
         f"wrote {file}",
     ]
-    assert f"binaries/{here()}/rv_2aj_simulated.so" in names(file)
+    assert f"binaries/{this_platform()}/rv_2aj_simulated.so" in names(file)
 
 
 def test_a_program_gives_its_motion(capsys: Capture, tmp_path: Path) -> None:

@@ -30,11 +30,9 @@ from assistant.findings.severities import severities_for
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.measured import read_measured
 from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.map_file import COLUMNS
-from assistant.learning.maps.map_file import load as load_map
-from assistant.learning.maps.map_file import save as save_map
-from assistant.learning.maps.training import start_with, trained, usual
-from assistant.learning.maps.using import User
+from assistant.learning.maps.map_file import COLUMNS, load_map, save_map
+from assistant.learning.maps.training import start_map_with_shape, train_and_measure, usual_plan
+from assistant.learning.maps.using import MapInUse
 from assistant.program import pseudo
 from assistant.project import project_of
 from assistant.project.builds import BUILD_FILE, read_build
@@ -116,7 +114,7 @@ def learned_map(data: bytes) -> None:
     with refusing():
         net = load_map(path)
         shown = net.scale.middle + np.linspace(-200.0, 200.0, 9)[:, None] * np.ones(net.task.seen)
-        found = User(net).proposed(shown)
+        found = MapInUse(net).proposed(shown)
         low, high = net.scale.low, net.scale.high
         inside = (found.joints >= low) & (found.joints <= high)
         promise(bool((inside.all(axis=1) | ~found.known).all()), "joints outside their ranges")
@@ -243,8 +241,8 @@ def _npz() -> Iterable[bytes]:
 def _learned() -> Iterable[bytes]:
     """A small map as its archive, and as its arrays by turns."""
     made = three_joints()
-    net = start_with((2, 3, 2), made.arm, made.space, made.ranges)
-    trained(net, made.arm, made.space, usual(50))
+    net = start_map_with_shape((2, 3, 2), made.arm, made.space, made.ranges)
+    train_and_measure(net, made.arm, made.space, usual_plan(50))
     path = str(folder() / "seed.npz")
     save_map(net, path)
     with np.load(path) as archive:

@@ -28,7 +28,7 @@ from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.kernel import Instant
 from assistant.virtual.program_run import Settings, prepared
-from assistant.vision.answering import Answer, answer, answered, numbers
+from assistant.vision.answering import Answer, answer_line, answer_numbers, serve_program
 
 TEXT = """program seam
 
@@ -86,7 +86,7 @@ class Asked:
     def run(self, look: Callable[[str], Sight | None]) -> tuple[list[Answer], Run]:
         self.link.prepare()
         with ThreadPoolExecutor(1) as aside:
-            answers = aside.submit(lambda: list(answer(self.link, look, patience=20.0)))
+            answers = aside.submit(lambda: list(serve_program(self.link, look, patience=20.0)))
             kernel = self.kernel()
             run = kernel.run()
             return answers.result(30), run
@@ -227,32 +227,35 @@ def test_a_line_that_is_cut_moves_nothing(tmp_path: Path, arm: tuple[str, str]):
 
 def test_the_numbers_are_those_of_the_pose():
     told = Answer("b", 1, Pose((1.0, 2.0, 3.0), turned(30.0, 20.0, 10.0)))
-    assert numbers(told) == pytest.approx((1, 1, 2, 3, 10, 20, 30))
-    assert numbers(Answer("b", 0)) == (0,) * 7 and numbers(Answer("b", 2)) == (2, *(0,) * 6)
+    assert answer_numbers(told) == pytest.approx((1, 1, 2, 3, 10, 20, 30))
+    assert answer_numbers(Answer("b", 0)) == (0,) * 7 and answer_numbers(Answer("b", 2)) == (
+        2,
+        *(0,) * 6,
+    )
 
 
 def test_what_was_seen_in_the_world_is_told_in_the_base():
     there = Sight(**{name: getattr(sight(Pose((85.0, 320.0, 210.0))), name) for name in
                      Sight.__slots__ if name != "frame"}, frame="world")  # fmt: skip
     base = Pose((100.0, 0.0, 0.0), turned(90.0, 0.0, 0.0))
-    told = answered("see bracket", lambda _: there, base=base)
+    told = answer_line("see bracket", lambda _: there, base=base)
     assert told.pose is not None and told.pose.position == pytest.approx((320, 15, 210))
-    nowhere = answered("see bracket", lambda _: there)
+    nowhere = answer_line("see bracket", lambda _: there)
     assert nowhere.state == 2 and [one.code for one in nowhere.findings] == ["VS382"]
 
 
 @pytest.mark.parametrize("line", ["", "see", "see ", "look bracket", "1,2,3", "\x00\xff"])
 def test_what_is_no_question_is_not_answered(line: str):
-    told = answered(line, lambda name: sight(Pose(), name))
+    told = answer_line(line, lambda name: sight(Pose(), name))
     assert told.state is None and [one.code for one in told.findings] == ["VS380"]
 
 
 def test_what_is_not_in_sight_is_told():
-    told = answered("see bracket", lambda _: None)
+    told = answer_line("see bracket", lambda _: None)
     assert told.state == 0 and [one.code for one in told.findings] == ["VS381"]
 
 
 def test_nobody_who_asks_is_told_in_time():
     link = DataLink(f"listen:127.0.0.1:{free_port()}", timeout=0.2)
     with pytest.raises(Lost):
-        list(answer(link, lambda _: None, patience=0.1))
+        list(serve_program(link, lambda _: None, patience=0.1))

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from assistant.blocks.code.kinematics import LANGUAGES, Named, kinematics, source_of
+from assistant.blocks.code.kinematics import LANGUAGES, SourceNames, kinematics, source_of
 
 __all__ = ["LANGUAGES", "Named", "kinematics", "source_of"]

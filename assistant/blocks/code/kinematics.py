@@ -11,7 +11,13 @@ import numpy as np
 
 from assistant.base.diagnostics import Refused
 from assistant.blocks.code import rules
-from assistant.blocks.code.templates import environment, identifier, number, numbers, words
+from assistant.blocks.code.templates import (
+    number_literal,
+    number_literals,
+    safe_text,
+    source_identifier,
+    template_environment,
+)
 from assistant.blocks.code.vectors import vectors_csv
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
@@ -26,7 +32,7 @@ LANGUAGES: Final[tuple[Language, ...]] = ("c", "python")
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class SourceNames:
     """What the source of an arm is called.
 
     stem: of its files. prefix: of its functions, with a `_` behind it.
@@ -41,23 +47,23 @@ def kinematics(robot: Robot, language: Language) -> Mapping[str, bytes]:
 
     Raises Refused for an arm without a closed form, and one that is never away from singularities.
     """
-    stem = identifier(robot.name)
-    named = Named(stem, stem)
+    stem = source_identifier(robot.name)
+    named = SourceNames(stem, stem)
     endings = {"c": (".h", ".c"), "python": (".py",)}[language]
     files = {f"{stem}{end}": source_of(robot, named, end) for end in endings}
-    check = environment().get_template(f"kinematics/check{endings[-1]}.j2")
-    checked = check.render(_names(named)).encode()
+    check = template_environment().get_template(f"kinematics/check{endings[-1]}.j2")
+    checked = check.render(_name_values(named)).encode()
     vectors = vectors_csv(robot)
     return files | {f"{stem}_check{endings[-1]}": checked, f"{stem}_vectors.csv": vectors}
 
 
-def source_of(robot: Robot, named: Named, ending: str) -> bytes:
+def source_of(robot: Robot, named: SourceNames, ending: str) -> bytes:
     """One file of the source: `.h`, `.c` or `.py`; raises Refused without a closed form."""
-    template = environment().get_template(f"kinematics/arm{ending}.j2")
-    return template.render(_names(named) | _numbers(robot)).encode()
+    template = template_environment().get_template(f"kinematics/arm{ending}.j2")
+    return template.render(_name_values(named) | _robot_values(robot)).encode()
 
 
-def _names(named: Named) -> dict[str, Any]:
+def _name_values(named: SourceNames) -> dict[str, Any]:
     macro = named.prefix.upper()
     return {
         "stem": named.stem,
@@ -69,18 +75,18 @@ def _names(named: Named) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class _Placed:
+class _PlacedArm:
     """How a file counts joints, base and flange of the closed form, ready to be written."""
 
     arm: Placed
 
     @cached_property
     def senses(self) -> tuple[str, ...]:
-        return numbers(self.arm.senses)
+        return number_literals(self.arm.senses)
 
     @cached_property
     def offsets(self) -> tuple[str, ...]:
-        return numbers(self.arm.zeros)
+        return number_literals(self.arm.zeros)
 
     @cached_property
     def poses(self) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
@@ -90,10 +96,13 @@ class _Placed:
             "TO_BASE": self.arm.base.inverse(),
             "FROM_FLANGE": self.arm.flange.inverse(),
         }
-        return [(name, numbers(p.position), numbers(p.quaternion)) for name, p in named.items()]
+        return [
+            (name, number_literals(p.position), number_literals(p.quaternion))
+            for name, p in named.items()
+        ]
 
 
-def _numbers(robot: Robot) -> dict[str, Any]:
+def _robot_values(robot: Robot) -> dict[str, Any]:
     """What the templates are told of a robot."""
     arm = robot.arm
     if not isinstance(arm, SixAxis | FiveAxis | Scara | Placed):
@@ -101,27 +110,27 @@ def _numbers(robot: Robot) -> dict[str, Any]:
     axis_of = dict(robot.turning())
     turning = [axis_of.get(column, -1) for column in range(QUADRANTS.start, QUADRANTS.stop)]
     return {
-        "title": words(robot.title),
+        "title": safe_text(robot.title),
         "kind": arm.kind,
         "axes": robot.axes,
         "branches": robot.branches,
         "branch_words": BRANCH_WORDS[arm.kind],
         "shape_words": SHAPE_WORDS[arm.kind],
-        "lengths": _lengths(arm),
-        "zero": numbers(robot.zero),
-        "limits": [numbers(row) for row in robot.limits],
+        "lengths": _length_rows(arm),
+        "zero": number_literals(robot.zero),
+        "limits": [number_literals(row) for row in robot.limits],
         "slides": np.where(robot.sliding, 1, 0).tolist(),
         "sliding": [name for name, slides in zip(robot.axes, robot.sliding, strict=True) if slides],
-        "coupling": number(robot.coupling),
-        "placed": _Placed(arm) if isinstance(arm, Placed) else None,
+        "coupling": number_literal(robot.coupling),
+        "placed": _PlacedArm(arm) if isinstance(arm, Placed) else None,
         "turning": turning,
         "turns": robot.counts == "turns",
-        "closing": number(CLOSING),
-        "angle": number(arm.angle),
-        "boundary": number(BOUNDARY),
-        "limit_tolerance": number(LIMIT_TOLERANCE),
-        "in_line": number(WRIST_IN_LINE),
-        "on_axis": number(ON_AXIS_1),
+        "closing": number_literal(CLOSING),
+        "angle": number_literal(arm.angle),
+        "boundary": number_literal(BOUNDARY),
+        "limit_tolerance": number_literal(LIMIT_TOLERANCE),
+        "in_line": number_literal(WRIST_IN_LINE),
+        "on_axis": number_literal(ON_AXIS_1),
     }
 
 
@@ -145,14 +154,18 @@ LENGTH_WORDS: Final = {
     "d4": "axis 3 to the wrist centre along the forearm",
     "d6": "wrist centre to the flange",
 }
-LEFT_OUT: Final = frozenset({"a1", "a3"})
+OPTIONAL_LENGTHS: Final = frozenset({"a1", "a3"})
 """Lengths that are 0 of every arm of five axes."""
 
 
-def _lengths(arm: SixAxis | FiveAxis | Scara | Placed) -> list[tuple[str, str, str]]:
+def _length_rows(arm: SixAxis | FiveAxis | Scara | Placed) -> list[tuple[str, str, str]]:
     """Name, value and words of each length."""
     if isinstance(arm, Scara):
         links = (arm.l1, "axis 1 to axis 2"), (arm.l2, "axis 2 to axes 3 and 4")
-        return [(f"l{i}", number(value), said) for i, (value, said) in enumerate(links, 1)]
-    some = [name for name in LENGTH_WORDS if not (isinstance(arm, FiveAxis) and name in LEFT_OUT)]
-    return [(name, number(getattr(arm.lengths, name)), LENGTH_WORDS[name]) for name in some]
+        return [(f"l{i}", number_literal(value), said) for i, (value, said) in enumerate(links, 1)]
+    some = [
+        name
+        for name in LENGTH_WORDS
+        if not (isinstance(arm, FiveAxis) and name in OPTIONAL_LENGTHS)
+    ]
+    return [(name, number_literal(getattr(arm.lengths, name)), LENGTH_WORDS[name]) for name in some]

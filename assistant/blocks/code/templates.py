@@ -22,7 +22,7 @@ LONGEST_WORDS: Final = 120
 
 
 @cache
-def environment() -> Environment:
+def template_environment() -> Environment:
     """Templates of our own, which are named by their places below `templates/`."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined
 
@@ -38,35 +38,35 @@ def environment() -> Environment:
     )
 
 
-def number(value: float) -> str:
+def number_literal(value: float) -> str:
     """A finite float as C, Python and XML read it, to the last digit."""
     if not math.isfinite(value):
         raise ValueError(f"{value} is no number of a source")
     return repr(float(value) + 0.0)
 
 
-def numbers(values: Iterable[float]) -> tuple[str, ...]:
+def number_literals(values: Iterable[float]) -> tuple[str, ...]:
     """Each of them by `number`."""
-    return tuple(number(value) for value in values)
+    return tuple(number_literal(value) for value in values)
 
 
-def words(text: str) -> str:
+def safe_text(text: str) -> str:
     """Text of the user's for a comment or a string: nothing in it can end one or begin another."""
     plain = "".join(c if c.isascii() and (c.isalnum() or c in " -_.,()/+") else " " for c in text)
     return re.sub(r"/+", "/", " ".join(plain.split()))[:LONGEST_WORDS].strip() or "an arm"
 
 
-def identifier(text: str) -> str:
+def source_identifier(text: str) -> str:
     """Text of the user's as the name of a module and the beginning of names: `rv_2aj`."""
     plain = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")[:LONGEST_NAME].strip("_")
     if not plain or not plain[0].isalpha():
         plain = f"arm_{plain}".strip("_")
-    if keyword.iskeyword(plain) or plain in sys.stdlib_module_names or plain in _TAKEN:
+    if keyword.iskeyword(plain) or plain in sys.stdlib_module_names or plain in _RESERVED_NAMES:
         plain += "_arm"
     return plain
 
 
-_TAKEN: Final = frozenset(
+_RESERVED_NAMES: Final = frozenset(
     {"con", "prn", "aux", "nul", "std"}
     | {f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)}
 )

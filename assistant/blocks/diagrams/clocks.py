@@ -6,11 +6,11 @@ import math
 import time
 from typing import Final, Protocol
 
-SPIN: Final = 2e-4
+SPIN_SECONDS: Final = 2e-4
 """Seconds before a moment from which on it is waited for without sleeping."""
 
 
-class Clock(Protocol):
+class RunClock(Protocol):
     """What the steps of a run wait for."""
 
     def begin(self) -> None:
@@ -48,6 +48,6 @@ class RealTime:
     def reach(self, moment: float) -> float:
         due = self._began + moment / self.pace
         while (rest := due - time.monotonic()) > 0.0:
-            if rest > SPIN:
-                time.sleep(rest - SPIN)
+            if rest > SPIN_SECONDS:
+                time.sleep(rest - SPIN_SECONDS)
         return -rest * self.pace

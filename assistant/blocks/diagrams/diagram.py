@@ -11,19 +11,19 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.diagrams import rules
 from assistant.blocks.diagrams.block import Block
 
-B = TypeVar("B", bound=Block)
-Place = tuple[Block, int]
+AnyBlock = TypeVar("B", bound=Block)
+PortRef = tuple[Block, int]
 """A port of a block, by its number."""
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class StepOrder:
     """order: blocks as they give their outputs. sources: of each block where its inputs come from.
     findings: what may be wrong and does not keep it from running.
     """
 
     order: tuple[Block, ...]
-    sources: Mapping[Block, tuple[Place, ...]]
+    sources: Mapping[Block, tuple[PortRef, ...]]
     findings: tuple[Diagnostic, ...]
 
 
@@ -39,7 +39,7 @@ class Diagram:
     def __init__(self, name: str = "main") -> None:
         self.name = name
         self.blocks: list[Block] = []
-        self._wires: dict[tuple[Block, int], Place] = {}
+        self._wires: dict[tuple[Block, int], PortRef] = {}
 
     def __repr__(self) -> str:
         return f"<Diagram {self.name}: {len(self.blocks)} blocks, {len(self._wires)} wires>"
@@ -50,10 +50,10 @@ class Diagram:
 
         return diagram_png(self)
 
-    def add(self, block: B) -> B:
+    def add(self, block: AnyBlock) -> AnyBlock:
         """Puts a block in and gives it back; raises Refused for a name that is taken."""
         if any(one.name == block.name for one in self.blocks):
-            raise Refused(rules.SAME_NAME(name=block.name))
+            raise Refused(rules.SAME_BLOCK_NAME(name=block.name))
         self.blocks.append(block)
         return block
 
@@ -76,11 +76,11 @@ class Diagram:
             self._wires[block, number] = source
 
     @property
-    def wires(self) -> Sequence[tuple[Place, Place]]:
+    def wires(self) -> Sequence[tuple[PortRef, PortRef]]:
         """From where to where, in the order in which they were laid."""
         return [(start, end) for end, start in self._wires.items()]
 
-    def plan(self) -> Plan:
+    def plan(self) -> StepOrder:
         """The order of its steps; raises Refused for inputs without a wire and for loops."""
         missing = [
             rules.NO_WIRE(port=port.name, block=block.name)
@@ -88,7 +88,7 @@ class Diagram:
             for number, port in enumerate(block.inputs)
             if (block, number) not in self._wires
         ]
-        unlike = [found for wire in self.wires if (found := _unlike(*wire)) is not None]
+        unlike = [found for wire in self.wires if (found := _port_mismatch(*wire)) is not None]
         wrong = [*missing, *(one for one in unlike if one.severity == "error")]
         if wrong:
             raise Refused(*wrong)
@@ -104,13 +104,13 @@ class Diagram:
             order = tuple(TopologicalSorter(waits).static_order())
         except CycleError as error:
             names = " → ".join(f"`{block.name}`" for block in error.args[1])
-            raise Refused(rules.LOOP(names=names)) from None
-        return Plan(order, sources, tuple(unlike))
+            raise Refused(rules.ALGEBRAIC_LOOP(names=names)) from None
+        return StepOrder(order, sources, tuple(unlike))
 
-    def _port(self, given: Block | tuple[Block, str], kind: str) -> Place:
+    def _port(self, given: Block | tuple[Block, str], kind: str) -> PortRef:
         block, name = given if isinstance(given, tuple) else (given, None)
         if block not in self.blocks:
-            raise Refused(rules.NOT_A_STRANGER(name=block.name))
+            raise Refused(rules.BLOCK_OF_NO_DIAGRAM(name=block.name))
         ports = block.outputs if kind == "output" else block.inputs
         found = [i for i, port in enumerate(ports) if name in (None, port.name)]
         if len(found) != 1:
@@ -120,12 +120,12 @@ class Diagram:
         return block, found[0]
 
 
-def _unlike(start: Place, end: Place) -> Diagnostic | None:
+def _port_mismatch(start: PortRef, end: PortRef) -> Diagnostic | None:
     """What does not fit between two ports."""
     one, other = start[0].outputs[start[1]], end[0].inputs[end[1]]
     given, wanted = f"{start[0].name}.{one.name}", f"{end[0].name}.{other.name}"
     if not other.takes(one.size):
-        return rules.OTHER_SIZE(start=given, end=wanted, given=one.size, wanted=other.wanted)
+        return rules.OTHER_SIGNAL_SIZE(start=given, end=wanted, given=one.size, wanted=other.wanted)
     if one.unit != other.unit and one.unit and other.unit:
-        return rules.OTHER_UNIT(start=given, end=wanted, given=one.unit, wanted=other.unit)
+        return rules.OTHER_SIGNAL_UNIT(start=given, end=wanted, given=one.unit, wanted=other.unit)
     return None

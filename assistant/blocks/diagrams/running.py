@@ -14,16 +14,16 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.diagrams import rules
 from assistant.blocks.diagrams.block import Block, Port, signal
-from assistant.blocks.diagrams.clocks import Clock, Simulated
-from assistant.blocks.diagrams.diagram import Diagram, Plan
+from assistant.blocks.diagrams.clocks import RunClock, Simulated
+from assistant.blocks.diagrams.diagram import Diagram, StepOrder
 
 MOST_STEPS: Final = 10_000_000
-LATE: Final = 0.5
+LATE_SHARE: Final = 0.5
 """Part of a step by which one is late that counts as late."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Ran:
+class RunResult:
     """What a run gave.
 
     seconds: (n,) of its steps. columns: (n, k) by `block.port`. lateness: (n,) seconds that each
@@ -48,9 +48,9 @@ class Ran:
 
     def _repr_png_(self) -> bytes | None:
         """Signals over time; None without matplotlib."""
-        from assistant.blocks.showing.pictures import ran_png
+        from assistant.blocks.showing.pictures import run_png
 
-        return ran_png(self)
+        return run_png(self)
 
     def __getitem__(self, name: str) -> Floats:
         """The signal of a port, `block.port`, (n,) where it is a single number."""
@@ -72,10 +72,10 @@ def run(
     seconds: float,
     step: float,
     *,
-    clock: Clock | None = None,
+    clock: RunClock | None = None,
     watch: Callable[[float], bool] | None = None,
     moving: Iterable[str] = (),
-) -> Ran:
+) -> RunResult:
     """Steps a diagram from 0 to so many seconds.
 
     moving: names of the controllers whose arms somebody confirmed that it moves.
@@ -83,15 +83,15 @@ def run(
     False ends the run. Whatever happens, every block that was begun is ended.
     Raises Refused for a diagram that cannot run, and for a block that fails.
     """
-    count = steps_of(seconds, step)
+    count = step_count(seconds, step)
     plan = diagram.plan()
-    check_confirmed(plan.order, confirmed(moving))
+    check_confirmed(plan.order, confirmed_names(moving))
     clock = clock or Simulated()
     stepper, recorder = _Stepper(plan, step), _Recorder(plan.order, count)
-    with ending() as open_blocks:
+    with closing_all() as open_blocks:
         for block in plan.order:
             open_blocks.callback(block.end)
-            with named(block, 0.0):
+            with errors_with_block(block, 0.0):
                 block.begin()
         clock.begin()
         for number in range(count):
@@ -104,7 +104,7 @@ def run(
     return recorder.ran(step, plan.findings)
 
 
-def steps_of(seconds: float, step: float) -> int:
+def step_count(seconds: float, step: float) -> int:
     """Steps of a run, the one at 0 s among them; raises Refused."""
     if not 0.0 < step < np.inf:
         raise Refused(rules.BAD_STEP(what="a step", value=step, cure="give seconds above 0"))
@@ -114,7 +114,7 @@ def steps_of(seconds: float, step: float) -> int:
     return int(np.floor(seconds / step + 1e-9)) + 1
 
 
-def confirmed(moving: Iterable[str]) -> frozenset[str]:
+def confirmed_names(moving: Iterable[str]) -> frozenset[str]:
     """Names of controllers whose arms may move; a text by itself is one name."""
     return frozenset([moving] if isinstance(moving, str) else moving)
 
@@ -123,12 +123,12 @@ def check_confirmed(blocks: Iterable[Block], names: frozenset[str]) -> None:
     """Raises Refused for blocks that move an arm which is not among the names."""
     wanting = [block for block in blocks if block.moves and block.moves not in names]
     if wanting:
-        told = (rules.NOT_CONFIRMED(block=one.name, name=one.moves) for one in wanting)
+        told = (rules.MOTION_NOT_CONFIRMED(block=one.name, name=one.moves) for one in wanting)
         raise Refused(*told, exit_status=2)
 
 
 @contextmanager
-def ending() -> Iterator[ExitStack]:
+def closing_all() -> Iterator[ExitStack]:
     """For what is ended behind a run, each of it whatever the others raise.
 
     What ended the run is told first, and behind it what its end met.
@@ -150,7 +150,7 @@ def ending() -> Iterator[ExitStack]:
 
 
 @contextmanager
-def named(block: Block, now: float) -> Iterator[None]:
+def errors_with_block(block: Block, now: float) -> Iterator[None]:
     """What a block raises is told with its name and the moment; a Refused says it already."""
     try:
         yield
@@ -160,33 +160,33 @@ def named(block: Block, now: float) -> Iterator[None]:
         reason = str(error) or type(error).__name__
         if not isinstance(error, ValueError | ArithmeticError):
             reason = f"{type(error).__name__}: {error}"
-        raise Refused(rules.BROKE(name=block.name, now=now, reason=reason)) from error
+        raise Refused(rules.BLOCK_FAILED(name=block.name, now=now, reason=reason)) from error
 
 
 class _Stepper:
     """signals: of each block by now, one array an output."""
 
-    def __init__(self, plan: Plan, step: float) -> None:
+    def __init__(self, plan: StepOrder, step: float) -> None:
         self._plan = plan
         self.signals: dict[Block, tuple[Floats, ...]] = {
             block: tuple(np.zeros(port.size) for port in block.outputs) for block in plan.order
         }
-        self._every = {block: _every(block, step) for block in plan.order}
+        self._every = {block: _steps_per_block_step(block, step) for block in plan.order}
 
     def step(self, number: int, now: float) -> None:
         due = [block for block in self._plan.order if number % self._every[block] == 0]
         for block in due:
             given = self._given(block) if block.direct else ()
-            self.signals[block] = outputs(block, now, given)
+            self.signals[block] = block_outputs(block, now, given)
         for block in due:
-            with named(block, now):
+            with errors_with_block(block, now):
                 block.take(now, self._given(block))
 
     def _given(self, block: Block) -> tuple[Floats, ...]:
         return tuple(self.signals[start][number] for start, number in self._plan.sources[block])
 
 
-def _every(block: Block, step: float) -> int:
+def _steps_per_block_step(block: Block, step: float) -> int:
     """Steps of the diagram from one step of a block to its next."""
     if block.period is None:
         return 1
@@ -198,9 +198,9 @@ def _every(block: Block, step: float) -> int:
     return count
 
 
-def outputs(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
+def block_outputs(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
     """What a block gives, one signal a port; raises Refused with its name."""
-    with named(block, now):
+    with errors_with_block(block, now):
         values = tuple(block.give(now, given))
         if len(values) != len(block.outputs):
             raise ValueError(f"{len(values)} signals for {len(block.outputs)} outputs")
@@ -227,11 +227,11 @@ class _Recorder:
         self.table[self.rows] = np.concatenate(row)
         self.rows += 1
 
-    def ran(self, step: float, findings: tuple[Diagnostic, ...]) -> Ran:
+    def ran(self, step: float, findings: tuple[Diagnostic, ...]) -> RunResult:
         table = self.table[: self.rows]
         columns, place = {}, 2
         for block, port in self._ports():
             columns[f"{block.name}.{port.name}"] = table[:, place : place + port.size]
             place += port.size
-        late = int((table[:, 1] > LATE * step).sum())
-        return Ran(table[:, 0], columns, table[:, 1], late, findings)
+        late = int((table[:, 1] > LATE_SHARE * step).sum())
+        return RunResult(table[:, 0], columns, table[:, 1], late, findings)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from assistant.blocks.code.templates import identifier, words
-from assistant.blocks.fmu.joints import flags, joint_variables, pose_variables
+from assistant.blocks.code.templates import safe_text, source_identifier
+from assistant.blocks.fmu.joints import flag_variables, joint_variables, pose_variables
 from assistant.blocks.fmu.model import Model
 from assistant.blocks.fmu.variables import Group, Variable
 from assistant.robots import Robot
@@ -18,19 +18,19 @@ def arm_model(robot: Robot, *, lag: float = 0.0) -> Model:
     lag: seconds of the first order by which joints follow, the start of `time_constant`.
     Raises Refused for an arm without a closed form.
     """
-    title = words(robot.title)
+    title = safe_text(robot.title)
     return Model(
-        identifier=f"{identifier(robot.name)}_simulated",
+        identifier=f"{source_identifier(robot.name)}_simulated",
         title=f"{title}, simulated",
         description=f"An arm of {title} that follows joints or poses within its limits",
         template="arm",
-        groups=_groups(robot, lag),
+        groups=_arm_groups(robot, lag),
         robot=robot,
         follows=frozenset({"STARTS"}),
     )
 
 
-def _groups(robot: Robot, lag: float) -> tuple[Group, ...]:
+def _arm_groups(robot: Robot, lag: float) -> tuple[Group, ...]:
     drive, home = drive_of(robot), robot.home
     (position,), (quaternion,) = robot.fk(home)
     low, high = robot.limits.T
@@ -60,19 +60,19 @@ def _groups(robot: Robot, lag: float) -> tuple[Group, ...]:
         Group("POSE", "Real", "output", pose_variables("{}", "pose of the flange in the base")),
         Group("BRANCH", "Integer", "input",
               [Variable("branch", "of the arm for poses; -1 for the nearest one", -1)]),
-        Group("CONFIGURATION", "Integer", "output", _configuration()),
+        Group("CONFIGURATION", "Integer", "output", _configuration_variables()),
         Group("BY_POSE", "Boolean", "input",
               [Variable("by_pose", "whether the wanted pose counts, not the joints", start=False)]),
         Group("REACHABLE", "Boolean", "output",
               [Variable("reachable", "whether what is wanted is inside all limits")]),
         Group("AT_LIMIT", "Boolean", "output",
-              flags(robot, "{}_at_limit", "whether {} stays inside its limit")),
+              flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
         Group("AT_SPEED", "Boolean", "output",
-              flags(robot, "{}_at_speed", "whether {} goes at its top speed")),
+              flag_variables(robot, "{}_at_speed", "whether {} goes at its top speed")),
     )  # fmt: skip
 
 
-def _configuration() -> list[Variable]:
+def _configuration_variables() -> list[Variable]:
     said = {
         "back": "1 for a wrist behind axis 1, a SCARA: elbow left",
         "down": "1 for an elbow below, a SCARA: 1",

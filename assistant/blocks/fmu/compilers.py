@@ -15,11 +15,11 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks.fmu import rules
 from assistant.blocks.fmu.model import Model
 
-LONGEST: Final = 300.0
+COMPILER_TIMEOUT: Final = 300.0
 """Seconds of a compiler; zig makes its own C library when it is first used, which takes 80."""
-FLAGS: Final = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
+COMPILER_FLAGS: Final = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
 """No contraction: a product and a sum are rounded each, as numpy does."""
-PREFIX: Final = "-DFMI2_OVERRIDE_FUNCTION_PREFIX"
+PREFIX_FLAG: Final = "-DFMI2_OVERRIDE_FUNCTION_PREFIX"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ PLATFORMS: Final = {
 """Names of FMI 2.0 → platforms."""
 
 
-def here() -> str:
+def this_platform() -> str:
     """The platform of this machine."""
     systems = {"linux": "linux64", "win32": "win64", "darwin": "darwin64"}
     return systems.get(sys.platform, "")
@@ -70,15 +70,15 @@ def compiled(model: Model, *, everywhere: bool = False) -> tuple[bytes, tuple[Di
     everywhere: also for systems that this machine is not, by what cross compilers there are.
     Raises Refused where a compiler fails.
     """
-    own = here()
+    own = this_platform()
     wanted = [own, *(name for name in PLATFORMS if everywhere and name != own)]
     libraries, findings = {}, []
     for name in wanted:
-        command = _command(name, own)
+        command = _compiler_command(name, own)
         if command is not None:
             platform = PLATFORMS[name]
             path = f"{name}/{model.identifier}{platform.ending}"
-            libraries[path] = _library(model, platform, command)
+            libraries[path] = _compile_library(model, platform, command)
         elif name == own:
             findings.append(rules.NO_COMPILER())
         else:
@@ -87,7 +87,7 @@ def compiled(model: Model, *, everywhere: bool = False) -> tuple[bytes, tuple[Di
     return model.packed(libraries), tuple(findings)
 
 
-def _command(name: str, own: str) -> list[str] | None:
+def _compiler_command(name: str, own: str) -> list[str] | None:
     """The compiler for a platform, None if there is none."""
     platform = PLATFORMS.get(name)
     if platform is None:
@@ -104,17 +104,22 @@ def _command(name: str, own: str) -> list[str] | None:
     return None
 
 
-def _library(model: Model, platform: Platform, command: list[str]) -> bytes:
+def _compile_library(model: Model, platform: Platform, command: list[str]) -> bytes:
     with tempfile.TemporaryDirectory() as name:
         folder = FilePath(name)
         for file, data in model.sources.items():
             (folder / file).write_bytes(data)
         output = f"{model.identifier}{platform.ending}"
-        words = [*command, *FLAGS, *platform.flags, PREFIX, "model.c", "-o", output]
-        words += _linked(model, platform)
+        words = [*command, *COMPILER_FLAGS, *platform.flags, PREFIX_FLAG, "model.c", "-o", output]
+        words += _linked_libraries(model, platform)
         try:
             done = subprocess.run(  # noqa: S603 - a compiler of the system, on our own source
-                words, cwd=folder, capture_output=True, text=True, timeout=LONGEST, check=False
+                words,
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                timeout=COMPILER_TIMEOUT,
+                check=False,
             )
             reason = done.stderr.strip().splitlines()[:1] if done.returncode else []
             if done.returncode == 0:
@@ -125,7 +130,7 @@ def _library(model: Model, platform: Platform, command: list[str]) -> bytes:
     raise Refused(rules.NOT_COMPILED(compiler=command[0], reason=said), exit_status=2)
 
 
-def _linked(model: Model, platform: Platform) -> list[str]:
+def _linked_libraries(model: Model, platform: Platform) -> list[str]:
     """What is linked: mathematics, of Windows what the model needs of it."""
     if platform.name == "win64":
         return [f"-l{library}" for library in model.libraries]

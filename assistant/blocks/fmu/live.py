@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import Refused
-from assistant.blocks.code.templates import identifier, number, numbers, words
+from assistant.blocks.code.templates import (
+    number_literal,
+    number_literals,
+    safe_text,
+    source_identifier,
+)
 from assistant.blocks.fmu import rules
-from assistant.blocks.fmu.joints import flags, joint_variables, pose_variables
+from assistant.blocks.fmu.joints import flag_variables, joint_variables, pose_variables
 from assistant.blocks.fmu.model import Model
 from assistant.blocks.fmu.variables import Group, Variable
 from assistant.controllers.cyclic import Settings
@@ -15,9 +20,9 @@ from assistant.controllers.mitsubishi.external_control import CYCLES, PORT
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 
-HERE: Final = "127.0.0.1"
+LOCAL_HOST: Final = "127.0.0.1"
 """Where a virtual controller is, which is what is meant if nothing else is named."""
-SPEED, RISE = 0.5, 0.2
+USUAL_SPEED_SHARE, USUAL_RISE_SHARE = 0.5, 0.2
 """Parts of the arm's own speeds and accelerations that are used if nothing is said."""
 
 
@@ -27,24 +32,24 @@ def live_model(robot: Robot, *, cycle: float | None = None) -> Model:
     Raises Refused for an arm without a closed form, one of another maker, and a cycle that is none.
     """
     if not robot.controller.startswith("CR"):
-        raise Refused(rules.NO_LINE(title=robot.title, controller=robot.controller))
+        raise Refused(rules.NO_LIVE_CONTROLLER(title=robot.title, controller=robot.controller))
     usual = CYCLES.get(robot.controller, CYCLES["CR750"])
     seconds = usual if cycle is None else cycle
     if not 0.001 <= seconds <= 0.1:
-        raise Refused(rules.NO_CYCLE(value=seconds), exit_status=2)
-    title, drive = words(robot.title), drive_of(robot)
+        raise Refused(rules.BAD_CYCLE(value=seconds), exit_status=2)
+    title, drive = safe_text(robot.title), drive_of(robot)
     return Model(
-        identifier=f"{identifier(robot.name)}_live",
+        identifier=f"{source_identifier(robot.name)}_live",
         title=f"{title}, live",
         description=f"A controller of {title} in real-time external control, joints each cycle",
         template="live",
-        groups=_groups(robot),
+        groups=_live_groups(robot),
         robot=robot,
         told={
-            "cycle": number(seconds),
+            "cycle": number_literal(seconds),
             "tables": [
-                ("TOP_SPEEDS", numbers(drive.speeds)),
-                ("TOP_RISES", numbers(drive.accelerations)),
+                ("TOP_SPEEDS", number_literals(drive.speeds)),
+                ("TOP_RISES", number_literals(drive.accelerations)),
                 ("AT_PLACE", robot.places),
             ],
         },
@@ -55,15 +60,15 @@ def live_model(robot: Robot, *, cycle: float | None = None) -> Model:
     )
 
 
-def _groups(robot: Robot) -> tuple[Group, ...]:
+def _live_groups(robot: Robot) -> tuple[Group, ...]:
     drive, usual = drive_of(robot), Settings()
     low, high = robot.limits.T
     return (
         Group("SPEED_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_speed_limit", "top speed", SPEED * drive.speeds, "/s")),
+              joint_variables(robot, "{}_speed_limit", "top speed", USUAL_SPEED_SHARE * drive.speeds, "/s")),
         Group("ACCELERATION_LIMITS", "Real", "parameter",
               joint_variables(robot, "{}_acceleration_limit", "acceleration at most",
-                              RISE * drive.accelerations, "/s2")),
+                              USUAL_RISE_SHARE * drive.accelerations, "/s2")),
         Group("LOWER_LIMITS", "Real", "parameter",
               joint_variables(robot, "{}_lower_limit", "lower limit", low)),
         Group("UPPER_LIMITS", "Real", "parameter",
@@ -106,9 +111,9 @@ def _groups(robot: Robot) -> tuple[Group, ...]:
         Group("REFUSED", "Boolean", "output",
               [Variable("refused", "whether what is wanted is too far away to begin")]),
         Group("AT_LIMIT", "Boolean", "output",
-              flags(robot, "{}_at_limit", "whether {} stays inside its limit")),
+              flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
         Group("CONTROLLER", "String", "parameter",
-              [Variable("controller", "name or address; a real one is named here", HERE)]),
+              [Variable("controller", "name or address; a real one is named here", LOCAL_HOST)]),
         Group("CONFIRM", "String", "parameter",
               [Variable("confirm", "the same as controller: the arm may move", "")]),
     )  # fmt: skip

@@ -11,12 +11,19 @@ from functools import cached_property
 from typing import Any, Final
 
 import assistant
-from assistant.blocks.code.kinematics import Named, source_of
-from assistant.blocks.code.templates import environment, number
-from assistant.blocks.fmu.variables import UNITS, Group, Placed, column, placed, places
+from assistant.blocks.code.kinematics import SourceNames, source_of
+from assistant.blocks.code.templates import number_literal, template_environment
+from assistant.blocks.fmu.variables import (
+    UNITS,
+    Group,
+    PlacedVariable,
+    column_of_type,
+    group_offsets,
+    placed_variables,
+)
 from assistant.robots import Robot
 
-DATE: Final = (1980, 1, 1, 0, 0, 0)
+FILE_DATE: Final = (1980, 1, 1, 0, 0, 0)
 """Of every file in an FMU, so that the same model gives the same bytes."""
 
 
@@ -51,8 +58,8 @@ class Model:
         """The files of `sources/` by name; `model.c` includes the others."""
         words = self._words | {"guid": self.guid}
         return {
-            "model.c": _rendered(f"{self.template}.c.j2", words),
-            "fmi2.h": _rendered("fmi2.h.j2", words),
+            "model.c": _render(f"{self.template}.c.j2", words),
+            "fmi2.h": _render("fmi2.h.j2", words),
             **self._arm,
         }
 
@@ -61,7 +68,7 @@ class Model:
         """Of what the model is, so that a library and a description of others do not fit."""
         words = self._words | {"guid": ""}
         parts = [
-            _rendered(f"{self.template}.c.j2", words),
+            _render(f"{self.template}.c.j2", words),
             self._described(""),
             *self._arm.values(),
         ]
@@ -73,13 +80,13 @@ class Model:
         """The kinematics of the arm, whose functions are called as the model is."""
         if self.robot is None:
             return {}
-        named = Named(f"{self.identifier}_arm", f"{self.identifier}_arm")
+        named = SourceNames(f"{self.identifier}_arm", f"{self.identifier}_arm")
         return {f"{named.stem}{end}": source_of(self.robot, named, end) for end in (".h", ".c")}
 
     @property
-    def variables(self) -> tuple[Placed, ...]:
+    def variables(self) -> tuple[PlacedVariable, ...]:
         """Its variables in their order."""
-        return tuple(placed(self.groups))
+        return tuple(placed_variables(self.groups))
 
     @property
     def description_xml(self) -> bytes:
@@ -94,7 +101,7 @@ class Model:
         out = io.BytesIO()
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, data in files.items():
-                one = zipfile.ZipInfo(name, DATE)
+                one = zipfile.ZipInfo(name, FILE_DATE)
                 one.compress_type = zipfile.ZIP_DEFLATED
                 one.external_attr = 0o644 << 16
                 archive.writestr(one, data)
@@ -113,13 +120,13 @@ class Model:
             "any_step": self.any_step,
             "copies": self.copies,
             "units": [{"name": name, "base": base} for name, base in UNITS.items() if name in used],
-            "step": number(self.step),
-            "stop": number(self.stop),
+            "step": number_literal(self.step),
+            "stop": number_literal(self.stop),
             "variables": variables,
             "outputs": [i for i, one in enumerate(variables, 1) if one.causality == "output"],
             "initial_dependencies": sorted(begins),
         }
-        return _rendered("modelDescription.xml.j2", words)
+        return _render("modelDescription.xml.j2", words)
 
     @property
     def _group_of(self) -> list[str]:
@@ -137,15 +144,15 @@ class Model:
             "prefix": arm,
             "arm_stem": arm,
             "copies": self.copies,
-            "reals": column(self.groups, "Real"),
-            "integers": column(self.groups, "Integer"),
-            "booleans": column(self.groups, "Boolean"),
-            "strings": column(self.groups, "String"),
-            "places": list(places(self.groups)),
+            "reals": column_of_type(self.groups, "Real"),
+            "integers": column_of_type(self.groups, "Integer"),
+            "booleans": column_of_type(self.groups, "Boolean"),
+            "strings": column_of_type(self.groups, "String"),
+            "places": list(group_offsets(self.groups)),
             "tables": [],
             **self.told,
         }
 
 
-def _rendered(template: str, words: Mapping[str, Any]) -> bytes:
-    return environment().get_template(f"fmu/{template}").render(words).encode()
+def _render(template: str, words: Mapping[str, Any]) -> bytes:
+    return template_environment().get_template(f"fmu/{template}").render(words).encode()

@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import Refused
-from assistant.blocks.code.templates import identifier, number, numbers, words
+from assistant.blocks.code.templates import (
+    number_literal,
+    number_literals,
+    safe_text,
+    source_identifier,
+)
 from assistant.blocks.fmu import rules
 from assistant.blocks.fmu.joints import joint_variables, pose_variables
 from assistant.blocks.fmu.model import Model
@@ -13,10 +18,10 @@ from assistant.blocks.fmu.variables import Group, Variable
 from assistant.blocks.playback import Motion
 from assistant.robots import Robot
 
-MOST_ROWS: Final = 50_000
+MOST_TABLE_ROWS: Final = 50_000
 """Of a table: each takes about 300 bytes of source."""
 
-PERIOD: Final = 0.002
+USUAL_PERIOD: Final = 0.002
 
 
 def usual_period(seconds: float) -> float:
@@ -25,8 +30,8 @@ def usual_period(seconds: float) -> float:
     In lines between rows of 0.002 s the tool is a twentieth of a millimetre off where an arm
     accelerates most; that grows with the square of the period.
     """
-    period = PERIOD
-    while seconds / period > MOST_ROWS - 2:
+    period = USUAL_PERIOD
+    while seconds / period > MOST_TABLE_ROWS - 2:
         period *= 2.5 if f"{period:e}".startswith("2") else 2.0
     return period
 
@@ -39,32 +44,36 @@ def program_model(motion: Motion, robot: Robot, name: str) -> Model:
     rows = len(motion.table)
     if not motion.seconds > 0.0:
         raise Refused(rules.NO_MOTION())
-    if rows > MOST_ROWS:
-        least = motion.seconds / (MOST_ROWS - 2)
+    if rows > MOST_TABLE_ROWS:
+        least = motion.seconds / (MOST_TABLE_ROWS - 2)
         raise Refused(
-            rules.TOO_LONG(
-                seconds=motion.seconds, period=motion.period, rows=rows, most=MOST_ROWS, least=least
+            rules.TOO_MANY_ROWS(
+                seconds=motion.seconds,
+                period=motion.period,
+                rows=rows,
+                most=MOST_TABLE_ROWS,
+                least=least,
             )
         )
-    title = f"{words(name)} on {words(robot.title)}"
+    title = f"{safe_text(name)} on {safe_text(robot.title)}"
     return Model(
-        identifier=f"{identifier(name)}_played",
+        identifier=f"{source_identifier(name)}_played",
         title=title,
         description=f"The motion of {title}, which takes {motion.seconds:.3f} s",
         template="program",
-        groups=_groups(robot),
+        groups=_program_groups(robot),
         told={
             "axes": len(robot.axes),
-            "period": number(motion.period),
-            "seconds": number(motion.seconds),
-            "rows": [numbers(row) for row in motion.table.tolist()],
+            "period": number_literal(motion.period),
+            "seconds": number_literal(motion.seconds),
+            "rows": [number_literals(row) for row in motion.table.tolist()],
         },
         step=motion.period,
         stop=motion.seconds,
     )
 
 
-def _groups(robot: Robot) -> tuple[Group, ...]:
+def _program_groups(robot: Robot) -> tuple[Group, ...]:
     return (
         Group("SPEED_FACTOR", "Real", "input",
               [Variable("speed_factor", "how fast it is played, 1 for as simulated", 1.0)]),

@@ -22,7 +22,7 @@ NOT_COMPILED: Final = error(
     "{compiler} does not compile the FMU: {reason}",
     "look at what that compiler needs, or have another one first in PATH",
 )
-TOO_LONG: Final = error(
+TOO_MANY_ROWS: Final = error(
     "BL404",
     "{seconds:.0f} s at {period:g} s make {rows} rows, more than {most}",
     "take a period of {least:g} s or longer",
@@ -30,15 +30,15 @@ TOO_LONG: Final = error(
 NO_MOTION: Final = error(
     "BL405", "the program takes no time, so there is no motion to play", "let it move the arm"
 )
-NO_LINE: Final = error(
+NO_LIVE_CONTROLLER: Final = error(
     "BL406",
     "{title} has a controller {controller}, which no live FMU speaks with",
     "choose an arm of a CR controller, or lead this one from Python",
 )
-NO_CYCLE: Final = error(
+BAD_CYCLE: Final = error(
     "BL407", "{value:g} s is no cycle of a controller", "give 0.001 to 0.1 seconds"
 )
-NOT_PLAYED: Final = warning(
+PARTLY_PLAYED: Final = warning(
     "BL408",
     "the FMU plays the program as far as it is known before it runs: {what}",
     "state its places in numbers, and look at a run of it beside the FMU",

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-Type = Literal["Real", "Integer", "Boolean", "String"]
+VariableType = Literal["Real", "Integer", "Boolean", "String"]
 Causality = Literal["parameter", "input", "output"]
-TYPES: Final[tuple[Type, ...]] = ("Real", "Integer", "Boolean", "String")
+VARIABLE_TYPES: Final[tuple[VariableType, ...]] = ("Real", "Integer", "Boolean", "String")
 UNITS: Final = {
     "s": 's="1"',
     "deg": 'rad="1" factor="0.017453292519943295"',
@@ -20,7 +20,7 @@ UNITS: Final = {
 }
 """Units of variables → what they are in SI units, as a model description says it."""
 
-Start = float | int | bool | str
+StartValue = float | int | bool | str
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Variable:
 
     name: str
     description: str
-    start: Start | None = None
+    start: StartValue | None = None
     unit: str = ""
 
 
@@ -38,13 +38,13 @@ class Group:
     """Variables of one type beside each other; place: what the source calls the first one."""
 
     place: str
-    type: Type
+    type: VariableType
     causality: Causality
     variables: Sequence[Variable]
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class TypeColumn:
     """The values of one type in a source. kinds: a letter each. starts: literals of C."""
 
     kinds: str
@@ -52,12 +52,12 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedVariable:
     """A variable as a model description has it. reference: its place in the column of its type."""
 
     name: str
     description: str
-    type: Type
+    type: VariableType
     causality: Causality
     variability: str
     initial: str
@@ -66,32 +66,32 @@ class Placed:
     unit: str
 
 
-def column(groups: Sequence[Group], type: Type) -> Column:
+def column_of_type(groups: Sequence[Group], type: VariableType) -> TypeColumn:
     """The column of a type, with starts of 0 for outputs."""
     kinds, starts = "", []
     for group in groups:
         if group.type == type:
             kinds += group.causality[0] * len(group.variables)
-            starts += [_in_c(variable.start) for variable in group.variables]
-    return Column(kinds, starts)
+            starts += [_c_literal(variable.start) for variable in group.variables]
+    return TypeColumn(kinds, starts)
 
 
-def places(groups: Sequence[Group]) -> Iterator[tuple[str, int]]:
+def group_offsets(groups: Sequence[Group]) -> Iterator[tuple[str, int]]:
     """Where each group begins in the column of its type."""
-    counted = dict.fromkeys(TYPES, 0)
+    counted = dict.fromkeys(VARIABLE_TYPES, 0)
     for group in groups:
         yield group.place, counted[group.type]
         counted[group.type] += len(group.variables)
 
 
-def placed(groups: Sequence[Group]) -> Iterator[Placed]:
+def placed_variables(groups: Sequence[Group]) -> Iterator[PlacedVariable]:
     """The variables in their order, which is that of the groups."""
-    for group, (_, first) in zip(groups, places(groups), strict=True):
+    for group, (_, first) in zip(groups, group_offsets(groups), strict=True):
         for reference, one in enumerate(group.variables, first):
             varies = "continuous" if group.type == "Real" else "discrete"
             parameter = group.causality == "parameter"
             initial = {"parameter": "exact", "output": "calculated"}.get(group.causality, "")
-            yield Placed(
+            yield PlacedVariable(
                 one.name,
                 one.description,
                 group.type,
@@ -99,12 +99,12 @@ def placed(groups: Sequence[Group]) -> Iterator[Placed]:
                 "fixed" if parameter else varies,
                 initial,
                 reference,
-                None if one.start is None else _in_xml(one.start),
+                None if one.start is None else _xml_text(one.start),
                 one.unit,
             )
 
 
-def _in_c(start: Start | None) -> str:
+def _c_literal(start: StartValue | None) -> str:
     if isinstance(start, str):
         return f'"{start}"'
     if isinstance(start, bool) or start is None:
@@ -112,7 +112,7 @@ def _in_c(start: Start | None) -> str:
     return repr(start)
 
 
-def _in_xml(start: Start) -> str:
+def _xml_text(start: StartValue) -> str:
     if isinstance(start, bool):
         return "true" if start else "false"
     return str(start)

@@ -12,7 +12,7 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.running import check_confirmed, named, outputs
+from assistant.blocks.diagrams.running import block_outputs, check_confirmed, errors_with_block
 
 if TYPE_CHECKING:
     from bdsim.blockdiagram import BlockDiagram
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
 """Names of the controllers whose arms may be moved by the run that begins."""
-NEAR: Final = 1e-6
+TICK_TOLERANCE: Final = 1e-6
 """Part of a period by which a moment may be beside a tick, as it is added up."""
 
 
@@ -63,8 +63,8 @@ class Direct(Adapted):
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
         del x
-        with named(self._inner, t):
-            return self._shown(outputs(self._inner, t, self._given(u)))
+        with errors_with_block(self._inner, t):
+            return self._shown(block_outputs(self._inner, t, self._given(u)))
 
 
 class Stepped(Adapted):
@@ -82,7 +82,7 @@ class Stepped(Adapted):
         super().start(simstate)  # type: ignore[misc]
         check_confirmed([self._inner], CONFIRMED.get())
         self._open = True
-        with named(self._inner, 0.0):
+        with errors_with_block(self._inner, 0.0):
             self._inner.begin()
         self._begun, self._at, self._taken = True, None, None
 
@@ -91,16 +91,16 @@ class Stepped(Adapted):
         del u, x
         if self._begun and t != self._at:
             self._at = t
-            self._shows = self._shown(outputs(self._inner, t, ()))
+            self._shows = self._shown(block_outputs(self._inner, t, ()))
         return self._shows
 
     def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
         """At the tick of any clock bdsim asks all blocks: here that of its own counts, and once."""
         clock: Clock = self._clock  # type: ignore[attr-defined]
         ticks = (t - clock.offset) / clock.T
-        if t != self._taken and abs(ticks - round(ticks)) < NEAR:
+        if t != self._taken and abs(ticks - round(ticks)) < TICK_TOLERANCE:
             self._taken = t
-            with named(self._inner, t):
+            with errors_with_block(self._inner, t):
                 self._inner.take(t, self._given(u))
         return x
 
@@ -127,7 +127,7 @@ class OfKind:
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
         if hasattr(cls, "kind"):
-            cls.__signature__ = _taken(cls.kind, cls.called, steps=issubclass(cls, Stepped))
+            cls.__signature__ = _signature_of(cls.kind, cls.called, steps=issubclass(cls, Stepped))
 
     def __init__(self, *given: Any, **told: Any) -> None:
         bound = self.__signature__.bind(*given, **told)
@@ -138,7 +138,7 @@ class OfKind:
         super().__init__(self.kind(**own), **clock, **more)  # type: ignore[call-arg]
 
 
-def _taken(kind: type[Block], called: str, *, steps: bool) -> Signature:
+def _signature_of(kind: type[Block], called: str, *, steps: bool) -> Signature:
     """What a class of bdsim takes for a kind of block; its clock tells the period."""
     place = Parameter.POSITIONAL_OR_KEYWORD
     own = [p for p in signature(kind).parameters.values() if p.name not in ("name", "period")]

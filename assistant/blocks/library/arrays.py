@@ -12,7 +12,7 @@ from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Port
 from assistant.robots.robot import Robot
 
-POSE: Final = 7
+POSE_SIZE: Final = 7
 """Numbers of a pose as a signal: x, y, z in mm and a unit quaternion (w, x, y, z)."""
 
 
@@ -22,7 +22,7 @@ def joints_port(robot: Robot, name: str = "joints") -> Port:
 
 
 def pose_port(name: str = "pose") -> Port:
-    return Port(name, POSE, "mm")
+    return Port(name, POSE_SIZE, "mm")
 
 
 def pose_signal(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
@@ -30,7 +30,7 @@ def pose_signal(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
     return np.concatenate([np.asarray(positions), np.asarray(quaternions)], axis=-1)
 
 
-def parts(pose: Floats) -> tuple[Floats, Floats]:
+def pose_parts(pose: Floats) -> tuple[Floats, Floats]:
     """(7,) → position (1, 3) mm and unit quaternion (1, 4); raises ValueError for no turn."""
     position, turn = pose[:3].reshape(1, 3), pose[3:].reshape(1, 4)
     if not np.isfinite(pose).all() or not np.abs(turn).max() > 0.0:
@@ -38,7 +38,7 @@ def parts(pose: Floats) -> tuple[Floats, Floats]:
     return position, rotations.canonical(turn)
 
 
-def at_least_0(name: str, value: float) -> float:
+def check_not_negative(name: str, value: float) -> float:
     """A bound that holds: NaN compares with nothing, and would let all through."""
     if not value >= 0.0:
         raise ValueError(f"`{name}` is 0 or more, not {value}")

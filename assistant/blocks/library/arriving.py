@@ -8,15 +8,15 @@ from contextlib import AbstractContextManager, ExitStack
 from typing import Generic, Protocol, TypeVar
 
 from assistant.base.diagnostics import Refused
-from assistant.vision.cameras.capture import STREAM
+from assistant.vision.cameras.capture import STREAM_ADDRESS
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
-Opening = Callable[[], AbstractContextManager[Iterator[tuple[float, T]]]]
+ValueOpening = Callable[[], AbstractContextManager[Iterator[tuple[float, T]]]]
 """Opens what gives seconds and values, one after the other."""
 
 
-class Arriving(Protocol[T_co]):
+class ValueSource(Protocol[T_co]):
     """Opened by `begin`, closed by `end`."""
 
     def begin(self) -> None: ...
@@ -27,10 +27,10 @@ class Arriving(Protocol[T_co]):
     def end(self) -> None: ...
 
 
-class Recorded(Generic[T]):
+class RecordedValues(Generic[T]):
     """Values that have their times, counted from the beginning of the model; the last one stays."""
 
-    def __init__(self, opening: Opening[T]) -> None:
+    def __init__(self, opening: ValueOpening[T]) -> None:
         self._opening, self._open = opening, ExitStack()
 
     def begin(self) -> None:
@@ -48,10 +48,10 @@ class Recorded(Generic[T]):
         self._open.close()
 
 
-class Live(Generic[T]):
+class LiveValues(Generic[T]):
     """Values as they come, gathered in a thread of its own, so that no step waits for one."""
 
-    def __init__(self, opening: Opening[T]) -> None:
+    def __init__(self, opening: ValueOpening[T]) -> None:
         self._opening, self._open = opening, ExitStack()
 
     def begin(self) -> None:
@@ -83,7 +83,7 @@ class Live(Generic[T]):
             self._failure = refused
 
 
-def arriving(opening: Opening[T], *sources: str) -> Arriving[T]:
+def value_source(opening: ValueOpening[T], *sources: str) -> ValueSource[T]:
     """Live if any source is a device or a stream; else by the times of its pictures."""
-    live = any(one.isdigit() or STREAM.match(one) for one in sources)
-    return Live(opening) if live else Recorded(opening)
+    live = any(one.isdigit() or STREAM_ADDRESS.match(one) for one in sources)
+    return LiveValues(opening) if live else RecordedValues(opening)

@@ -12,7 +12,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block, Port
 from assistant.blocks.library.arrays import joints_port
-from assistant.blocks.library.rules import NO_ROBOT
+from assistant.blocks.library.rules import NO_ROBOT_IN_CELL
 from assistant.cell.cell_file import read_scene
 from assistant.cell.collision.model import Model
 from assistant.cell.scene import Scene
@@ -36,10 +36,10 @@ class CollisionDistance(Block):
         chosen = [scene.runs] if robots is None and scene.runs else robots or names
         known = ", ".join(f"`{one}`" for one in names) or "none, as the cell has no robot"
         if robots is None and len(chosen) != 1:
-            raise Refused(NO_ROBOT(name="", block=name, known=known))
+            raise Refused(NO_ROBOT_IN_CELL(name="", block=name, known=known))
         for one in chosen:
             if chosen.count(one) != 1 or one not in names:
-                raise Refused(NO_ROBOT(name=one, block=name, known=known))
+                raise Refused(NO_ROBOT_IN_CELL(name=one, block=name, known=known))
         self._places = [names.index(one) for one in chosen if one is not None]
         found = [scene.robots[place] for place in self._places]
         single = len(found) == 1

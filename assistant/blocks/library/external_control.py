@@ -21,11 +21,16 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.diagrams.running import ending
-from assistant.blocks.library.arrays import at_least_0, joints_port
+from assistant.blocks.diagrams.running import closing_all
+from assistant.blocks.library.arrays import check_not_negative, joints_port
 from assistant.blocks.library.connected import Connected
-from assistant.blocks.library.rules import NOT_OPERATED, OUTSIDE, TOO_FAR, TWO_LEADERS
-from assistant.blocks.rules import NO_NUMBERS
+from assistant.blocks.library.rules import (
+    ARM_OUTSIDE_BOUNDS,
+    NOT_OPERATED,
+    START_TOO_FAR,
+    TWO_LEADERS,
+)
+from assistant.blocks.rules import TARGET_NOT_FINITE
 from assistant.controllers import connect, setpoint_streams
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Report, Settings, Timing
@@ -106,7 +111,7 @@ def by_mxt(
         if not isinstance(session, Controller):
             raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)
         on_network(session, wanted)
-        with session, ending() as last:
+        with session, closing_all() as last:
             if servo:
                 last.callback(session.motors, False)
                 session.motors(True)
@@ -148,7 +153,7 @@ class ExternalControl(Connected[Led]):
         inputs = [joints_port(robot, "wanted"), Port("enable")]
         super().__init__(name, connection, inputs, ports, period)
         self.robot, self.moves = robot, connection.name
-        self.approach = at_least_0("approach", approach)
+        self.approach = check_not_negative("approach", approach)
         self.report: Report | None = None
 
     @property
@@ -167,7 +172,7 @@ class ExternalControl(Connected[Led]):
         led.leader = self
         self._told = led.carrier.joints()
         if what := led.guard.outside(self._told):
-            raise Refused(OUTSIDE(block=self.name, what=what))
+            raise Refused(ARM_OUTSIDE_BOUNDS(block=self.name, what=what))
         self._velocity = np.zeros(len(self._told))
         self._wanted: Floats | None = None
         self._before: float | None = None
@@ -196,7 +201,7 @@ class ExternalControl(Connected[Led]):
         """The first moment is the beginning; each later one leads the arm on for a step."""
         wanted, going = given[0], bool(given[1][0] > 0.5)
         if going and not np.isfinite(wanted).all():
-            raise Refused(NO_NUMBERS(block=self.name))
+            raise Refused(TARGET_NOT_FINITE(block=self.name))
         before, self._before = self._before, now
         if going and self._wanted is None:
             self._check_near(wanted)
@@ -225,7 +230,7 @@ class ExternalControl(Connected[Led]):
         worst = int(np.argmax(away))
         if away[worst] > self.approach:
             where = {"axis": self.robot.axes[worst], "value": wanted[worst], "away": away[worst]}
-            raise Refused(TOO_FAR(block=self.name, most=self.approach, **where))
+            raise Refused(START_TOO_FAR(block=self.name, most=self.approach, **where))
 
 
 def _signals(timing: Timing) -> list[ArrayLike]:

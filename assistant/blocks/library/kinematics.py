@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.library.arrays import joints_port, parts, pose_port, pose_signal
+from assistant.blocks.library.arrays import joints_port, pose_parts, pose_port, pose_signal
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-STEP: Final = 1e-4
+JACOBIAN_STEP: Final = 1e-4
 """Degrees or mm by which a joint is changed to either side for its column of the Jacobian."""
-NEAREST: Final = -1.0
+NEAREST_BRANCH: Final = -1.0
 """A branch input that asks for the branch nearest to the joints of the step before."""
 
 
@@ -61,12 +61,12 @@ class InverseKinematics(Block):
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
-        position, turn = parts(given[0])
+        position, turn = pose_parts(given[0])
         flange = Pose.of(position[0], turn[0]) @ self.flange
         found, valid = self.robot.ik([flange.position], [flange.quaternion])
         joints, there = self._near(found[0]), valid[0]
         branch = given[1][0]
-        if branch == NEAREST:
+        if branch == NEAREST_BRANCH:
             away = np.where(there, np.abs(joints - self._last).max(axis=1), np.inf)
             chosen = int(np.argmin(away)) if there.any() else -1
         else:
@@ -96,7 +96,7 @@ class Jacobian(Block):
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
-        return [jacobian(self.robot, given[0], self.tool).ravel()]
+        return [tool_jacobian(self.robot, given[0], self.tool).ravel()]
 
 
 class Resolved(Block):
@@ -117,7 +117,7 @@ class Resolved(Block):
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
-        matrix = jacobian(self.robot, given[0], self.tool)
+        matrix = tool_jacobian(self.robot, given[0], self.tool)
         u, s, vt = np.linalg.svd(matrix, full_matrices=False)
         part = np.clip(s[-1] / self.damping, 0.0, 1.0)
         damped = (1.0 - part**2) * self.damping**2
@@ -131,14 +131,14 @@ def tool_pose(robot: Robot, tool: Pose, joints: Floats) -> Floats:
     return pose_signal(place.position, place.quaternion)
 
 
-def jacobian(robot: Robot, joints: Floats, tool: Pose = IDENTITY) -> Floats:
+def tool_jacobian(robot: Robot, joints: Floats, tool: Pose = IDENTITY) -> Floats:
     """(6, a) mm and degrees of the tool, in the base, a degree (or mm) of each of joints (a,)."""
     count = len(robot.axes)
-    change = STEP * np.eye(count)
+    change = JACOBIAN_STEP * np.eye(count)
     p, q = robot.fk(np.concatenate([joints + change, joints - change]))
     p = p + rotations.rotate(q, np.array(tool.position))
-    moved = (p[:count] - p[count:]) / (2.0 * STEP)
+    moved = (p[:count] - p[count:]) / (2.0 * JACOBIAN_STEP)
     turn = rotations.multiply(q[:count], rotations.conjugate(q[count:]))
     turn[turn[:, 0] < 0.0] *= -1.0
-    turned = np.degrees(2.0 * turn[:, 1:]) / (2.0 * STEP)  # small: the sine is the angle
+    turned = np.degrees(2.0 * turn[:, 1:]) / (2.0 * JACOBIAN_STEP)  # small: the sine is the angle
     return np.concatenate([moved.T, turned.T])

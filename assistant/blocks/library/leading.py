@@ -20,27 +20,33 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Port
-from assistant.blocks.leading import Leader, Measures
-from assistant.blocks.library.arrays import at_least_0, joints_port, pose_port
+from assistant.blocks.leading import SetpointSender, StatusSource
+from assistant.blocks.library.arrays import check_not_negative, joints_port, pose_port
 from assistant.blocks.library.connected import Connected
-from assistant.blocks.library.kinematics import jacobian, tool_pose
-from assistant.blocks.library.poses import step, step_port
-from assistant.blocks.rules import NO_JOINTS, NO_NUMBERS, OUT_OF_LIMITS, TOO_FAR, TOO_FAST
+from assistant.blocks.library.kinematics import tool_jacobian, tool_pose
+from assistant.blocks.library.poses import step_port, tool_step
+from assistant.blocks.rules import (
+    NO_JOINTS_NEARBY,
+    OUT_OF_LIMITS,
+    STEP_TOO_FAR,
+    STEP_TOO_FAST,
+    TARGET_NOT_FINITE,
+)
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-WINDOW: Final = 1.0
+RATE_SECONDS: Final = 1.0
 """Seconds over which the rate of a measurement is told."""
-ROUNDS: Final = 20
-CLOSE: Final = 1e-6
+NEWTON_ROUNDS: Final = 20
+POSITION_TOLERANCE: Final = 1e-6
 """mm that a tool may be beside its place: steps end there, not before."""
-EDGE: Final = 0.02
+LIMIT_TOLERANCE: Final = 0.02
 """Degrees or mm by which what a controller tells of an axis at its end may be beyond."""
-ROUNDING: Final = 1e-6
+SPEED_ROUNDING: Final = 1e-6
 """Part of a speed that two moments of a run make of it."""
 
 
-class Status(Connected[Measures]):
+class Status(Connected[StatusSource]):
     """→ pose of the tool, joints, joints that are asked for, speed, seconds, rate.
 
     What the controller tells at the moment, also while the arm moves. seconds: on the controller's
@@ -50,7 +56,7 @@ class Status(Connected[Measures]):
     def __init__(
         self,
         name: str,
-        connection: Connection[Measures],
+        connection: Connection[StatusSource],
         robot: Robot,
         *,
         period: float | None = None,
@@ -73,13 +79,13 @@ class Status(Connected[Measures]):
     def _rate(self, seconds: float, records: int) -> float:
         seen = self._seen
         seen.append((seconds, records))
-        while len(seen) > 2 and seconds - seen[1][0] >= WINDOW:
+        while len(seen) > 2 and seconds - seen[1][0] >= RATE_SECONDS:
             seen.popleft()
         passed = seconds - seen[0][0]
         return (records - seen[0][1]) / passed if passed > 0.0 else 0.0
 
 
-class Relative(Connected[Leader]):
+class Relative(Connected[SetpointSender]):
     """by, go → joints that the arm is told to be at, steps that were told.
 
     While `go` is above 0.5, the arm goes on by a step from where it was told to be last; steps may
@@ -89,7 +95,7 @@ class Relative(Connected[Leader]):
     def __init__(
         self,
         name: str,
-        connection: Connection[Leader],
+        connection: Connection[SetpointSender],
         robot: Robot,
         by: Port,
         period: float | None,
@@ -114,8 +120,8 @@ class Relative(Connected[Leader]):
         if not go[0] > 0.5 or not by.any():
             return
         if not np.isfinite(by).all():
-            raise Refused(NO_NUMBERS(block=self.name))
-        by = step(self.name, by)
+            raise Refused(TARGET_NOT_FINITE(block=self.name))
+        by = tool_step(self.name, by)
         if not by.any():
             return
         joints = self.stepped(self.share.told, by)
@@ -131,21 +137,21 @@ class Relative(Connected[Leader]):
 
     def _small(self, step: float, most: float, unit: str) -> None:
         if step > most:
-            raise Refused(TOO_FAR(block=self.name, step=step, unit=unit, most=most))
+            raise Refused(STEP_TOO_FAR(block=self.name, step=step, unit=unit, most=most))
 
     def _check(self, joints: Floats, seconds: float) -> None:
         arm = self.share.arm
         for axis, value, (low, high) in zip(arm.axes, joints, arm.limits, strict=True):
-            if not low - EDGE <= value <= high + EDGE:
+            if not low - LIMIT_TOLERANCE <= value <= high + LIMIT_TOLERANCE:
                 told = {"low": low, "high": high, "robot": self.robot.name, "value": value}
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=int(axis[1:]), **told))
         if math.isnan(seconds):
             return
         speeds = np.abs(joints - self.share.told) / seconds
-        fast = np.flatnonzero(speeds > arm.speeds * (1.0 + ROUNDING))
+        fast = np.flatnonzero(speeds > arm.speeds * (1.0 + SPEED_ROUNDING))
         if len(fast):
             told = {"axis": arm.axes[fast[0]], "speed": speeds[fast[0]]}
-            raise Refused(TOO_FAST(block=self.name, most=arm.speeds[fast[0]], **told))
+            raise Refused(STEP_TOO_FAST(block=self.name, most=arm.speeds[fast[0]], **told))
 
 
 class RelJoint(Relative):
@@ -157,14 +163,14 @@ class RelJoint(Relative):
     def __init__(
         self,
         name: str,
-        connection: Connection[Leader],
+        connection: Connection[SetpointSender],
         robot: Robot,
         *,
         most: float = 5.0,
         period: float | None = None,
     ) -> None:
         super().__init__(name, connection, robot, joints_port(robot, "by"), period)
-        self.most = at_least_0("most", most)
+        self.most = check_not_negative("most", most)
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:
         self._small(float(np.abs(by).max()), self.most, "degrees or mm")
@@ -184,7 +190,7 @@ class RelCart(Relative):
     def __init__(
         self,
         name: str,
-        connection: Connection[Leader],
+        connection: Connection[SetpointSender],
         robot: Robot,
         *,
         tool: Pose = IDENTITY,
@@ -194,7 +200,7 @@ class RelCart(Relative):
     ) -> None:
         super().__init__(name, connection, robot, step_port("by"), period)
         self.tool, self.in_tool = tool, in_tool
-        self.most = at_least_0("mm", most[0]), at_least_0("degrees", most[1])
+        self.most = check_not_negative("mm", most[0]), check_not_negative("degrees", most[1])
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:
         way, turn = by[:3], by[3:]
@@ -208,36 +214,39 @@ class RelCart(Relative):
         if angle := float(np.linalg.norm(turn)):
             about = rotations.about((turn / angle).tolist(), angle)
             goal[3:] = rotations.multiply(about, start[3:])
-        found = near(self.robot, self.tool, joints, goal)
+        found = nearby_joints(self.robot, self.tool, joints, goal)
         if found is None:
             x, y, z = goal[:3]
             point = f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
-            raise Refused(NO_JOINTS(block=self.name, point=point, robot=self.robot.name))
+            raise Refused(NO_JOINTS_NEARBY(block=self.name, point=point, robot=self.robot.name))
         return found
 
 
-def near(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | None:
+def nearby_joints(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | None:
     """(a,) joints near to others that bring a tool to a pose (7,); None if none do.
 
     By Newton's method with the place first and the turn as far as the axes that are left allow
     (Nakamura, Hanafusa and Yoshikawa, Task-priority based redundancy control, 1987).
     """
     found = joints.copy()
-    for _ in range(ROUNDS):
-        off = _between(tool_pose(robot, tool, found), goal)
-        matrix = jacobian(robot, found, tool)
+    for _ in range(NEWTON_ROUNDS):
+        off = _pose_error(tool_pose(robot, tool, found), goal)
+        matrix = tool_jacobian(robot, found, tool)
         first = np.linalg.pinv(matrix[:3])
         free = np.eye(len(found)) - first @ matrix[:3]
         change = first @ off[:3]
         rest = off[3:] - matrix[3:] @ change
         change = change + np.linalg.pinv(matrix[3:] @ free, rcond=1e-6) @ rest
         found = found + change
-        if np.abs(change).max() < CLOSE and np.linalg.norm(off[:3]) < CLOSE:
+        if (
+            np.abs(change).max() < POSITION_TOLERANCE
+            and np.linalg.norm(off[:3]) < POSITION_TOLERANCE
+        ):
             return found
     return None
 
 
-def _between(pose: Floats, goal: Floats) -> Floats:
+def _pose_error(pose: Floats, goal: Floats) -> Floats:
     """(6,) mm and degrees from a pose to another one, in the base."""
     turn = np.degrees(rotations.turns(pose[3:], goal[3:]))
     return np.concatenate([goal[:3] - pose[:3], turn])

@@ -19,14 +19,14 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection, Operator
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.library.connected import Connected
-from assistant.blocks.library.poses import pose_port, shown
-from assistant.blocks.rules import NO_NUMBERS, OUT_OF_LIMITS
+from assistant.blocks.library.poses import controller_pose, controller_pose_port
+from assistant.blocks.rules import OUT_OF_LIMITS, TARGET_NOT_FINITE
 from assistant.controllers.mitsubishi import arm_moves
 from assistant.controllers.mitsubishi.arm_moves import Goal
 from assistant.controllers.states import Position
 from assistant.robots.robot import Robot
 
-NUMBERED: Final = 6
+TARGET_SIZE: Final = 6
 """Joints by number, whichever the arm lacks, or X, Y, Z in mm and A, B, C in degrees."""
 
 
@@ -55,25 +55,26 @@ class Move(Connected[Operator]):
         period: float | None = None,
     ) -> None:
         ports = [
-            Port(way, NUMBERED, "deg") if self.of_joints else pose_port(way) for way in self.ways
+            Port(way, TARGET_SIZE, "deg") if self.of_joints else controller_pose_port(way)
+            for way in self.ways
         ]
-        outputs = [Port("busy"), Port("done"), Port("joints", NUMBERED, "deg")]
+        outputs = [Port("busy"), Port("done"), Port("joints", TARGET_SIZE, "deg")]
         super().__init__(name, connection, [*ports, Port("start")], outputs, period)
         self.robot, self.moves = robot, connection.name
 
     def begin(self) -> None:
         self._under_way: Future[Position] | None = None
         self._last: Floats | None = None
-        self._done, self._stood = 0, np.full(NUMBERED, np.nan)
+        self._done, self._stood = 0, np.full(TARGET_SIZE, np.nan)
         super().begin()
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a move that the controller refused or did not end."""
         del now, given
         if self._under_way is not None and self.ended(self._under_way):
-            joints = self._under_way.result().joints[:NUMBERED]
+            joints = self._under_way.result().joints[:TARGET_SIZE]
             stood = [0.0 if joint is None else joint for joint in joints]
-            self._stood = np.array([*stood, *[0.0] * (NUMBERED - len(stood))])
+            self._stood = np.array([*stood, *[0.0] * (TARGET_SIZE - len(stood))])
             self._under_way = None
             self._done += 1
         return [[float(self._under_way is not None)], [float(self._done)], self._stood]
@@ -86,7 +87,7 @@ class Move(Connected[Operator]):
         if self._last is not None and np.array_equal(wanted, self._last):
             return
         if not np.isfinite(wanted).all():
-            raise Refused(NO_NUMBERS(block=self.name))
+            raise Refused(TARGET_NOT_FINITE(block=self.name))
         ways = given[:-1]
         if self.of_joints:
             self._check(wanted)
@@ -101,10 +102,10 @@ class Move(Connected[Operator]):
 
     def _six(self, ways: Sequence[Floats]) -> Sequence[Floats]:
         """Return poses of six numbers; those of seven need the posture of the arm."""
-        if all(len(way) == NUMBERED for way in ways):
+        if all(len(way) == TARGET_SIZE for way in ways):
             return ways
         posture = self._posture()
-        return [shown(self.name, self.robot, way, posture) for way in ways]
+        return [controller_pose(self.name, self.robot, way, posture) for way in ways]
 
     def _goal(self, target: Floats) -> Goal:
         if self.of_joints:

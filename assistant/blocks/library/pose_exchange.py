@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked
-from assistant.blocks.connections import PATIENCE, Connection
+from assistant.blocks.connections import STOP_TIMEOUT, Connection
 from assistant.blocks.diagrams.block import Port
-from assistant.blocks.library.arrays import POSE, parts, pose_port, pose_signal
+from assistant.blocks.library.arrays import POSE_SIZE, pose_parts, pose_port, pose_signal
 from assistant.blocks.library.connected import Connected
 from assistant.controllers import connect
 from assistant.controllers.abb.exchange import PoseExchange
@@ -41,7 +41,7 @@ def exchanged(
 
     def check(positions: Floats, quaternions: Floats) -> Mapping[int, str]:
         del quaternions
-        return {} if box is None else _outside(positions, box)
+        return {} if box is None else _outside_box(positions, box)
 
     @contextmanager
     def opening() -> Iterator[Asked[PoseExchange]]:
@@ -65,7 +65,7 @@ def exchanged(
     return Connection(name, opening, moves=True)
 
 
-def _outside(positions: Floats, box: tuple[Vector, Vector]) -> Mapping[int, str]:
+def _outside_box(positions: Floats, box: tuple[Vector, Vector]) -> Mapping[int, str]:
     low, high = map(np.array, box)
     wrong = ((positions < low) | (positions > high)).any(axis=1)
     return {int(row): "it is outside of the box of its block" for row in np.flatnonzero(wrong)}
@@ -94,7 +94,7 @@ class ExchangedPose(Connected[Asked[PoseExchange]]):
         super().begin()
         self._done, self._motion = 0, 0.0
         self._last: Floats | None = None
-        self._stands = np.full(POSE, np.nan)
+        self._stands = np.full(POSE_SIZE, np.nan)
         self._under_way: Future[Answer] | None = self.share.ask(
             lambda exchange: exchange.current_pose()
         )
@@ -108,7 +108,7 @@ class ExchangedPose(Connected[Asked[PoseExchange]]):
         under_way, self._under_way = self._under_way, None
         if under_way is not None and not asking.busy:
             with suppress(Refused):  # what ended it was the stop
-                under_way.result(PATIENCE)
+                under_way.result(STOP_TIMEOUT)
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a pose that is not sent or not reached."""
@@ -129,7 +129,7 @@ class ExchangedPose(Connected[Asked[PoseExchange]]):
             return
         if self._last is not None and np.array_equal(wanted, self._last):
             return
-        position, turn = parts(wanted)
+        position, turn = pose_parts(wanted)
         pose = Pose.of(position[0], turn[0])
         self._last, self._goes = wanted, True
         self._under_way = self.share.ask(lambda exchange: exchange.move_to(pose))

@@ -6,7 +6,7 @@ from typing import Final
 
 from assistant.base.diagnostics import error
 
-TOO_FAR: Final = error(
+START_TOO_FAR: Final = error(
     "BL501",
     "block `{block}` is to begin at {axis} {value:.2f}, {away:.2f} from where the arm stands",
     "begin the setpoints where the arm is, or at most {most:g} degrees or mm from there",
@@ -21,22 +21,22 @@ NOT_OPERATED: Final = error(
     "`{name}` at {address} keeps files, and tells and sets nothing else",
     "name an address by which the controller can be looked at and operated",
 )
-OUTSIDE: Final = error(
+ARM_OUTSIDE_BOUNDS: Final = error(
     "BL504",
     "the arm of block `{block}` stands outside of its bounds: {what}",
     "bring it inside by hand, or give bounds that hold where it stands",
 )
-NO_GRIP: Final = error(
+GRIP_NOT_CONFIRMED: Final = error(
     "BL505",
     "the gripper of block `{block}` was to {what}, and did not confirm it within {seconds:g} s",
     "look at the gripper, its air and the inputs that confirm it",
 )
-BOTH: Final = error(
+OPEN_AND_CLOSED: Final = error(
     "BL506",
     "the gripper of block `{block}` says that it is open and closed at once",
     "look at its sensors and at the names of the inputs",
 )
-NO_ROBOT: Final = error(
+NO_ROBOT_IN_CELL: Final = error(
     "BL507",
     "no single robot `{name}` stands in the cell of block `{block}`",
     "name one of {known}",

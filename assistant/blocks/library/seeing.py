@@ -13,19 +13,19 @@ from numpy.typing import ArrayLike
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.library.arrays import POSE, parts, pose_port, pose_signal
-from assistant.blocks.library.arriving import arriving
+from assistant.blocks.library.arrays import POSE_SIZE, pose_parts, pose_port, pose_signal
+from assistant.blocks.library.arriving import value_source
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.cameras.capture import opened
+from assistant.vision.cameras.capture import open_frames
 from assistant.vision.pointing.devices import Device
-from assistant.vision.pointing.locating import USUAL, Limits, Sighting
-from assistant.vision.pointing.moments import RATE, moments
-from assistant.vision.pointing.tracking import Look, tracked
-from assistant.vision.servoing.things import Thing
+from assistant.vision.pointing.locating import USUAL_LIMITS, Limits, Sighting
+from assistant.vision.pointing.moments import FILE_RATE, open_moments
+from assistant.vision.pointing.tracking import Observation, track_device
+from assistant.vision.servoing.things import VisualTarget
 
-SEED: Final = 0
+NOISE_SEED: Final = 0
 
 
 class ProjectedMarker(Block):
@@ -38,7 +38,13 @@ class ProjectedMarker(Block):
     """
 
     def __init__(
-        self, name: str, camera: Camera, thing: Thing, *, noise: float = 0.0, seed: int = SEED
+        self,
+        name: str,
+        camera: Camera,
+        thing: VisualTarget,
+        *,
+        noise: float = 0.0,
+        seed: int = NOISE_SEED,
     ) -> None:
         carried = [] if camera.parent == WORLD else [pose_port("carrier")]
         outputs = [Port("pixels", 2 * len(thing.points)), Port("seen")]
@@ -53,9 +59,9 @@ class ProjectedMarker(Block):
         del now
         camera = self.camera
         if len(given) > 1:
-            place, turn = parts(given[1])
+            place, turn = pose_parts(given[1])
             camera = camera.carried(Pose.of(place[0], turn[0]))
-        place, turn = parts(given[0])
+        place, turn = pose_parts(given[0])
         pixels = camera.project(rotations.rotate(turn, self.thing.points) + place)
         pixels = pixels + self.noise * self._chance.normal(size=pixels.shape)
         inside = camera.within(pixels)
@@ -77,11 +83,11 @@ class SeenMarker(Block):
         self,
         name: str,
         camera: Camera,
-        thing: Thing,
+        thing: VisualTarget,
         source: str,
         *,
         folder: FilePath = FilePath(),
-        rate: float = RATE,
+        rate: float = FILE_RATE,
         period: float | None = None,
     ) -> None:
         width = 2 * len(thing.points)
@@ -90,13 +96,13 @@ class SeenMarker(Block):
 
         @contextmanager
         def opening() -> Iterator[Iterator[tuple[float, tuple[int, Floats]]]]:
-            with opened(camera, source, folder) as frames:
+            with open_frames(camera, source, folder) as frames:
                 yield (
                     (frame.number / rate, (frame.number, thing.find(frame.picture, camera).ravel()))
                     for frame in frames
                 )
 
-        self._arriving = arriving(opening, source)
+        self._arriving = value_source(opening, source)
         self._nothing = -1, np.full(width, np.nan)
 
     def begin(self) -> None:
@@ -128,8 +134,8 @@ class PointingDevice(Block):
         device: Device,
         *,
         cameras: Sequence[str] | None = None,
-        limits: Limits = USUAL,
-        rate: float = RATE,
+        limits: Limits = USUAL_LIMITS,
+        rate: float = FILE_RATE,
         period: float | None = None,
     ) -> None:
         outputs = [pose_port(), Port("confidence"), Port("seen")]
@@ -137,17 +143,17 @@ class PointingDevice(Block):
         chosen = tuple(rig[one] for one in cameras or rig.cameras)
 
         @contextmanager
-        def opening() -> Iterator[Iterator[tuple[float, Look]]]:
-            with moments(rig, chosen, rate) as coming:
-                looks = tracked(coming, device, chosen, limits)
+        def opening() -> Iterator[Iterator[tuple[float, Observation]]]:
+            with open_moments(rig, chosen, rate) as coming:
+                looks = track_device(coming, device, chosen, limits)
                 yield ((number / rate, look) for number, look in enumerate(looks))
 
         sources = (rig.sources.get(camera.name, "") for camera in chosen)
-        self._arriving = arriving(opening, *sources)
-        self._pose = np.full(POSE, np.nan)
+        self._arriving = value_source(opening, *sources)
+        self._pose = np.full(POSE_SIZE, np.nan)
 
     def begin(self) -> None:
-        self._pose = np.full(POSE, np.nan)
+        self._pose = np.full(POSE_SIZE, np.nan)
         self._arriving.begin()
 
     def end(self) -> None:

@@ -15,14 +15,14 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.asking import Asked
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Port
-from assistant.blocks.library.arrays import at_least_0
+from assistant.blocks.library.arrays import check_not_negative
 from assistant.blocks.library.connected import Connected
-from assistant.blocks.library.rules import BOTH, NO_GRIP
+from assistant.blocks.library.rules import GRIP_NOT_CONFIRMED, OPEN_AND_CLOSED
 from assistant.controllers.controller import Controller
 
 OPEN, CLOSED, BETWEEN = 0.0, 1.0, 0.5
 """States of a gripper: confirmed ones, and what nobody confirms."""
-WITHIN: Final = 2.0
+GRIP_TIMEOUT: Final = 2.0
 """Seconds in which a gripper has to confirm."""
 
 
@@ -151,13 +151,13 @@ class Gripper(Connected[Asked[Controller]]):
         *,
         opened: str | None = None,
         closed: str | None = None,
-        within: float = WITHIN,
+        within: float = GRIP_TIMEOUT,
         period: float | None = None,
     ) -> None:
         ports = [Port("state"), Port("confirmed"), Port("busy")]
         super().__init__(name, connection, [Port("close")], ports, period)
         self.by, self.opened, self.closed = by, opened, closed
-        self.within = at_least_0("within", within)
+        self.within = check_not_negative("within", within)
         self.moves = connection.name
 
     def begin(self) -> None:
@@ -188,7 +188,7 @@ class Gripper(Connected[Asked[Controller]]):
             self._since = np.inf  # a part that is lost later is no failure to grip
         elif self._told is not None and now - self._since > self.within:
             what = "close" if self._told else "open"
-            raise Refused(NO_GRIP(block=self.name, what=what, seconds=self.within))
+            raise Refused(GRIP_NOT_CONFIRMED(block=self.name, what=what, seconds=self.within))
         busy = self._told is not None and not done and self._since < np.inf
         return [[self._state], [float(done)], [float(busy)]]
 
@@ -207,7 +207,7 @@ class Gripper(Connected[Asked[Controller]]):
         is_open = found[self.opened] > 0.5 if self.opened else None
         is_closed = found[self.closed] > 0.5 if self.closed else None
         if is_open and is_closed:
-            raise Refused(BOTH(block=self.name))
+            raise Refused(OPEN_AND_CLOSED(block=self.name))
         if is_closed or (is_closed is None and not is_open):
             return CLOSED
         return OPEN if is_open or is_open is None else BETWEEN

@@ -9,7 +9,7 @@ from assistant.base.arrays import Floats
 from assistant.base.columns import columns_html
 
 
-class Signals(Protocol):
+class RecordedSignals(Protocol):
     """seconds: (n,) of the steps. columns: (n, k) by the name of the signal."""
 
     @property
@@ -19,6 +19,6 @@ class Signals(Protocol):
     def columns(self) -> Mapping[str, Floats]: ...
 
 
-def signals_html(ran: Signals) -> str:
+def signals_html(ran: RecordedSignals) -> str:
     """Signals in columns, below what the run says of itself."""
     return columns_html(repr(ran)[1:-1], {"s": ran.seconds, **ran.columns})

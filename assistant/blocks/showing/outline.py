@@ -43,11 +43,13 @@ class Outline:
         return self.boxes[wire.end].column <= self.boxes[wire.start].column
 
 
-def outline(diagram: Any) -> Outline:
+def lay_out(diagram: Any) -> Outline:
     """Of a `Diagram`, or of a block diagram of bdsim; blocks in the order in which signals go."""
-    boxes, wires = _of_bdsim(diagram) if hasattr(diagram, "blocklist") else _ours(diagram)
-    columns = _columns(len(boxes), wires)
-    rows = _rows(columns, wires)
+    boxes, wires = (
+        _boxes_of_bdsim(diagram) if hasattr(diagram, "blocklist") else _boxes_of_ours(diagram)
+    )
+    columns = _column_numbers(len(boxes), wires)
+    rows = _row_positions(columns, wires)
     placed = tuple(
         Box(box.name, box.kind, box.inputs, box.outputs, column, row)
         for box, column, row in zip(boxes, columns, rows, strict=True)
@@ -55,7 +57,7 @@ def outline(diagram: Any) -> Outline:
     return Outline(placed, tuple(wires))
 
 
-def _ours(diagram: Any) -> tuple[list[Box], list[Wire]]:
+def _boxes_of_ours(diagram: Any) -> tuple[list[Box], list[Wire]]:
     number = {block: i for i, block in enumerate(diagram.blocks)}
     boxes = [
         Box(
@@ -73,7 +75,7 @@ def _ours(diagram: Any) -> tuple[list[Box], list[Wire]]:
     return boxes, wires
 
 
-def _of_bdsim(diagram: Any) -> tuple[list[Box], list[Wire]]:
+def _boxes_of_bdsim(diagram: Any) -> tuple[list[Box], list[Wire]]:
     number = {id(block): i for i, block in enumerate(diagram.blocklist)}
     boxes = []
     for block in diagram.blocklist:
@@ -88,7 +90,7 @@ def _of_bdsim(diagram: Any) -> tuple[list[Box], list[Wire]]:
     return boxes, wires
 
 
-def _columns(count: int, wires: Sequence[Wire]) -> list[int]:
+def _column_numbers(count: int, wires: Sequence[Wire]) -> list[int]:
     """The longest way to each box from one without inputs, wires that close a loop left out."""
     following: dict[int, list[int]] = {i: [] for i in range(count)}
     fed = set()
@@ -138,7 +140,7 @@ def _visit(
             stack.append((after, iter(following[after])))
 
 
-def _rows(columns: Sequence[int], wires: Sequence[Wire]) -> list[float]:
+def _row_positions(columns: Sequence[int], wires: Sequence[Wire]) -> list[float]:
     """Each column about the middle, its boxes in the order of what leads to them."""
     rows = [0.0] * len(columns)
     for column in range(max(columns, default=0) + 1):

@@ -7,22 +7,22 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.source_text import visible
-from assistant.blocks.showing.columns import Signals
-from assistant.blocks.showing.outline import Box, Outline, Wire, outline
+from assistant.blocks.showing.columns import RecordedSignals
+from assistant.blocks.showing.outline import Box, Outline, Wire, lay_out
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DPI: Final = 80
-WIDE: Final = 1.0
-HIGH: Final = 0.62
-APART: Final = 1.75
+BOX_WIDTH: Final = 1.0
+BOX_HEIGHT: Final = 0.62
+COLUMN_SPACING: Final = 1.75
 """Width and height of a box, and from one column of them to the next; from row to row 1."""
-COLOUR: Final = "#1f5f8b"
-FILL: Final = "#eef4f8"
+LINE_COLOUR: Final = "#1f5f8b"
+FILL_COLOUR: Final = "#eef4f8"
 MOST_SIGNALS: Final = 8
-MOST_ROWS: Final = 4000
+MOST_DRAWN_ROWS: Final = 4000
 """What is drawn of a run; of more rows every second, third …"""
 MOST_BOXES: Final = 300
 """Blocks of a diagram that is drawn: a picture of more is as wide as a wall, and takes minutes."""
@@ -30,18 +30,18 @@ MOST_BOXES: Final = 300
 
 def diagram_png(diagram: Any) -> bytes | None:
     """A diagram of ours or of bdsim; None without matplotlib, and of more than `MOST_BOXES`."""
-    found = outline(diagram)
+    found = lay_out(diagram)
     if len(found.boxes) > MOST_BOXES:
         return None
     columns = max((box.column for box in found.boxes), default=0) + 1
-    figure = _figure(1.6 * columns, 0.9 * _height(found))
+    figure = _figure(1.6 * columns, 0.9 * _picture_height(found))
     if figure is None:
         return None
     draw_diagram(figure.subplots(), found)
     return _png(figure)
 
 
-def ran_png(ran: Signals) -> bytes | None:
+def run_png(ran: RecordedSignals) -> bytes | None:
     """The first signals of a run over time, one below the other; None without matplotlib."""
     names = list(ran.columns)[:MOST_SIGNALS]
     figure = _figure(8.0, 1.1 * max(len(names), 1) + 0.5)
@@ -55,24 +55,24 @@ def ran_png(ran: Signals) -> bytes | None:
 
 def draw_diagram(axes: Axes, diagram: Any) -> None:
     """Boxes and wires into axes. diagram: an `Outline`, or what `outline` takes."""
-    found = diagram if isinstance(diagram, Outline) else outline(diagram)
+    found = diagram if isinstance(diagram, Outline) else lay_out(diagram)
     lowest = max((box.row for box in found.boxes), default=0.0)
     for number, wire in enumerate(found.wires):
-        _wire(axes, found, wire, lowest + 0.55 + 0.09 * number)
+        _draw_wire(axes, found, wire, lowest + 0.55 + 0.09 * number)
     for box in found.boxes:
-        _box(axes, box)
+        _draw_box(axes, box)
     axes.set_aspect("equal")
     axes.invert_yaxis()
     axes.autoscale_view()
     axes.axis("off")
 
 
-def draw_signals(all_axes: Sequence[Axes], ran: Signals, names: Sequence[str]) -> None:
+def draw_signals(all_axes: Sequence[Axes], ran: RecordedSignals, names: Sequence[str]) -> None:
     """Each signal of a run over time into axes of its own."""
-    every = slice(None, None, max(1, len(ran.seconds) // MOST_ROWS))
+    every = slice(None, None, max(1, len(ran.seconds) // MOST_DRAWN_ROWS))
     for axes, name in zip(all_axes, names, strict=True):
         axes.plot(ran.seconds[every], ran.columns[name][every], lw=1.1)
-        axes.set_title(_said(name), fontsize=8, loc="left", pad=2)
+        axes.set_title(_escaped_name(name), fontsize=8, loc="left", pad=2)
         axes.tick_params(labelsize=7)
         axes.grid(alpha=0.3)
     if len(all_axes):
@@ -93,51 +93,67 @@ def _png(figure: Figure) -> bytes:
     return out.getvalue()
 
 
-def _said(name: str) -> str:
+def _escaped_name(name: str) -> str:
     """A name as matplotlib shows it as it is: between dollars it would read a formula."""
     return visible(name).replace("$", r"\$")
 
 
-def _height(found: Outline) -> float:
+def _picture_height(found: Outline) -> float:
     rows = [box.row for box in found.boxes] or [0.0]
     back = sum(found.back(wire) for wire in found.wires)
     return max(rows) - min(rows) + 1.2 + (0.4 if back else 0.0)
 
 
-def _box(axes: Axes, box: Box) -> None:
+def _draw_box(axes: Axes, box: Box) -> None:
     from matplotlib.patches import FancyBboxPatch
 
-    left, top = APART * box.column, box.row - HIGH / 2.0
+    left, top = COLUMN_SPACING * box.column, box.row - BOX_HEIGHT / 2.0
     style = "round,pad=0,rounding_size=0.06"
     axes.add_patch(
         FancyBboxPatch(
-            (left, top), WIDE, HIGH, boxstyle=style, fc=FILL, ec=COLOUR, lw=1.2, zorder=2
+            (left, top),
+            BOX_WIDTH,
+            BOX_HEIGHT,
+            boxstyle=style,
+            fc=FILL_COLOUR,
+            ec=LINE_COLOUR,
+            lw=1.2,
+            zorder=2,
         )
     )
-    middle = left + WIDE / 2.0
+    middle = left + BOX_WIDTH / 2.0
     axes.text(
-        middle, box.row - 0.07, _said(box.name), ha="center", va="center", fontsize=7, zorder=3
+        middle,
+        box.row - 0.07,
+        _escaped_name(box.name),
+        ha="center",
+        va="center",
+        fontsize=7,
+        zorder=3,
     )
-    kind = "" if box.kind.lower() == box.name.lower() else _said(box.kind)
+    kind = "" if box.kind.lower() == box.name.lower() else _escaped_name(box.kind)
     axes.text(
         middle, box.row + 0.14, kind, ha="center", va="center", fontsize=5.5, color="0.4", zorder=3
     )
 
 
-def _port(box: Box, number: int, *, output: bool) -> tuple[float, float]:
+def _port_position(box: Box, number: int, *, output: bool) -> tuple[float, float]:
     """Where a port is on the edge of its box."""
     count = max(len(box.outputs if output else box.inputs), number + 1)
-    y = box.row + HIGH * ((number + 1) / (count + 1) - 0.5)
-    return APART * box.column + (WIDE if output else 0.0), y
+    y = box.row + BOX_HEIGHT * ((number + 1) / (count + 1) - 0.5)
+    return COLUMN_SPACING * box.column + (BOX_WIDTH if output else 0.0), y
 
 
-def _wire(axes: Axes, found: Outline, wire: Wire, below: float) -> None:
+def _draw_wire(axes: Axes, found: Outline, wire: Wire, below: float) -> None:
     """Straight to the next box; one that leads back goes below all of them."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
     one, other = found.boxes[wire.start], found.boxes[wire.end]
-    (x, y), (u, v) = _port(one, wire.output, output=True), _port(other, wire.input, output=False)
+    (x, y), (u, v) = (
+        _port_position(one, wire.output, output=True),
+        _port_position(other, wire.input, output=False),
+    )
     if found.back(wire):
         points = [(x, y), (x + 0.2, y), (x + 0.2, below), (u - 0.2, below), (u - 0.2, v), (u, v)]
         path = Path(points)
@@ -150,5 +166,10 @@ def _wire(axes: Axes, found: Outline, wire: Wire, below: float) -> None:
     names = one.outputs
     if len(names) > 1 and names[wire.output]:
         axes.text(
-            x + 0.04, y - 0.03, _said(names[wire.output]), fontsize=5, color="0.35", va="bottom"
+            x + 0.04,
+            y - 0.03,
+            _escaped_name(names[wire.output]),
+            fontsize=5,
+            color="0.35",
+            va="bottom",
         )

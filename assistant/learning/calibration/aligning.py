@@ -12,23 +12,23 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, norms
-from assistant.learning.calibration.fitting import robust
-from assistant.learning.calibration.identifying import told_apart
-from assistant.learning.calibration.problem import Known, Problem, State
+from assistant.learning.calibration.fitting import robust_least_squares
+from assistant.learning.calibration.identifying import identify_parameters
+from assistant.learning.calibration.problem import FitProblem, FitState, KnownPlacement
 from assistant.program.geometry import IDENTITY, Pose, Quaternion
 
-ROUNDS: Final = 8
+ALIGNMENT_ROUNDS: Final = 8
 """Of weighing the linear equations anew, so that a few wild rows do not decide."""
 
 
-def aligned(problem: Problem, known: Known) -> tuple[State, Truths]:
+def align_placement(problem: FitProblem, known: KnownPlacement) -> tuple[FitState, Truths]:
     """The best base and tool with all corrections of the arm 0, and the rows (n,) that fit them."""
     wanted = problem.wanted(known, arm=False)
-    best: tuple[float, State, Truths] | None = None
-    for start in _starts(problem, known):
+    best: tuple[float, FitState, Truths] | None = None
+    for start in _start_states(problem, known):
         slope = problem.slope(start, arm=False).reshape(-1, len(wanted))
-        free, _ = told_apart(slope, problem.parameters, wanted, loose=False)
-        state, used = robust(problem, start, free) if free.any() else (start, None)
+        free, _ = identify_parameters(slope, problem.parameters, wanted, loose=False)
+        state, used = robust_least_squares(problem, start, free) if free.any() else (start, None)
         off = np.linalg.norm(problem.missing(state), axis=1)
         used = np.ones(len(off), dtype=bool) if used is None else used
         middle = float(np.median(off))
@@ -38,20 +38,20 @@ def aligned(problem: Problem, known: Known) -> tuple[State, Truths]:
     return best[1], best[2]
 
 
-def roughly(problem: Problem, known: Known) -> float:
+def rough_residual(problem: FitProblem, known: KnownPlacement) -> float:
     """The mm, of the middle row, by the linear equations alone: to compare how poses are read."""
-    starts = _starts(problem, known)
+    starts = _start_states(problem, known)
     return min(float(np.median(norms(problem.errors(start)[0]))) for start in starts)
 
 
-def root_mean_square(problem: Problem, state: State, used: Truths | None = None) -> float:
+def root_mean_square(problem: FitProblem, state: FitState, used: Truths | None = None) -> float:
     """The mm between said and measured points."""
     off, _ = problem.errors(state)
     rows = off if used is None else off[used]
     return float(np.sqrt((rows**2).sum(axis=1).mean()))
 
 
-def _starts(problem: Problem, known: Known) -> list[State]:
+def _start_states(problem: FitProblem, known: KnownPlacement) -> list[FitState]:
     none = np.zeros(len(problem.model.parameters))
     p, r = problem.model.flange(problem.measured.joints, none)
     y = problem.measured.points
@@ -60,23 +60,26 @@ def _starts(problem: Problem, known: Known) -> list[State]:
         a, b, c = (float(v) for v in _middle_tool(p, r, known.base, y))
         found.append((known.base, known.tool or (a, b, c)))
     elif known.tool is not None:
-        found.append((_onto(p + r @ np.array(known.tool), y), known.tool))
+        found.append((_pose_onto(p + r @ np.array(known.tool), y), known.tool))
     else:
-        turn, tip = _linear(p, r, y)
+        turn, tip = _linear_alignment(p, r, y)
         a, b, c = (float(v) for v in tip)
-        found.append((_onto(p + r @ tip, y, turn), (a, b, c)))
-        found.append((_onto(p, y), (0.0, 0.0, 0.0)))
-    return [State(base, Pose(tool, _turn(problem, r, base, known)), none) for base, tool in found]
+        found.append((_pose_onto(p + r @ tip, y, turn), (a, b, c)))
+        found.append((_pose_onto(p, y), (0.0, 0.0, 0.0)))
+    return [
+        FitState(base, Pose(tool, _tool_turn(problem, r, base, known)), none)
+        for base, tool in found
+    ]
 
 
-def _turn(problem: Problem, r: Floats, base: Pose, known: Known) -> Quaternion:
+def _tool_turn(problem: FitProblem, r: Floats, base: Pose, known: KnownPlacement) -> Quaternion:
     """How the tool is turned by the measured turns."""
     if known.turn is not None or problem.measured.turns is None:
         return known.turn or IDENTITY.quaternion
     own = rotations.to_matrix(np.array(base.quaternion))
     seen = rotations.to_matrix(problem.measured.turns)
     total = (r.transpose(0, 2, 1) @ own.T @ seen).sum(axis=0)
-    return Pose.of(np.zeros(3), rotations.from_matrix(_nearest(total))).quaternion
+    return Pose.of(np.zeros(3), rotations.from_matrix(_nearest_rotation(total))).quaternion
 
 
 def _middle_tool(p: Floats, r: Floats, base: Pose, y: Floats) -> Floats:
@@ -84,7 +87,7 @@ def _middle_tool(p: Floats, r: Floats, base: Pose, y: Floats) -> Floats:
     return np.asarray(np.median(np.einsum("nji,nj->ni", r, back - p), axis=0))
 
 
-def _linear(p: Floats, r: Floats, y: Floats) -> tuple[Floats, Floats]:
+def _linear_alignment(p: Floats, r: Floats, y: Floats) -> tuple[Floats, Floats]:
     """The base's turn (3, 3) and the tool point (3,)."""
     n = len(p)
     middle, size = y.mean(axis=0), max(float(np.abs(y - y.mean(axis=0)).max()), 1e-9)
@@ -95,26 +98,26 @@ def _linear(p: Floats, r: Floats, y: Floats) -> tuple[Floats, Floats]:
     rows[:, :, 9:12] = np.eye(3)
     rows[:, :, 12:] = -r / size
     weights = np.ones(n)
-    for _ in range(ROUNDS):
+    for _ in range(ALIGNMENT_ROUNDS):
         root = np.sqrt(weights)[:, None]
         found = np.linalg.lstsq(
             (rows * root[..., None]).reshape(-1, 15), (p * root).ravel(), rcond=1e-9
         )[0]
         off = np.linalg.norm(rows @ found - p, axis=1)
         weights = 1.0 / (1.0 + (off / (3.0 * max(float(np.median(off)), 1e-9))) ** 2)
-    return _nearest(np.asarray(found[:9].reshape(3, 3))).T, np.asarray(found[12:] / size)
+    return _nearest_rotation(np.asarray(found[:9].reshape(3, 3))).T, np.asarray(found[12:] / size)
 
 
-def _onto(p: Floats, y: Floats, turn: Floats | None = None) -> Pose:
+def _pose_onto(p: Floats, y: Floats, turn: Floats | None = None) -> Pose:
     """The pose that takes points p to y; turn: of it, if that is known (Kabsch, 1976, if not)."""
     from_, to = np.median(p, axis=0), np.median(y, axis=0)
     if turn is None:
-        turn = _nearest((y - to).T @ (p - from_))
+        turn = _nearest_rotation((y - to).T @ (p - from_))
     at = np.median(y - p @ turn.T, axis=0)
     return Pose.of(at, rotations.from_matrix(turn))
 
 
-def _nearest(matrix: Floats) -> Floats:
+def _nearest_rotation(matrix: Floats) -> Floats:
     """The rotation nearest to a matrix (3, 3)."""
     u, _, v = np.linalg.svd(matrix)
     sign = np.sign(np.linalg.det(u @ v)) or 1.0

@@ -11,38 +11,47 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning.calibration import rules
-from assistant.learning.calibration.aligning import aligned
-from assistant.learning.calibration.chain_model import model_of
-from assistant.learning.calibration.doubts import DOUBTED, moving, read_rightly
-from assistant.learning.calibration.fitting import Fit, fit, least_squares
-from assistant.learning.calibration.identifying import Held, condition, told_apart
-from assistant.learning.calibration.measured import Measured
-from assistant.learning.calibration.models import Estimate, LengthsModel, Parameter
-from assistant.learning.calibration.problem import PLACED, Known, Problem, State
-from assistant.learning.calibration.validating import Residual, held_out, residual
+from assistant.learning.calibration.aligning import align_placement
+from assistant.learning.calibration.chain_model import arm_model
+from assistant.learning.calibration.doubts import SUSPICIOUS_MISS, check_motion, check_reading
+from assistant.learning.calibration.fitting import ParameterFit, fit_parameters, least_squares
+from assistant.learning.calibration.identifying import (
+    HeldParameter,
+    condition_number,
+    identify_parameters,
+)
+from assistant.learning.calibration.measured import MeasuredPoses
+from assistant.learning.calibration.models import EstimatedErrors, LengthsModel, Parameter
+from assistant.learning.calibration.problem import (
+    PLACEMENT_COUNT,
+    FitProblem,
+    FitState,
+    KnownPlacement,
+)
+from assistant.learning.calibration.validating import Residual, held_out_residual, residual_of_rows
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import Placed, Serial
 
-FEWEST: Final = 1.5
+LEAST_MEASUREMENTS: Final = 1.5
 """Numbers measured for each parameter, at least."""
-MOST_OUT: Final = 0.3
+MOST_OUTLIERS: Final = 0.3
 """Of the rows, that may not fit the others."""
-BIG: Final = {"mm": 10.0, "deg": 5.0}
+LARGE_CORRECTIONS: Final = {"mm": 10.0, "deg": 5.0}
 """What is more than errors of assembly."""
-OVER: Final = 2.0
+OVER_FIT_RATIO: Final = 2.0
 """Times the residual of the fit from which on that of poses held out tells of over-fitting."""
-LESS: Final = 0.75
+FREE_CHAIN_SHARE: Final = 0.75
 """Of what remains, that a free chain leaves at most to be worth telling."""
-FAR: Final = 0.25
+MOST_MISS: Final = 0.25
 """Of the reach, that the nominal arm may miss the middle one of the points by."""
-SURE: Final = 22.0
+MOVED_STATISTIC: Final = 22.0
 """Of the statistic of two samples, that chance gives one set of poses in some thousand."""
-TINY: Final = 1e-12
+LEAST_VARIANCE: Final = 1e-12
 """mm², so that points without any noise have a covariance."""
-TOGETHER: Final = 0.9
+CORRELATED: Final = 0.9
 """Correlation from which on errors of two corrections are told to go together."""
-NOISE: Final = 1.3
+MOST_NOISE_RATIO: Final = 1.3
 """Times the stated noise that the residual may be."""
 
 
@@ -69,16 +78,16 @@ class Calibration:
     """
 
     robot: Robot
-    estimate: Estimate
-    known: Known
-    measured: Measured
-    fit: Fit
-    start: State
+    estimate: EstimatedErrors
+    known: KnownPlacement
+    measured: MeasuredPoses
+    fit: ParameterFit
+    start: FitState
     before: Residual
     after: Residual
     out_before: Residual
     out: Residual
-    held: tuple[Held, ...]
+    held: tuple[HeldParameter, ...]
     findings: tuple[Diagnostic, ...]
 
     @property
@@ -100,7 +109,7 @@ class Calibration:
     @cached_property
     def condition(self) -> float:
         """Of the Jacobian with columns of one length."""
-        return condition(self.fit.slope)
+        return condition_number(self.fit.slope)
 
     @cached_property
     def corrections(self) -> tuple[Correction, ...]:
@@ -109,11 +118,11 @@ class Calibration:
         return tuple(
             Correction(
                 self.fit.problem.parameters[at],
-                float(self.fit.state.values[at - PLACED]),
+                float(self.fit.state.values[at - PLACEMENT_COUNT]),
                 float(sigma[at]),
             )
             for at in map(int, free)
-            if at >= PLACED
+            if at >= PLACEMENT_COUNT
         )
 
     @cached_property
@@ -145,10 +154,10 @@ class Calibration:
 
 def calibrate(
     robot: Robot,
-    measured: Measured,
+    measured: MeasuredPoses,
     *,
-    estimate: Estimate = "lengths",
-    known: Known | None = None,
+    estimate: EstimatedErrors = "lengths",
+    known: KnownPlacement | None = None,
     noise: float | None = None,
 ) -> Calibration:
     """The errors of an arm by measured poses of its tool.
@@ -158,22 +167,22 @@ def calibrate(
     mm along each axis, one sigma; by the residuals if it is not stated. Raises Refused for poses
     that tell nothing or are read wrongly.
     """
-    known = known or Known()
-    _sayable(robot, estimate)
+    known = known or KnownPlacement()
+    _check_estimate(robot, estimate)
     findings = [*measured.findings]
-    problem = Problem(model_of(robot, estimate), measured, *(() if noise is None else (noise,)))
-    _enough(problem, known)
-    findings += moving(robot, measured)
-    read_rightly(robot, measured, known)
-    start, _ = aligned(problem, known)
-    _near(problem, start)
-    found, held = _fitted(problem, start, known, stated=noise is not None)
-    findings += _fitting(found, robot)
+    problem = FitProblem(arm_model(robot, estimate), measured, *(() if noise is None else (noise,)))
+    _check_measurements(problem, known)
+    findings += check_motion(robot, measured)
+    check_reading(robot, measured, known)
+    start, _ = align_placement(problem, known)
+    _check_miss(problem, start)
+    found, held = _fit_identified(problem, start, known, stated=noise is not None)
+    findings += _outlier_findings(found, robot)
     rows = np.flatnonzero(found.used)
     one, placed = found.problem, found.problem.wanted(known, arm=False) & found.free
     again = replace(start, values=np.zeros_like(start.values))
-    out_before = held_out(one, again, placed, rows)
-    out = held_out(one, found.state, found.free, rows)
+    out_before = held_out_residual(one, again, placed, rows)
+    out = held_out_residual(one, found.state, found.free, rows)
     done = Calibration(
         robot,
         estimate,
@@ -181,78 +190,80 @@ def calibrate(
         measured,
         found,
         start,
-        residual(one, _replaced(one, again, placed, rows), rows),
-        residual(one, found.state, rows),
+        residual_of_rows(one, _realigned(one, again, placed, rows), rows),
+        residual_of_rows(one, found.state, rows),
         out_before,
         out,
         held,
         (),
     )
-    findings += _told(done, noise)
+    findings += _calibration_findings(done, noise)
     return replace(done, findings=tuple(findings))
 
 
-def _sayable(robot: Robot, estimate: Estimate) -> None:
+def _check_estimate(robot: Robot, estimate: EstimatedErrors) -> None:
     if estimate == "lengths" and not LengthsModel(robot).names:
-        raise Refused(rules.NOT_SAID(robot=robot.name), exit_status=2)
+        raise Refused(rules.NO_FILE_LENGTHS(robot=robot.name), exit_status=2)
     if robot.coupling and estimate == "chain":
-        raise Refused(rules.COUPLED(robot=robot.name), exit_status=2)
+        raise Refused(rules.COUPLED_AXIS(robot=robot.name), exit_status=2)
 
 
-def _enough(problem: Problem, known: Known) -> None:
+def _check_measurements(problem: FitProblem, known: KnownPlacement) -> None:
     count = int(problem.wanted(known).sum())
-    needed = int(np.ceil(FEWEST * count / problem.parts))
+    needed = int(np.ceil(LEAST_MEASUREMENTS * count / problem.parts))
     if len(problem.measured) < needed:
         fields: dict[str, Any] = {
             "count": len(problem.measured),
             "parameters": count,
             "needed": needed,
         }
-        raise Refused(rules.TOO_FEW(path=problem.measured.path, **fields))
+        raise Refused(rules.TOO_FEW_POSES(path=problem.measured.path, **fields))
 
 
-def _near(problem: Problem, start: State) -> None:
+def _check_miss(problem: FitProblem, start: FitState) -> None:
     """Raises Refused for poses that the nominal arm misses by more than any small error."""
     left, robot = float(np.median(norms(problem.errors(start)[0]))), problem.model.robot
-    if left > FAR * robot.reach:
-        raise Refused(rules.NO_FIT(path=problem.measured.path, robot=robot.name, left=left))
+    if left > MOST_MISS * robot.reach:
+        raise Refused(
+            rules.NO_SMALL_ERRORS(path=problem.measured.path, robot=robot.name, left=left)
+        )
 
 
-def _fitted(
-    problem: Problem, start: State, known: Known, *, stated: bool
-) -> tuple[Fit, tuple[Held, ...]]:
+def _fit_identified(
+    problem: FitProblem, start: FitState, known: KnownPlacement, *, stated: bool
+) -> tuple[ParameterFit, tuple[HeldParameter, ...]]:
     """The fit with what the poses tell apart; first all that can be, then all that is worth it."""
     wanted = problem.wanted(known)
     slope = problem.slope(start)
-    free, held = told_apart(_rows(slope), problem.parameters, wanted, loose=False)
-    found = fit(problem, start, free, known=stated)
+    free, held = identify_parameters(_fit_rows(slope), problem.parameters, wanted, loose=False)
+    found = fit_parameters(problem, start, free, known=stated)
     slope = found.problem.of(np.flatnonzero(found.used)).slope(found.state)
-    kept, held = told_apart(_rows(slope), problem.parameters, wanted, loose=True)
+    kept, held = identify_parameters(_fit_rows(slope), problem.parameters, wanted, loose=True)
     if (kept == free).all():
         return found, held
-    return fit(found.problem, start, kept, known=stated), held
+    return fit_parameters(found.problem, start, kept, known=stated), held
 
 
-def _rows(slope: Floats) -> Floats:
+def _fit_rows(slope: Floats) -> Floats:
     return slope.reshape(-1, slope.shape[2])
 
 
-def _replaced(problem: Problem, state: State, placed: Truths, rows: Rows) -> State:
+def _realigned(problem: FitProblem, state: FitState, placed: Truths, rows: Rows) -> FitState:
     """The nominal arm with base and tool by the rows that count."""
     some = problem.of(rows)
     return least_squares(some, state, placed, np.ones(len(rows)))
 
 
-def _fitting(found: Fit, robot: Robot) -> list[Diagnostic]:
+def _outlier_findings(found: ParameterFit, robot: Robot) -> list[Diagnostic]:
     """Findings of rows that do not fit; raises Refused where too little does."""
     poses = found.problem.measured
     points, turns = found.problem.errors(found.state)
     off = norms(points)
     left = float(np.median(off))
-    if left > DOUBTED * robot.reach:
-        raise Refused(rules.NO_FIT(path=poses.path, robot=robot.name, left=left))
+    if left > SUSPICIOUS_MISS * robot.reach:
+        raise Refused(rules.NO_SMALL_ERRORS(path=poses.path, robot=robot.name, left=left))
     out = np.flatnonzero(~found.used)
-    if len(out) > MOST_OUT * len(poses):
+    if len(out) > MOST_OUTLIERS * len(poses):
         raise Refused(rules.TOO_MANY_OUTLIERS(path=poses.path, count=len(out), total=len(poses)))
     findings = []
     for at in out:
@@ -262,33 +273,33 @@ def _fitting(found: Fit, robot: Robot) -> list[Diagnostic]:
     return findings
 
 
-def _told(done: Calibration, noise: float | None) -> list[Diagnostic]:
+def _calibration_findings(done: Calibration, noise: float | None) -> list[Diagnostic]:
     path, findings = done.measured.path, list[Diagnostic]()
     fields: dict[str, Any]
     for one in done.held:
         fields = {"name": one.parameter.name, "unit": one.parameter.unit, "reason": one.reason}
-        findings.append(rules.HELD(path=path, value=one.parameter.nominal, **fields))
+        findings.append(rules.PARAMETER_HELD(path=path, value=one.parameter.nominal, **fields))
     for correction in done.corrections:
         unit, value = correction.parameter.unit, correction.value
-        if abs(value) > BIG[unit]:
+        if abs(value) > LARGE_CORRECTIONS[unit]:
             name = correction.parameter.name
-            findings.append(rules.LARGE(path=path, name=name, value=value, unit=unit))
-    if done.out.point > OVER * done.after.point:
+            findings.append(rules.LARGE_CORRECTION(path=path, name=name, value=value, unit=unit))
+    if done.out.point > OVER_FIT_RATIO * done.after.point:
         fields = {"out": done.out.point, "inside": done.after.point}
         findings.append(rules.OVER_FITTED(path=path, **fields))
     if done.out.point > done.out_before.point:
         fields = {"after": done.out.point, "before": done.out_before.point}
         findings.append(rules.NO_GAIN(path=path, **fields))
-    findings += _moved(done)
+    findings += _moved_findings(done)
     if noise is not None:
         missing = done.fit.problem.missing(done.fit.state)[done.fit.used]
         ratio = float(np.sqrt((missing**2).sum() / max(done.fit.freedom, 1)))
-        if ratio > NOISE:
-            findings.append(rules.NOISY(path=path, ratio=ratio))
-    return [*findings, *_remaining(done)]
+        if ratio > MOST_NOISE_RATIO:
+            findings.append(rules.RESIDUAL_ABOVE_NOISE(path=path, ratio=ratio))
+    return [*findings, *_free_chain_findings(done)]
 
 
-def _moved(done: Calibration) -> list[Diagnostic]:
+def _moved_findings(done: Calibration) -> list[Diagnostic]:
     """Whether the points of later rows are off those of earlier ones, by the best place to part
     them (Hotelling's two samples).
     """
@@ -298,31 +309,33 @@ def _moved(done: Calibration) -> list[Diagnostic]:
     early, total = np.cumsum(off, axis=0)[:-1], off.sum(axis=0)
     apart = early / count - (total - early) / (len(off) - count)
     weight = (count * (len(off) - count) / len(off))[:, 0]
-    inverse = np.linalg.inv(np.cov(off.T) + np.eye(3) * TINY)
+    inverse = np.linalg.inv(np.cov(off.T) + np.eye(3) * LEAST_VARIANCE)
     square = weight * np.einsum("ni,ij,nj->n", apart, inverse, apart)
     at = int(np.argmax(square))
-    if square[at] < SURE:
+    if square[at] < MOVED_STATISTIC:
         return []
     row, mm = int(done.measured.rows[used[at + 1]]), float(np.linalg.norm(apart[at]))
-    return [rules.MOVED(path=done.measured.path, row=row, mm=mm)]
+    return [rules.POINTS_MOVED(path=done.measured.path, row=row, mm=mm)]
 
 
-def _remaining(done: Calibration) -> list[Diagnostic]:
+def _free_chain_findings(done: Calibration) -> list[Diagnostic]:
     """What a free chain would explain beyond the lengths of a robot file."""
     if done.estimate == "chain":
         numerical = isinstance(done.robot.arm, Placed | Serial)
         five = "" if len(done.robot.axes) > 5 else ", and its axes are named J1 to J5"
-        return [] if numerical else [rules.NUMERICAL(names=five)]
-    problem = replace(done.fit.problem, model=model_of(done.robot, "chain"))
+        return [] if numerical else [rules.SOLVED_NUMERICALLY(names=five)]
+    problem = replace(done.fit.problem, model=arm_model(done.robot, "chain"))
     rows = np.flatnonzero(done.fit.used)
     wanted = problem.wanted(done.known)
-    if done.robot.coupling or len(rows) * problem.parts < FEWEST * wanted.sum():
+    if done.robot.coupling or len(rows) * problem.parts < LEAST_MEASUREMENTS * wanted.sum():
         return []
     some = problem.of(rows)
-    state = State(done.base, done.tool, np.zeros(len(problem.model.parameters)))
-    free, _ = told_apart(_rows(some.slope(state)), problem.parameters, wanted, loose=True)
-    chained = held_out(problem, state, free, rows)
-    if chained.point > LESS * done.out.point:
+    state = FitState(done.base, done.tool, np.zeros(len(problem.model.parameters)))
+    free, _ = identify_parameters(
+        _fit_rows(some.slope(state)), problem.parameters, wanted, loose=True
+    )
+    chained = held_out_residual(problem, state, free, rows)
+    if chained.point > FREE_CHAIN_SHARE * done.out.point:
         return []
     path = done.measured.path
-    return [rules.REMAINS(path=path, left=done.out.point, free=chained.point)]
+    return [rules.FREE_CHAIN_FITS_BETTER(path=path, left=done.out.point, free=chained.point)]

@@ -17,23 +17,23 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.learning.calibration.models import (
-    Estimate,
+    ArmModel,
+    EstimatedErrors,
+    FlangeSlopes,
     LengthsModel,
-    Model,
     Parameter,
-    Slopes,
     Unit,
-    of_zeros,
+    slopes_of_zeros,
 )
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms.arm import Chain, ChainPoses, Joint
 
-PARALLEL: Final = 0.1
+PARALLEL_SINE: Final = 0.1
 """Sine of the angle between two axes below which they count as parallel."""
 
 
-def model_of(robot: Robot, estimate: Estimate) -> Model:
+def arm_model(robot: Robot, estimate: EstimatedErrors) -> ArmModel:
     """The model of a robot; of an arm without lengths of its own `lengths` are the zeros alone."""
     if estimate == "chain":
         return ChainModel(robot)
@@ -56,7 +56,7 @@ class ChainModel:
         origins, axes, frames = found.origins[0], found.axes[0], found.frames[0]
         out = []
         for i in range(len(chain.joints) - 1):
-            place, names = _normal(origins[i], axes[i], origins[i + 1], axes[i + 1])
+            place, names = _common_normal(origins[i], axes[i], origins[i + 1], axes[i + 1])
             if chain.joints[i].sliding or chain.joints[i + 1].sliding:
                 names = ("alpha", "beta") if chain.joints[i + 1].sliding else ("a", "alpha", "beta")
             own = Pose.of(origins[i], rotations.from_matrix(frames[i]))
@@ -78,7 +78,7 @@ class ChainModel:
         found = self._along(joints, values)
         return found.origins[:, -1], found.turns
 
-    def slopes(self, joints: Floats, values: Floats) -> Slopes:
+    def slopes(self, joints: Floats, values: Floats) -> FlangeSlopes:
         found = self._along(joints, values)
         moved: list[Floats] = []
         turned: list[Floats] = []
@@ -103,16 +103,16 @@ class ChainModel:
                     slides(frame[:, :, 0 if name == "a" else 2])
                 else:
                     turns(frame[:, :, 0] if name == "alpha" else y, at)
-        first, second = of_zeros(found, self.robot.sliding)
+        first, second = slopes_of_zeros(found, self.robot.sliding)
         both = np.concatenate([first, np.stack(moved, axis=2)], axis=2)
         spun = np.concatenate([second, np.stack(turned, axis=2)], axis=2)
-        return Slopes(found.origins[:, -1], found.turns, both, spun)
+        return FlangeSlopes(found.origins[:, -1], found.turns, both, spun)
 
     def chain(self, values: Floats) -> Chain:
         nominal = self.robot.arm.whole_chain
         joints: list[Joint] = [nominal.joints[0]]
         for (place, own), joint in zip(self._own(values), nominal.joints[1:], strict=True):
-            bent = place @ _bent(**own) @ place.inverse()
+            bent = place @ _link_correction(**own) @ place.inverse()
             joints.append(replace(joint, pose=bent @ joint.pose))
         return Chain(tuple(joints), nominal.flange)
 
@@ -131,7 +131,7 @@ class ChainModel:
             rest = rest[len(names) :]
 
 
-def _bent(a: float = 0.0, d: float = 0.0, alpha: float = 0.0, beta: float = 0.0) -> Pose:
+def _link_correction(a: float = 0.0, d: float = 0.0, alpha: float = 0.0, beta: float = 0.0) -> Pose:
     """Tz(d)·Tx(a)·Rx(alpha)·Ry(beta), degrees."""
     turn = rotations.multiply(
         rotations.about((1.0, 0.0, 0.0), alpha), rotations.about((0.0, 1.0, 0.0), beta)
@@ -139,13 +139,13 @@ def _bent(a: float = 0.0, d: float = 0.0, alpha: float = 0.0, beta: float = 0.0)
     return Pose.of(np.array([a, 0.0, d]), rotations.canonical(turn))
 
 
-def _normal(
+def _common_normal(
     origin: Floats, axis: Floats, other: Floats, direction: Floats
 ) -> tuple[Pose, tuple[str, ...]]:
     """The frame at the foot of the common normal of two axes, on the first of them."""
     cross, between = np.cross(axis, direction), other - origin
     sine = float(np.linalg.norm(cross))
-    if sine < PARALLEL:
+    if sine < PARALLEL_SINE:
         along = between - (between @ axis) * axis
         foot, names = origin + (between @ axis) * axis, ("a", "alpha", "beta")
         if np.linalg.norm(along) < 1e-6:

@@ -18,36 +18,39 @@ from assistant.robots.arms import FiveAxis, Scara, SixAxis
 from assistant.robots.arms.arm import METRE, Chain
 from assistant.robots.robot_file import LENGTH_NAMES, ROBOT_NAME
 
-DIGITS: Final = 9
+FILE_DECIMALS: Final = 9
 """Decimals of mm and degrees; the flange of the file is that of the fit within 1e-6 mm."""
 
 
 def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
     """`STEM.toml`, and `STEM.urdf` if the axes of the arm lie otherwise than its kind has them."""
     model, values = done.fit.problem.model, done.fit.state.values
-    zero = [round(float(value), DIGITS) + 0.0 for value in model.zero(values)]
+    zero = [round(float(value), FILE_DECIMALS) + 0.0 for value in model.zero(values)]
     arm = model.arm(values) if isinstance(model, LengthsModel) else None
-    head = _head(done, stem)
+    head = _head_lines(done, stem)
     if isinstance(arm, SixAxis | FiveAxis | Scara):
         has = arm if isinstance(arm, Scara) else arm.lengths
         lengths = {
-            name: round(float(getattr(has, name)), DIGITS) for name in LENGTH_NAMES[arm.kind]
+            name: round(float(getattr(has, name)), FILE_DECIMALS) for name in LENGTH_NAMES[arm.kind]
         }
-        kind = [f"arm = {_text(arm.kind)}"]
+        kind = [f"arm = {_quoted_text(arm.kind)}"]
         table = ["[lengths_mm]", *(f"{key} = {value}" for key, value in lengths.items()), ""]
-        body = [*_axes(done.robot, done.robot.axes, zero), *_radii(done.robot, done.robot.axes)]
-        return {f"{stem}.toml": _joined([*head, *kind, "", *table, *body])}
+        body = [
+            *_axis_lines(done.robot, done.robot.axes, zero),
+            *_radius_lines(done.robot, done.robot.axes),
+        ]
+        return {f"{stem}.toml": _file_bytes([*head, *kind, "", *table, *body])}
     chain = model.chain(values)
     names = [f"J{i}" for i in range(1, len(done.robot.axes) + 1)]
-    link = [f"urdf = {_text(f'{stem}.urdf')}", ""]
-    body = [*_axes(done.robot, names, zero), *_radii(done.robot, names)]
+    link = [f"urdf = {_quoted_text(f'{stem}.urdf')}", ""]
+    body = [*_axis_lines(done.robot, names, zero), *_radius_lines(done.robot, names)]
     return {
-        f"{stem}.toml": _joined([*head, *link, *body]),
-        f"{stem}.urdf": _joined(_urdf(done.robot, chain, zero)),
+        f"{stem}.toml": _file_bytes([*head, *link, *body]),
+        f"{stem}.urdf": _file_bytes(_urdf_lines(done.robot, chain, zero)),
     }
 
 
-def _head(done: Calibration, stem: str) -> Iterator[str]:
+def _head_lines(done: Calibration, stem: str) -> Iterator[str]:
     robot = done.robot
     name = stem if ROBOT_NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated"
     count = int(done.fit.used.sum())
@@ -55,12 +58,12 @@ def _head(done: Calibration, stem: str) -> Iterator[str]:
     left = f"{done.out.point:.3g} mm left in poses held out"
     yield "# Corrected by measured poses. Lengths in mm, angles in degrees."
     yield ""
-    yield f"name = {_text(name)}"
-    yield f"title = {_text(f'{robot.title} (calibrated)')}"
-    yield f"maker = {_text(robot.maker)}"
-    yield f"controller = {_text(robot.controller)}"
-    yield f"languages = [{', '.join(map(_text, robot.languages))}]"
-    yield f"configuration = {_text(robot.counts)}"
+    yield f"name = {_quoted_text(name)}"
+    yield f"title = {_quoted_text(f'{robot.title} (calibrated)')}"
+    yield f"maker = {_quoted_text(robot.maker)}"
+    yield f"controller = {_quoted_text(robot.controller)}"
+    yield f"languages = [{', '.join(map(_quoted_text, robot.languages))}]"
+    yield f"configuration = {_quoted_text(robot.counts)}"
     yield f"reach_mm = {float(robot.reach)!r}"
     figures = {
         "payload_kg": robot.payload,
@@ -71,11 +74,11 @@ def _head(done: Calibration, stem: str) -> Iterator[str]:
         "coupling": robot.coupling or None,
     }
     yield from (f"{key} = {float(v)!r}" for key, v in figures.items() if v is not None)
-    yield f"source = {_text(f'{how}, {left}; else: {robot.source}')}"
-    yield f"unconfirmed = [{', '.join(map(_text, robot.unconfirmed))}]"
+    yield f"source = {_quoted_text(f'{how}, {left}; else: {robot.source}')}"
+    yield f"unconfirmed = [{', '.join(map(_quoted_text, robot.unconfirmed))}]"
 
 
-def _axes(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> Iterator[str]:
+def _axis_lines(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> Iterator[str]:
     for table, slides in (("axes_deg", False), ("axes_mm", True)):
         which = [i for i, sliding in enumerate(robot.sliding) if bool(sliding) == slides]
         if not which:
@@ -91,13 +94,13 @@ def _axes(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> Iterator
         yield ""
 
 
-def _radii(robot: Robot, names: Sequence[str]) -> Iterator[str]:
+def _radius_lines(robot: Robot, names: Sequence[str]) -> Iterator[str]:
     yield "[radii_mm]"
     for name, radius in zip(("base", *names), robot.radii, strict=True):
         yield f"{name} = {float(radius)!r}"
 
 
-def _urdf(robot: Robot, chain: Chain, zero: Sequence[float]) -> Iterator[str]:
+def _urdf_lines(robot: Robot, chain: Chain, zero: Sequence[float]) -> Iterator[str]:
     count = len(chain.joints)
     links = ["base_link", *(f"link_{i}" for i in range(1, count + 1)), "tool0"]
     yield '<?xml version="1.0"?>'
@@ -112,33 +115,33 @@ def _urdf(robot: Robot, chain: Chain, zero: Sequence[float]) -> Iterator[str]:
             low, high, speed = np.radians(low), np.radians(high), float(np.radians(speed))
         kind = "prismatic" if joint.sliding else "revolute"
         yield f'  <joint name="joint_{i + 1}" type="{kind}">'
-        yield from _between(joint.pose, links[i], links[i + 1])
-        yield f'    <axis xyz="{_numbers(joint.axis)}"/>'
+        yield from _fixed_joint(joint.pose, links[i], links[i + 1])
+        yield f'    <axis xyz="{_number_text(joint.axis)}"/>'
         limit = f'lower="{float(low)!r}" upper="{float(high)!r}" velocity="{speed!r}"'
         yield f'    <limit {limit} effort="0"/>'
         yield "  </joint>"
     yield '  <joint name="flange" type="fixed">'
-    yield from _between(chain.flange, links[-2], links[-1])
+    yield from _fixed_joint(chain.flange, links[-2], links[-1])
     yield "  </joint>"
     yield "</robot>"
 
 
-def _between(pose: Pose, parent: str, child: str) -> Iterator[str]:
+def _fixed_joint(pose: Pose, parent: str, child: str) -> Iterator[str]:
     yaw, pitch, roll = np.radians(rotations.to_euler(np.array(pose.quaternion))).tolist()
-    place = _numbers([value / METRE for value in pose.position])
+    place = _number_text([value / METRE for value in pose.position])
     yield f'    <parent link="{parent}"/>'
     yield f'    <child link="{child}"/>'
-    yield f'    <origin xyz="{place}" rpy="{_numbers([roll, pitch, yaw])}"/>'
+    yield f'    <origin xyz="{place}" rpy="{_number_text([roll, pitch, yaw])}"/>'
 
 
-def _numbers(values: Sequence[float]) -> str:
+def _number_text(values: Sequence[float]) -> str:
     """All their digits: an angle with few of them may be read as the quarter turn beside it."""
     return " ".join(repr(float(value) + 0.0) for value in values)
 
 
-def _text(text: str) -> str:
+def _quoted_text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def _joined(lines: Iterator[str] | Sequence[str]) -> bytes:
+def _file_bytes(lines: Iterator[str] | Sequence[str]) -> bytes:
     return ("\n".join(lines) + "\n").encode()

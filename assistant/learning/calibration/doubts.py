@@ -18,40 +18,44 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning.calibration import rules
-from assistant.learning.calibration.aligning import aligned, roughly
-from assistant.learning.calibration.measured import Measured
+from assistant.learning.calibration.aligning import align_placement, rough_residual
+from assistant.learning.calibration.measured import MeasuredPoses
 from assistant.learning.calibration.models import LengthsModel
-from assistant.learning.calibration.problem import Known, Problem
+from assistant.learning.calibration.problem import FitProblem, KnownPlacement
 from assistant.robots import Robot
 
-DOUBTED: Final = 0.005
+SUSPICIOUS_MISS: Final = 0.005
 """Of the reach, by which the nominal arm misses the points where mistakes are tried."""
-BETTER: Final = 0.25
+MISTAKE_SHARE: Final = 0.25
 """Of what it misses, that a mistake must leave at most to be the reason."""
-TURNED: Final = 5.0
+SUSPICIOUS_TURN: Final = 5.0
 """Degrees of the measured turns that no arm is off by."""
-ALIKE: Final = 2.0
+LEAST_AXIS_RANGE: Final = 2.0
 """Degrees or mm by which some axis must move."""
-STILL: Final = 10.0
+USEFUL_AXIS_RANGE: Final = 10.0
 """Degrees or mm that an axis should move by."""
-UNITS: Final = {"m": 1000.0, "cm": 10.0, "inches": 25.4}
-REFLECTED: Final = np.array([1.0, 1.0, -1.0])
+MISTAKEN_UNITS: Final = {"m": 1000.0, "cm": 10.0, "inches": 25.4}
+MIRRORED_Z: Final = np.array([1.0, 1.0, -1.0])
 
 
-def moving(robot: Robot, poses: Measured) -> tuple[Diagnostic, ...]:
+def check_motion(robot: Robot, poses: MeasuredPoses) -> tuple[Diagnostic, ...]:
     """Findings of axes that hardly move; raises Refused for poses outside limits or all alike."""
-    _inside(robot, poses)
+    _check_limits(robot, poses)
     spans = np.ptp(poses.joints, axis=0) if len(poses) else np.zeros(len(robot.axes))
-    if spans.max() < ALIKE:
+    if spans.max() < LEAST_AXIS_RANGE:
         unit = "degrees"
-        raise Refused(rules.ALIKE(path=poses.path, most=max(float(spans.max()), 0.01), unit=unit))
-    still = [axis for axis, span in zip(robot.axes, spans, strict=True) if span < STILL]
+        raise Refused(
+            rules.POSES_ALIKE(path=poses.path, most=max(float(spans.max()), 0.01), unit=unit)
+        )
+    still = [axis for axis, span in zip(robot.axes, spans, strict=True) if span < USEFUL_AXIS_RANGE]
     if not still:
         return ()
-    return (rules.STILL(path=poses.path, axes=", ".join(still), least=STILL),)
+    return (
+        rules.AXES_HARDLY_MOVE(path=poses.path, axes=", ".join(still), least=USEFUL_AXIS_RANGE),
+    )
 
 
-def _inside(robot: Robot, poses: Measured) -> None:
+def _check_limits(robot: Robot, poses: MeasuredPoses) -> None:
     low, high = robot.limits.T
     outside = (poses.joints < low - 1e-3) | (poses.joints > high + 1e-3)
     findings = []
@@ -64,42 +68,46 @@ def _inside(robot: Robot, poses: Measured) -> None:
             "count": count,
         }
         value, row = float(poses.joints[first, i]), int(poses.rows[first])
-        findings.append(rules.OUTSIDE(path=poses.path, row=row, value=value, **fields))
+        findings.append(
+            rules.JOINTS_OUTSIDE_LIMITS(path=poses.path, row=row, value=value, **fields)
+        )
     if findings:
         raise Refused(*findings)
 
 
-def read_rightly(robot: Robot, poses: Measured, known: Known) -> None:
+def check_reading(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> None:
     """Raises Refused for poses that fit very much better if they are read otherwise."""
     points = replace(poses, turns=None)
-    now = _off(robot, points, known)
-    if now > DOUBTED * robot.reach:
+    now = _point_miss(robot, points, known)
+    if now > SUSPICIOUS_MISS * robot.reach:
         tried = [
-            (_off(robot, other, known), what, cure)
-            for other, what, cure in _others(points, known, robot)
+            (_point_miss(robot, other, known), what, cure)
+            for other, what, cure in _other_readings(points, known, robot)
         ]
         then, what, cure = min(tried)
-        if then < BETTER * now:
+        if then < MISTAKE_SHARE * now:
             told: dict[str, Any] = {"now": f"{now:.4g} mm", "then": f"{then:.4g} mm"}
-            raise Refused(rules.MISREAD(path=poses.path, what=what, cure=cure, **told))
-        _other_robots(robot, points, known, now)
+            raise Refused(rules.MISREAD_POSES(path=poses.path, what=what, cure=cure, **told))
+        _check_other_robots(robot, points, known, now)
     if poses.turns is not None:
-        _turned_rightly(robot, poses, known)
+        _check_turns(robot, poses, known)
 
 
-def _others(poses: Measured, known: Known, robot: Robot) -> Iterator[tuple[Measured, str, str]]:
+def _other_readings(
+    poses: MeasuredPoses, known: KnownPlacement, robot: Robot
+) -> Iterator[tuple[MeasuredPoses, str, str]]:
     joints, points = poses.joints, poses.points
     turning = ~robot.sliding
     scaled = np.where(turning, np.degrees(joints), joints)
     yield replace(poses, joints=scaled), "the joints are radians", "name their columns `j1_rad` …"
-    for unit, factor in UNITS.items():
+    for unit, factor in MISTAKEN_UNITS.items():
         column = {"inches": "in"}.get(unit, unit)
         cure = f"name the columns `x_{column}`, `y_{column}`, `z_{column}`"
         yield replace(poses, points=points * factor), f"the points are {unit}", cure
     mirrored = "the points are mirrored: two columns are swapped, or an axis counts the other way"
     cure = "bring the columns into the order of a right-handed frame"
     if known.base is None:
-        yield replace(poses, points=points * REFLECTED), mirrored, cure
+        yield replace(poses, points=points * MIRRORED_Z), mirrored, cure
     else:
         for order in itertools.permutations(range(3)):
             if order != (0, 1, 2):
@@ -120,23 +128,25 @@ def _others(poses: Measured, known: Known, robot: Robot) -> Iterator[tuple[Measu
         yield replace(poses, joints=joints * signs), f"{axis} counts the other way", "turn its sign"
 
 
-def _other_robots(robot: Robot, poses: Measured, known: Known, now: float) -> None:
+def _check_other_robots(
+    robot: Robot, poses: MeasuredPoses, known: KnownPlacement, now: float
+) -> None:
     found: list[tuple[float, str]] = []
     for name in robots.names():
         other = robots.get(name)
         same = len(other.axes) == len(robot.axes) and (other.sliding == robot.sliding).all()
         if same and name != robot.name:
-            found.append((_off(other, poses, known), name))
+            found.append((_point_miss(other, poses, known), name))
     then, name = min(found, default=(np.inf, ""))
-    if then < BETTER * now:
+    if then < MISTAKE_SHARE * now:
         fields: dict[str, Any] = {"robot": robot.name, "other": name, "now": now, "then": then}
         raise Refused(rules.OTHER_ROBOT(path=poses.path, **fields))
 
 
-def _turned_rightly(robot: Robot, poses: Measured, known: Known) -> None:
+def _check_turns(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> None:
     assert poses.turns is not None
-    now = _turned_off(robot, poses, known)
-    if now < TURNED:
+    now = _turn_miss(robot, poses, known)
+    if now < SUSPICIOUS_TURN:
         return
     w_last = np.roll(poses.turns, 1, axis=1)
     others = [
@@ -147,27 +157,27 @@ def _turned_rightly(robot: Robot, poses: Measured, known: Known) -> None:
     tried = []
     for turns, what, cure in others:
         other = replace(poses, turns=rotations.canonical(turns))
-        tried.append((_turned_off(robot, other, known), what, cure))
+        tried.append((_turn_miss(robot, other, known), what, cure))
     then, what, cure = min(tried)
-    if then > BETTER * now:
+    if then > MISTAKE_SHARE * now:
         what, cure = "they are left out", "leave the columns out, or look at what is measured"
         then = 0.0
     told: dict[str, Any] = {"now": f"{now:.3g} degrees", "then": f"{then:.3g}"}
-    raise Refused(rules.MISREAD(path=poses.path, what=what, cure=cure, **told))
+    raise Refused(rules.MISREAD_POSES(path=poses.path, what=what, cure=cure, **told))
 
 
-def _off(robot: Robot, poses: Measured, known: Known) -> float:
+def _point_miss(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> float:
     """The mm by which the nominal arm misses the middle one of the points."""
-    problem = Problem(LengthsModel(robot), poses)
-    return roughly(problem, known)
+    problem = FitProblem(LengthsModel(robot), poses)
+    return rough_residual(problem, known)
 
 
-def _turned_off(robot: Robot, poses: Measured, known: Known) -> float:
+def _turn_miss(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> float:
     """Degrees, of the middle row, with base and tool by the points and the tool's turn by all."""
-    points = Problem(LengthsModel(robot), replace(poses, turns=None))
-    placed, _ = aligned(points, known)
-    whole = Problem(LengthsModel(robot), poses)
+    points = FitProblem(LengthsModel(robot), replace(poses, turns=None))
+    placed, _ = align_placement(points, known)
+    whole = FitProblem(LengthsModel(robot), poses)
     wanted = replace(known, base=placed.base, tool=placed.tool.position)
-    state, _ = aligned(whole, wanted)
+    state, _ = align_placement(whole, wanted)
     _, turned = whole.errors(state)
     return float(np.degrees(np.median(np.linalg.norm(turned, axis=1))))

@@ -17,20 +17,20 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Truths
 from assistant.learning.calibration.models import Parameter
-from assistant.learning.calibration.problem import PLACED
+from assistant.learning.calibration.problem import PLACEMENT_COUNT
 
-SAME: Final = 1e-5
+DEPENDENT_SHARE: Final = 1e-5
 """Of a column, what is left of it beside the others, below which it is a sum of them."""
-LOOSE: Final = {"mm": 2.0, "deg": 1.0}
+MOST_SIGMA: Final = {"mm": 2.0, "deg": 1.0}
 """Standard deviation from which on a correction is held: errors of assembly are smaller."""
-MOST_SAID: Final = 6
+MOST_PARTS: Final = 6
 """Parts of a sum that are said."""
-TOLD: Final = 0.02
+LEAST_PART: Final = 0.02
 """Share of a sum, by its effect on the points, from which on it is told."""
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HeldParameter:
     """A correction that is not told. parts: with what it is one: names with how much of each, mm
     or degrees, one mm or degree of it looks like. sigma: None for exactly one, or how uncertain it
     would be by itself.
@@ -47,16 +47,16 @@ class Held:
             return f"these poses would tell it to {self.sigma:.2g} {unit} only"
         if not self.parts:
             return "it changes nothing that is measured"
-        few = self.parts[:MOST_SAID]
+        few = self.parts[:MOST_PARTS]
         said = " and ".join(f"{much:.3g} {unit} of {name}" for name, much, unit in few)
         more = len(self.parts) - len(few)
         rest = f" and a little of {more} more" if more else ""
         return f"1 {self.parameter.unit} of it looks like {said}{rest}"
 
 
-def told_apart(
+def identify_parameters(
     slope: Floats, parameters: Sequence[Parameter], wanted: Truths, *, loose: bool
-) -> tuple[Truths, tuple[Held, ...]]:
+) -> tuple[Truths, tuple[HeldParameter, ...]]:
     """Which (k,) corrections are free, and those of the wanted ones that are held.
 
     slope: (m, k) in sigmas a mm or degree. loose: whether those are held as well that are told
@@ -73,26 +73,26 @@ def told_apart(
                 rest -= (rest @ one) * one
         left = float(np.linalg.norm(rest))
         parameter = parameters[i]
-        if left <= SAME * size or size == 0.0:
-            held.append(Held(parameter, _parts(slope, parameters, free, i)))
+        if left <= DEPENDENT_SHARE * size or size == 0.0:
+            held.append(HeldParameter(parameter, _parts_of_sum(slope, parameters, free, i)))
             continue
         sigma = 1.0 / left
-        if loose and i >= PLACED and sigma > LOOSE[parameter.unit]:
-            held.append(Held(parameter, (), sigma))
+        if loose and i >= PLACEMENT_COUNT and sigma > MOST_SIGMA[parameter.unit]:
+            held.append(HeldParameter(parameter, (), sigma))
             continue
         basis.append(rest / left)
         free[i] = True
     return free, tuple(held)
 
 
-def condition(slope: Floats) -> float:
+def condition_number(slope: Floats) -> float:
     """Of the Jacobian (m, k) with columns of one length: 1 where nothing is mixed."""
     if not slope.shape[1]:
         return 1.0
     return float(np.linalg.cond(slope / np.linalg.norm(slope, axis=0)))
 
 
-def _parts(
+def _parts_of_sum(
     slope: Floats, parameters: Sequence[Parameter], free: Truths, at: int
 ) -> tuple[tuple[str, float, str], ...]:
     columns = np.flatnonzero(free)
@@ -100,7 +100,7 @@ def _parts(
         return ()
     much = np.linalg.lstsq(slope[:, columns], slope[:, at], rcond=None)[0]
     effect = np.abs(much) * np.linalg.norm(slope[:, columns], axis=0)
-    order = [i for i in np.argsort(-effect) if effect[i] > TOLD * effect.max() > 0.0]
+    order = [i for i in np.argsort(-effect) if effect[i] > LEAST_PART * effect.max() > 0.0]
     return tuple(
         (parameters[columns[i]].name, float(much[i]), parameters[columns[i]].unit) for i in order
     )

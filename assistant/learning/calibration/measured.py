@@ -29,20 +29,20 @@ from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.triangulating import triangulate
 
-LENGTHS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+LENGTH_UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """Units in mm."""
-ANGLES: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
+ANGLE_UNITS: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
 """Units in degrees."""
-QUATERNION: Final = ("q_w", "q_x", "q_y", "q_z")
-PIXEL: Final = re.compile(r"(?P<camera>.+)_(?P<side>[uv])_px")
-UNEVEN: Final = 0.02
+QUATERNION_COLUMNS: Final = ("q_w", "q_x", "q_y", "q_z")
+PIXEL_COLUMN: Final = re.compile(r"(?P<camera>.+)_(?P<side>[uv])_px")
+QUATERNION_TOLERANCE: Final = 0.02
 """By which the length of a quaternion may be off 1; files print few decimals."""
-APART: Final = 3.0
+MOST_PIXEL_RESIDUAL: Final = 3.0
 """Pixels, root mean square, up to which two cameras have seen the same point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class MeasuredPoses:
     """joints: (n, a) degrees or mm, as the robot counts them. points: (n, 3) mm of the tool point
     in the measuring frame. turns: (n, 4) unit quaternions of what is measured with it, or None.
     covariances: (n, 3, 3) mm² of the points as far as they are known, or None: all alike.
@@ -60,9 +60,9 @@ class Measured:
     def __len__(self) -> int:
         return len(self.joints)
 
-    def of(self, which: Rows) -> Measured:
+    def of(self, which: Rows) -> MeasuredPoses:
         """Some of the rows."""
-        return Measured(
+        return MeasuredPoses(
             self.joints[which],
             self.points[which],
             None if self.turns is None else self.turns[which],
@@ -75,7 +75,7 @@ class Measured:
 
 def read_measured(
     path: str | FilePath, robot: Robot, cameras: Mapping[str, Camera] | None = None
-) -> Measured:
+) -> MeasuredPoses:
     """The measured poses of a CSV file, with `,`, `;` or a tab between its columns.
 
     cameras: by their names, calibrated in the measuring frame, for columns of pixels. Raises
@@ -83,12 +83,12 @@ def read_measured(
     """
     name = str(path)
     text = decode(read_bytes(path), name, ("utf-8-sig", "utf-8")).text
-    header, lines = _cells(text, name)
-    table = _Table(header, lines, name)
+    header, lines = _split_cells(text, name)
+    table = _PoseTable(header, lines, name)
     joints = table.joints(robot)
     cameras_seen = table.cameras()
     if cameras_seen:
-        points, covariances, wrong = _seen(table, cameras_seen, cameras)
+        points, covariances, wrong = _triangulated(table, cameras_seen, cameras)
     else:
         points, covariances, wrong = table.positions(), None, {}
     turns = table.quaternions()
@@ -96,17 +96,17 @@ def read_measured(
     if turns is not None:
         whole &= all_of(np.isfinite(turns))
     rows = np.arange(1, len(joints) + 1)
-    findings = _left_out(rows, whole, wrong, name)
-    every = Measured(joints, points, turns, rows, covariances, name, findings)
+    findings = _left_out_findings(rows, whole, wrong, name)
+    every = MeasuredPoses(joints, points, turns, rows, covariances, name, findings)
     return every.of(np.flatnonzero(whole))
 
 
-def measured(
+def measured_from_columns(
     joints: Floats,
     points: Floats,
     quaternions: Floats | None = None,
     covariances: Floats | None = None,
-) -> Measured:
+) -> MeasuredPoses:
     """The same from columns: joints (n, a), points (n, 3) mm, quaternions (n, 4).
 
     Rows that are not finite are left out. Raises ValueError for columns of different lengths.
@@ -120,11 +120,13 @@ def measured(
         whole &= all_of(np.isfinite(q))
         q = rotations.canonical(np.where(whole[:, None], q, (1.0, 0.0, 0.0, 0.0)))
     rows = np.arange(1, len(j) + 1)
-    every = Measured(j, p, q, rows, covariances, None, _left_out(rows, whole, {}, None))
+    every = MeasuredPoses(
+        j, p, q, rows, covariances, None, _left_out_findings(rows, whole, {}, None)
+    )
     return every.of(np.flatnonzero(whole))
 
 
-def _left_out(
+def _left_out_findings(
     rows: Rows, whole: Truths, wrong: Mapping[str, Truths], path: str | None
 ) -> tuple[Diagnostic, ...]:
     """A finding for each reason for which rows say nothing."""
@@ -133,50 +135,50 @@ def _left_out(
         known |= which
     reasons = {**wrong, "a number is missing": ~whole & ~known}
     return tuple(
-        rules.LEFT_OUT(path=path, rows=numbered(rows[which]), reason=reason)
+        rules.ROW_LEFT_OUT(path=path, rows=row_numbers(rows[which]), reason=reason)
         for reason, which in reasons.items()
         if which.any()
     )
 
 
-def numbered(rows: Rows, most: int = 8) -> str:
+def row_numbers(rows: Rows, most: int = 8) -> str:
     """Numbers of rows in words."""
     told = ", ".join(str(int(row)) for row in rows[:most])
     return told if len(rows) <= most else f"{told} and {len(rows) - most} more"
 
 
-def _seen(
-    table: _Table, names: Sequence[str], cameras: Mapping[str, Camera] | None
+def _triangulated(
+    table: _PoseTable, names: Sequence[str], cameras: Mapping[str, Camera] | None
 ) -> tuple[Floats, Floats, dict[str, Truths]]:
     """Points, covariances and why some rows have none."""
     if cameras is None:
         reason = "no cameras are named"
-        raise Refused(rules.NO_CAMERAS(path=table.path, reason=reason), exit_status=2)
+        raise Refused(rules.NO_MEASURING_CAMERAS(path=table.path, reason=reason), exit_status=2)
     missing = [name for name in names if name not in cameras]
     if missing:
         reason = f"there is no camera `{missing[0]}` among {', '.join(cameras) or 'none'}"
-        raise Refused(rules.NO_CAMERAS(path=table.path, reason=reason), exit_status=2)
+        raise Refused(rules.NO_MEASURING_CAMERAS(path=table.path, reason=reason), exit_status=2)
     if len(names) < 2:
         reason = f"a point needs two cameras, of which only `{names[0]}` has columns"
-        raise Refused(rules.NO_CAMERAS(path=table.path, reason=reason), exit_status=2)
+        raise Refused(rules.NO_MEASURING_CAMERAS(path=table.path, reason=reason), exit_status=2)
     carried = next((name for name in names if cameras[name].parent != WORLD), None)
     if carried is not None:
         reason = f"`{carried}` does not stand still: its parent is `{cameras[carried].parent}`"
-        raise Refused(rules.NO_CAMERAS(path=table.path, reason=reason), exit_status=2)
+        raise Refused(rules.NO_MEASURING_CAMERAS(path=table.path, reason=reason), exit_status=2)
     pixels = [table.pixels(name) for name in names]
     found = triangulate([cameras[name] for name in names], pixels)
     points = found.points.copy()
     blind: Truths = ~all_of(np.isfinite(points))
-    apart: Truths = ~blind & (found.residuals > APART)
+    apart: Truths = ~blind & (found.residuals > MOST_PIXEL_RESIDUAL)
     points[apart] = np.nan
     wrong = {
         "less than two cameras see the point": blind,
-        f"the cameras disagree by more than {APART:g} pixels": apart,
+        f"the cameras disagree by more than {MOST_PIXEL_RESIDUAL:g} pixels": apart,
     }
     return points, found.covariances, wrong
 
 
-def _cells(text: str, path: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
+def _split_cells(text: str, path: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The names of the header, and each row that is not empty with its line."""
     first = next((line for line in lines_of(text) if line.strip()), "")
     mark = max(",;\t", key=first.count)
@@ -184,22 +186,22 @@ def _cells(text: str, path: str) -> tuple[list[str], list[tuple[int, list[str]]]
         reader = csv.reader(io.StringIO(text), delimiter=mark)
         rows = [(reader.line_num, [c.strip() for c in row]) for row in reader]
     except csv.Error as wrong:
-        raise Unreadable(_header(path, f"cannot be read: {wrong}")) from None
+        raise Unreadable(_bad_header(path, f"cannot be read: {wrong}")) from None
     rows = [(line, row) for line, row in rows if any(row)]
     if not rows:
-        raise Unreadable(_header(path, "is missing"))
+        raise Unreadable(_bad_header(path, "is missing"))
     header = [name.lower() for name in rows[0][1]]
     double = next((name for name in header if name and header.count(name) > 1), None)
     if double is not None:
-        raise Unreadable(_header(path, f"names `{double}` twice"))
+        raise Unreadable(_bad_header(path, f"names `{double}` twice"))
     return header, rows[1:]
 
 
-def _header(path: str, reason: str, columns: str = "j1_deg …, x_mm, y_mm, z_mm") -> Diagnostic:
+def _bad_header(path: str, reason: str, columns: str = "j1_deg …, x_mm, y_mm, z_mm") -> Diagnostic:
     return rules.BAD_HEADER(path=path, line=1, reason=reason, columns=columns)
 
 
-class _Table:
+class _PoseTable:
     """Columns of a table by their names; what is no number is told with its line."""
 
     def __init__(self, header: list[str], lines: list[tuple[int, list[str]]], path: str) -> None:
@@ -209,7 +211,7 @@ class _Table:
         """(n, a) in the units of the robot."""
         columns, wanted = [], []
         for axis, slides in zip(robot.axes, robot.sliding, strict=True):
-            units = LENGTHS if slides else ANGLES
+            units = LENGTH_UNITS if slides else ANGLE_UNITS
             wanted.append(f"{axis.lower()}_{'mm' if slides else 'deg'}")
             columns.append(self.found(axis.lower(), units))
         missing = [name for name, at in zip(wanted, columns, strict=True) if at is None]
@@ -222,7 +224,7 @@ class _Table:
         return np.column_stack([self.column(*at) for at in columns if at is not None])
 
     def positions(self) -> Floats:
-        columns = [self.found(axis, LENGTHS) for axis in "xyz"]
+        columns = [self.found(axis, LENGTH_UNITS) for axis in "xyz"]
         lost = [f"{axis}_mm" for axis, at in zip("xyz", columns, strict=True) if at is None]
         if lost:
             raise Unreadable(self.wrong(f"has no column `{lost[0]}`", ["j1_deg", "…"]))
@@ -230,20 +232,20 @@ class _Table:
 
     def quaternions(self) -> Floats | None:
         """(n, 4) unit quaternions, None without their columns."""
-        there = [name for name in QUATERNION if name in self.header]
+        there = [name for name in QUATERNION_COLUMNS if name in self.header]
         if not there:
             return None
-        if len(there) < len(QUATERNION):
-            lost = next(name for name in QUATERNION if name not in there)
+        if len(there) < len(QUATERNION_COLUMNS):
+            lost = next(name for name in QUATERNION_COLUMNS if name not in there)
             raise Unreadable(self.wrong(f"has `{there[0]}` but no `{lost}`", ["j1_deg", "…"]))
-        q = np.column_stack([self.column(name, 1.0) for name in QUATERNION])
+        q = np.column_stack([self.column(name, 1.0) for name in QUATERNION_COLUMNS])
         lengths = np.linalg.norm(q, axis=1)
-        off = np.abs(lengths - 1.0) > UNEVEN
+        off = np.abs(lengths - 1.0) > QUATERNION_TOLERANCE
         if off.any():
             row = int(np.argmax(off))
             value = f"a quaternion of length {lengths[row]:.3g}"
             line = self.lines[row][0]
-            raise Refused(rules.NOT_READ(path=self.path, line=line, name="q_w", value=value))
+            raise Refused(rules.NOT_A_NUMBER(path=self.path, line=line, name="q_w", value=value))
         # A row that is not whole is left out later; it needs some length until then.
         safe = np.where(np.isfinite(lengths)[:, None], q, (1.0, 0.0, 0.0, 0.0))
         out = rotations.canonical(safe)
@@ -254,7 +256,7 @@ class _Table:
         """The cameras that have columns, in their order."""
         found: dict[str, set[str]] = {}
         for name in self.header:
-            if match := PIXEL.fullmatch(name):
+            if match := PIXEL_COLUMN.fullmatch(name):
                 found.setdefault(match["camera"], set()).add(match["side"])
         half = next((camera for camera, sides in found.items() if len(sides) < 2), None)
         if half is not None:
@@ -289,10 +291,10 @@ class _Table:
                 out[row] = math.inf
             if not math.isfinite(out[row]):
                 value = f"`{text[:40]}`"
-                found = rules.NOT_READ(path=self.path, line=line, name=name, value=value)
+                found = rules.NOT_A_NUMBER(path=self.path, line=line, name=name, value=value)
                 raise Refused(found, exit_status=2)
         return out
 
     def wrong(self, reason: str, columns: Sequence[str]) -> Diagnostic:
         told = ", ".join([*columns, "x_mm", "y_mm", "z_mm"])
-        return _header(self.path, reason, told)
+        return _bad_header(self.path, reason, told)

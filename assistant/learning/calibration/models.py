@@ -20,7 +20,7 @@ from assistant.robots.arms.arm import Chain, ChainPoses
 from assistant.robots.robot_file import LENGTH_NAMES
 
 Unit = Literal["mm", "deg"]
-Estimate = Literal["zeros", "lengths", "chain"]
+EstimatedErrors = Literal["zeros", "lengths", "chain"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Slopes:
+class FlangeSlopes:
     """Positions (n, 3) and rotations (n, 3, 3) of the flange, and their change by each parameter, a
     mm or degree: moved (n, 3, k) mm, turned (n, 3, k) radians about the axes of the base.
     """
@@ -46,7 +46,7 @@ class Slopes:
     turned: Floats
 
 
-class Model(Protocol):
+class ArmModel(Protocol):
     """An arm with k parameters, all of them 0 for the arm as its file says it."""
 
     @property
@@ -59,7 +59,7 @@ class Model(Protocol):
         """Joints (n, a) and corrections (k,) → positions (n, 3), rotations (n, 3, 3)."""
         ...
 
-    def slopes(self, joints: Floats, values: Floats) -> Slopes:
+    def slopes(self, joints: Floats, values: Floats) -> FlangeSlopes:
         """The same with the change by each correction."""
         ...
 
@@ -72,12 +72,12 @@ class Model(Protocol):
         ...
 
 
-def spun(turns: Floats) -> Floats:
+def rotation_vectors(turns: Floats) -> Floats:
     """(n, 3, 3) small rotations → (n, 3) radians about the axes."""
     return np.asarray(rotations.turns((1.0, 0.0, 0.0, 0.0), rotations.from_matrix(turns)))
 
 
-def of_zeros(found: ChainPoses, sliding: Truths) -> tuple[Floats, Floats]:
+def slopes_of_zeros(found: ChainPoses, sliding: Truths) -> tuple[Floats, Floats]:
     """Change of the flange by the zero of each axis: (n, 3, a) mm and (n, 3, a) radians."""
     axes, lever = found.axes, found.origins[:, -1:] - found.origins[:, :-1]
     degree = np.where(sliding, 0.0, np.radians(1.0))[:, None]
@@ -116,18 +116,18 @@ class LengthsModel:
         p, q = replace(self.robot, arm=self.arm(values), zero=self.zero(values)).fk(joints)
         return p, rotations.to_matrix(q)
 
-    def slopes(self, joints: Floats, values: Floats) -> Slopes:
+    def slopes(self, joints: Floats, values: Floats) -> FlangeSlopes:
         n, k, count = len(joints), len(self.parameters), len(self.robot.axes)
         moved, turned = np.zeros((n, 3, k)), np.zeros((n, 3, k))
         robot = replace(self.robot, zero=self.zero(values))
         found = self.chain(values).along(robot.chained(joints))
-        moved[:, :, :count], turned[:, :, :count] = of_zeros(found, self.robot.sliding)
+        moved[:, :, :count], turned[:, :, :count] = slopes_of_zeros(found, self.robot.sliding)
         p = found.origins[:, -1]
         for i in range(count, k):  # the flange shifts as much as a length grows, and does not turn
             longer = values.copy()
             longer[i] += 1.0
             moved[:, :, i] = self.flange(joints, longer)[0] - p
-        return Slopes(p, found.turns, moved, turned)
+        return FlangeSlopes(p, found.turns, moved, turned)
 
     def chain(self, values: Floats) -> Chain:
         return self.arm(values).whole_chain

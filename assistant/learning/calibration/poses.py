@@ -16,26 +16,26 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.base.diagnostics import Refused
 from assistant.learning.calibration import rules
-from assistant.learning.calibration.chain_model import model_of
-from assistant.learning.calibration.identifying import LOOSE, told_apart
-from assistant.learning.calibration.measured import measured
-from assistant.learning.calibration.models import Estimate, Parameter
-from assistant.learning.calibration.problem import Known, Problem
+from assistant.learning.calibration.chain_model import arm_model
+from assistant.learning.calibration.identifying import MOST_SIGMA, identify_parameters
+from assistant.learning.calibration.measured import measured_from_columns
+from assistant.learning.calibration.models import EstimatedErrors, Parameter
+from assistant.learning.calibration.problem import FitProblem, KnownPlacement
 from assistant.program.geometry import Pose, Vector
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import Camera
 
 CANDIDATES: Final = 800
-INSIDE: Final = 0.95
+RANGE_SHARE: Final = 0.95
 """Of the range of each axis."""
-EXCHANGES: Final = 3
+EXCHANGE_ROUNDS: Final = 3
 """Times that each pose is exchanged for the best other one at most."""
-MARGIN: Final = 10.0
+PICTURE_MARGIN: Final = 10.0
 """Pixels from the edge of a picture."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Suggested:
+class SuggestedPoses:
     """joints: (m, a) degrees or mm. points: (m, 3) mm of the tool point in the base. sigmas:
     standard deviations of the corrections that they would tell, for the noise that was given,
     and by_chance: those of as many random poses.
@@ -48,90 +48,94 @@ class Suggested:
     by_chance: Floats
 
 
-def suggested(
+def suggest_poses(
     robot: Robot,
     count: int,
     *,
-    estimate: Estimate = "lengths",
+    estimate: EstimatedErrors = "lengths",
     tool: Vector = (0.0, 0.0, 0.0),
-    known: Known | None = None,
+    known: KnownPlacement | None = None,
     box: Floats | None = None,
     cameras: Sequence[Camera] = (),
     noise: float = 0.05,
     seed: int = 0,
-) -> Suggested:
+) -> SuggestedPoses:
     """Poses to measure an arm in; whether the way there is free is not looked at.
 
     tool: mm, of the point in the flange, roughly. box: (3, 2) mm of the base in which it stays.
     cameras: that stand in the base's frame; two of them at least see the point. noise: mm. Raises
     Refused where not so many poses can be found.
     """
-    known = known or Known()
-    joints, points = _candidates(robot, tool, box, cameras, seed)
+    known = known or KnownPlacement()
+    joints, points = _random_candidates(robot, tool, box, cameras, seed)
     if len(joints) < count:
         where = " where two cameras see the point" if cameras else " in the box" * (box is not None)
-        raise Refused(rules.NO_POSES(found=len(joints), wanted=count, where=where), exit_status=2)
-    problem = Problem(model_of(robot, estimate), measured(joints, points), noise)
+        raise Refused(
+            rules.TOO_FEW_CANDIDATES(found=len(joints), wanted=count, where=where), exit_status=2
+        )
+    problem = FitProblem(arm_model(robot, estimate), measured_from_columns(joints, points), noise)
     slope = problem.slope(problem.start(tool=Pose(tool)))
     wanted = problem.wanted(known)
-    free, _ = told_apart(slope.reshape(-1, len(wanted)), problem.parameters, wanted, loose=False)
+    free, _ = identify_parameters(
+        slope.reshape(-1, len(wanted)), problem.parameters, wanted, loose=False
+    )
     parameters = tuple(problem.parameters[i] for i in np.flatnonzero(free))
-    scale = np.array([LOOSE[one.unit] for one in parameters])
+    scale = np.array([MOST_SIGMA[one.unit] for one in parameters])
     rows = slope[:, :, free] * scale
-    chosen = _exchanged(rows, _greedy(rows, count))
+    chosen = _exchange(rows, _greedy_selection(rows, count))
     first = np.arange(count)
-    return Suggested(
+    return SuggestedPoses(
         joints[chosen],
         points[chosen],
         parameters,
-        _sigmas(rows[chosen]) * scale,
-        _sigmas(rows[first]) * scale,
+        _parameter_sigmas(rows[chosen]) * scale,
+        _parameter_sigmas(rows[first]) * scale,
     )
 
 
-def _candidates(
+def _random_candidates(
     robot: Robot, tool: Vector, box: Floats | None, cameras: Sequence[Camera], seed: int
 ) -> tuple[Floats, Floats]:
     """Random joints whose links stay above the floor, and the tool point where it may be."""
-    middle, half = robot.limits.mean(axis=1), np.ptp(robot.limits, axis=1) / 2.0 * INSIDE
+    middle, half = robot.limits.mean(axis=1), np.ptp(robot.limits, axis=1) / 2.0 * RANGE_SHARE
     # Turns beyond half a circle tell nothing new and wind up cables.
     half = np.where(robot.sliding, half, np.minimum(half, 175.0))
     random = np.random.default_rng(seed)
     joints = random.uniform(middle - half, middle + half, (8 * CANDIDATES, len(half)))
     joints = np.round(joints, 2)
-    p, r = model_of(robot, "zeros").flange(joints, np.zeros(len(robot.axes)))
+    p, r = arm_model(robot, "zeros").flange(joints, np.zeros(len(robot.axes)))
     points = p + r @ np.array(tool)
     good: Truths = (robot.chain(joints)[:, 1:, 2] >= 0.0).all(axis=1) & (points[:, 2] >= 0.0)
     if box is not None:
         good &= ((points >= box[:, 0]) & (points <= box[:, 1])).all(axis=1)
     if cameras:
-        views = [camera.within(camera.project(points), MARGIN) for camera in cameras]
+        views = [camera.within(camera.project(points), PICTURE_MARGIN) for camera in cameras]
         good &= np.sum(views, axis=0) >= 2
     some = np.flatnonzero(good)[:CANDIDATES]
     return joints[some], points[some]
 
 
-def _greedy(rows: Floats, count: int) -> Rows:
+def _greedy_selection(rows: Floats, count: int) -> Rows:
     """Places (count,) of poses, each the one that adds most to those before it."""
     information = np.eye(rows.shape[2]) * 1e-6
     chosen: list[int] = []
     for _ in range(count):
-        gain = _gains(rows, np.asarray(np.linalg.inv(information)))
+        gain = _determinant_gains(rows, np.asarray(np.linalg.inv(information)))
         gain[chosen] = -np.inf
         chosen.append(int(np.argmax(gain)))
         information = information + rows[chosen[-1]].T @ rows[chosen[-1]]
     return np.array(chosen)
 
 
-def _exchanged(rows: Floats, chosen: Rows) -> Rows:
+def _exchange(rows: Floats, chosen: Rows) -> Rows:
     chosen = chosen.copy()
     ridge = np.eye(rows.shape[2]) * 1e-9
-    for _ in range(EXCHANGES):
+    for _ in range(EXCHANGE_ROUNDS):
         changed = False
         for i in range(len(chosen)):
             others = np.delete(chosen, i)
             information = np.einsum("npk,npl->kl", rows[others], rows[others]) + ridge
-            gain = _gains(rows, np.asarray(np.linalg.inv(information)))
+            gain = _determinant_gains(rows, np.asarray(np.linalg.inv(information)))
             gain[others] = -np.inf
             best = int(np.argmax(gain))
             if gain[best] > gain[chosen[i]] + 1e-9:
@@ -141,12 +145,12 @@ def _exchanged(rows: Floats, chosen: Rows) -> Rows:
     return chosen
 
 
-def _gains(rows: Floats, inverse: Floats) -> Floats:
+def _determinant_gains(rows: Floats, inverse: Floats) -> Floats:
     """(n,) by how much the logarithm of the determinant grows with each pose."""
     inner = np.eye(rows.shape[1]) + rows @ inverse @ rows.transpose(0, 2, 1)
     return np.asarray(np.linalg.slogdet(inner)[1])
 
 
-def _sigmas(rows: Floats) -> Floats:
+def _parameter_sigmas(rows: Floats) -> Floats:
     information = np.einsum("npk,npl->kl", rows, rows)
     return np.asarray(np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True))))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.learning.maps.extended_map import Pace
+from assistant.learning.maps.extended_map import LearningRates
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,18 +15,18 @@ class Cooling:
     Each number goes down by the same part of itself at each step, as in the source of the map.
     """
 
-    first: Pace
-    last: Pace
+    first: LearningRates
+    last: LearningRates
     steps: int
 
-    def at(self, step: int) -> Pace:
+    def at(self, step: int) -> LearningRates:
         part = min(step / self.steps, 1.0) if self.steps else 1.0
 
         def now(name: str) -> float:
             begin, end = float(getattr(self.first, name)), float(getattr(self.last, name))
             return begin * (end / begin) ** part if begin else end
 
-        return Pace(
+        return LearningRates(
             now("place"),
             now("place_width"),
             now("answer"),
@@ -35,30 +35,32 @@ class Cooling:
         )
 
 
-FIRST: Final = Pace(1.0, 1.5, 0.9, 1.2)
-LAST: Final = Pace(0.02, 0.15, 0.3, 0.15)
+FIRST_RATES: Final = LearningRates(1.0, 1.5, 0.9, 1.2)
+LAST_RATES: Final = LearningRates(0.02, 0.15, 0.3, 0.15)
 """By trial on three and five joints: other widths do as well, shares that stay large do not."""
-AGAIN: Final = Pace(0.02, 0.15, 0.9, 0.5)
+RELEARNING_RATES: Final = LearningRates(0.02, 0.15, 0.9, 0.5)
 """From which a map cools that goes on learning after something has changed."""
 
 
-def learning(steps: int, noise: float = 0.0) -> Cooling:
+def first_cooling(steps: int, noise: float = 0.0) -> Cooling:
     """Of a map that begins. noise: pixels."""
-    return _noisy(FIRST, LAST, steps, noise)
+    return _cooling_with_noise(FIRST_RATES, LAST_RATES, steps, noise)
 
 
-def learning_again(steps: int, noise: float = 0.0) -> Cooling:
+def relearning_cooling(steps: int, noise: float = 0.0) -> Cooling:
     """Of a map that has learnt, and whose arm or cameras have changed."""
-    return _noisy(AGAIN, LAST, steps, noise)
+    return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, steps, noise)
 
 
-def in_use(noise: float = 0.0) -> Pace:
+def rates_in_use(noise: float = 0.0) -> LearningRates:
     """Of a map that learns from what it is used for."""
-    return _noisy(AGAIN, LAST, 0, noise).last
+    return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, 0, noise).last
 
 
-def _noisy(first: Pace, last: Pace, steps: int, noise: float) -> Cooling:
-    def with_noise(pace: Pace) -> Pace:
-        return Pace(pace.place, pace.place_width, pace.answer, pace.answer_width, noise)
+def _cooling_with_noise(
+    first: LearningRates, last: LearningRates, steps: int, noise: float
+) -> Cooling:
+    def with_noise(pace: LearningRates) -> LearningRates:
+        return LearningRates(pace.place, pace.place_width, pace.answer, pace.answer_width, noise)
 
     return Cooling(with_noise(first), with_noise(last), steps)

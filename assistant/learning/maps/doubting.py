@@ -15,17 +15,17 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows, norms
 from assistant.learning.maps.extended_map import ExtendedMap
 
-FLAT: Final = 0.15
+FLAT_SURFACE: Final = 0.15
 """Distances between neighbours by which a target may be beside a surface that is not bent."""
-NOISY: Final = 3.0
+NOISE_RATIO: Final = 3.0
 """Times what a unit misses by that it may be as well."""
-MOST: Final = 0.75
+MOST_BESIDE: Final = 0.75
 """By trial no target of a map that has learnt is farther beside."""
-TINY: Final = 1e-12
+LEAST_GAP: Final = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class UnitSurroundings:
     """Of m units, in spreads. gap: (m,) mean distance from their neighbours. planes: (m, d, k) axes
     at right angles that span the surface there. bend: (m,) by how much neighbours leave it.
     """
@@ -40,42 +40,46 @@ class Surroundings:
         return norms(offsets - np.einsum("mdk,mk->md", self.planes, along))
 
 
-def surroundings(net: ExtendedMap, units: Rows) -> Surroundings:
+def unit_surroundings(net: ExtendedMap, units: Rows) -> UnitSurroundings:
     at = np.stack(np.unravel_index(units, net.shape))
     total, count = np.zeros(len(units)), np.zeros(len(units))
     along: list[Floats] = []
     bent: list[Floats] = []
     for axis, size in enumerate(net.shape):
         for step in (-1, 1):
-            there = _shifted(at, axis, step, size)
-            total += norms(_places(net, there) - _places(net, at))
+            there = _shift_along_axis(at, axis, step, size)
+            total += norms(_unit_places(net, there) - _unit_places(net, at))
             count += there[axis] != at[axis]
         inner = at.copy()
         inner[axis] = np.clip(at[axis], 1, max(size - 2, 1))
-        low, high = (_places(net, _shifted(inner, axis, step, size)) for step in (-1, 1))
+        low, high = (
+            _unit_places(net, _shift_along_axis(inner, axis, step, size)) for step in (-1, 1)
+        )
         along.append(high - low)
-        bent.append(high + low - 2.0 * _places(net, inner) if size > 2 else np.zeros_like(low))
-    gap = np.maximum(total / count, TINY)
-    found = Surroundings(gap, np.linalg.qr(np.stack(along, axis=2))[0], np.zeros(len(units)))
+        bent.append(high + low - 2.0 * _unit_places(net, inner) if size > 2 else np.zeros_like(low))
+    gap = np.maximum(total / count, LEAST_GAP)
+    found = UnitSurroundings(gap, np.linalg.qr(np.stack(along, axis=2))[0], np.zeros(len(units)))
     bend = np.max([found.beside(one) for one in bent], axis=0)
-    return Surroundings(gap, found.planes, bend)
+    return UnitSurroundings(gap, found.planes, bend)
 
 
-def beside(net: ExtendedMap, units: Rows, offsets: Floats, about: Surroundings) -> Floats:
+def distance_beside(
+    net: ExtendedMap, units: Rows, offsets: Floats, about: UnitSurroundings
+) -> Floats:
     """(m,) how far offsets from units lead away from what was learnt, above 1 too far; NaN of a
     unit that never won.
     """
     noise = net.missed[units] * net.scale.pixel
-    allowed = FLAT + (about.bend + NOISY * noise) / about.gap
-    return np.asarray(about.beside(offsets) / about.gap / np.minimum(allowed, MOST))
+    allowed = FLAT_SURFACE + (about.bend + NOISE_RATIO * noise) / about.gap
+    return np.asarray(about.beside(offsets) / about.gap / np.minimum(allowed, MOST_BESIDE))
 
 
-def _shifted(at: Rows, axis: int, step: int, size: int) -> Rows:
+def _shift_along_axis(at: Rows, axis: int, step: int, size: int) -> Rows:
     """Places one step along an axis, where the lattice goes on there."""
     there = at.copy()
     there[axis] = np.clip(at[axis] + step, 0, size - 1)
     return there
 
 
-def _places(net: ExtendedMap, at: Rows) -> Floats:
+def _unit_places(net: ExtendedMap, at: Rows) -> Floats:
     return np.asarray(net.places[np.ravel_multi_index(tuple(at), net.shape)])

@@ -10,19 +10,13 @@ import numpy as np
 from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.learning.maps.extended_map import ExtendedMap
-from assistant.learning.maps.goals import (
-    InBox,
-    InRanges,
-    Space,
-    ranges_about_home,
-    ranges_for,
-)
-from assistant.learning.maps.seen_arm import SeenArm, pair_for, seen_arm
-from assistant.learning.maps.training import start
+from assistant.learning.maps.goals import InBox, InRanges, Space, ranges_about_home, ranges_for_box
+from assistant.learning.maps.seen_arm import ObservedArm, observed_arm, pair_for
+from assistant.learning.maps.training import start_map
 from assistant.vision.cameras.camera import Camera, looking_at
 
-TIP: Final = (0.0, 0.0, 60.0)
-MARKS: Final = (TIP, (60.0, 0.0, 20.0), (0.0, 60.0, 20.0))
+TOOL_TIP: Final = (0.0, 0.0, 60.0)
+TOOL_POINTS: Final = (TOOL_TIP, (60.0, 0.0, 20.0), (0.0, 60.0, 20.0))
 """Mm on the flange: the tip of a tool, and marks aside of it."""
 
 
@@ -30,13 +24,13 @@ MARKS: Final = (TIP, (60.0, 0.0, 20.0), (0.0, 60.0, 20.0))
 class Experiment:
     """dimensions: numbers by which a goal is told."""
 
-    arm: SeenArm
+    arm: ObservedArm
     space: Space
     ranges: Floats
     dimensions: int
 
     def start(self, seed: int = 0) -> ExtendedMap:
-        return start(self.arm, self.space, self.ranges, self.dimensions, seed)
+        return start_map(self.arm, self.space, self.ranges, self.dimensions, seed)
 
 
 def three_joints() -> Experiment:
@@ -46,7 +40,9 @@ def three_joints() -> Experiment:
     """
     box = np.array([[300.0, 450.0], [-200.0, 200.0], [200.0, 400.0]])
     robot = robots.get("rv-2aj")
-    arm = seen_arm(robot, pair_for(corners(box)), [TIP], ("J1", "J2", "J3"), np.zeros(5))
+    arm = observed_arm(
+        robot, pair_for(box_corners(box)), [TOOL_TIP], ("J1", "J2", "J3"), np.zeros(5)
+    )
     ranges = np.array([[-60.0, 60.0], [-60.0, 120.0], [0.0, 120.0]])
     return Experiment(arm, InBox(box), ranges, 3)
 
@@ -55,10 +51,10 @@ def five_joints() -> Experiment:
     """All joints of an RV-2AJ, two points of whose tool are seen."""
     robot = robots.get("rv-2aj")
     ranges = np.array([[-50.0, 50.0], [0.0, 50.0], [50.0, 100.0], [20.0, 70.0], [-45.0, 45.0]])
-    return over_ranges(seen_arm(robot, (), MARKS[:2]), ranges)
+    return over_ranges(observed_arm(robot, (), TOOL_POINTS[:2]), ranges)
 
 
-def over_ranges(arm: SeenArm, ranges: Floats | None = None) -> Experiment:
+def over_ranges(arm: ObservedArm, ranges: Floats | None = None) -> Experiment:
     """Joints of any arm between ranges (a, 2), by default about its home; without cameras a pair is
     put up that sees it there.
     """
@@ -70,25 +66,25 @@ def over_ranges(arm: SeenArm, ranges: Floats | None = None) -> Experiment:
     return Experiment(seen, InRanges(known), known, seen.task.determined)
 
 
-def over_box(arm: SeenArm, space: InBox) -> Experiment:
+def over_box(arm: ObservedArm, space: InBox) -> Experiment:
     """A tool that is held by a rule, in a box; raises Refused if the arm does not reach it."""
     seen = arm
     if not arm.cameras:
         around = float(np.linalg.norm(arm.points - arm.points[0], axis=1).max())
         wider = space.box + np.array([-around, around])
-        seen = arm.watched(pair_for(corners(wider)))
+        seen = arm.watched(pair_for(box_corners(wider)))
     turned = space.rule != "any" and space.turn[0] < space.turn[1]
-    return Experiment(seen, space, ranges_for(seen, space), 4 if turned else 3)
+    return Experiment(seen, space, ranges_for_box(seen, space), 4 if turned else 3)
 
 
 def six_joints() -> Experiment:
     """All joints of an IRB 1200 whose tool points down and is turned, seen by three points."""
     box = np.array([[350.0, 550.0], [-150.0, 150.0], [150.0, 350.0]])
-    arm = seen_arm(robots.get("irb1200-5-0.9"), (), MARKS)
+    arm = observed_arm(robots.get("irb1200-5-0.9"), (), TOOL_POINTS)
     return over_box(arm, InBox(box, "down", (-45.0, 45.0)))
 
 
-def moved(camera: Camera, by: float) -> Camera:
+def moved_aside(camera: Camera, by: float) -> Camera:
     """A camera that stands so many mm aside and still looks at where it did, 1 m ahead."""
     eye = np.array(camera.pose.position)
     ahead = camera.directions(np.array([camera.lens.centre]))[0]
@@ -97,7 +93,7 @@ def moved(camera: Camera, by: float) -> Camera:
     return Camera(camera.name, camera.lens, place, camera.parent)
 
 
-def corners(box: Floats) -> Floats:
+def box_corners(box: Floats) -> Floats:
     """(8, 3) of a box (3, 2)."""
     grid = np.meshgrid(*box, indexing="ij")
     return np.stack([one.ravel() for one in grid], axis=1)

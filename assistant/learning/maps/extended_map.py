@@ -24,18 +24,18 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows
-from assistant.learning.maps.lattice import Box, Neighbourhood
+from assistant.learning.maps.lattice import LatticeBox, Neighbourhood
 
-AT_RANDOM: Final = 0.1
+RANDOM_SIGMA: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""
-DETERMINED_BY: Final = {1: 3, 2: 5}
+JOINTS_OF_POINTS: Final = {1: 3, 2: 5}
 """Number of joints that so many seen points determine; three points determine six."""
-FLATTEST: Final = 0.15
+LEAST_SPREAD: Final = 0.15
 """Of the largest spread: along axes of less, pictures curve more than they tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scale:
+class MapScale:
     """What the net counts in: pictures in spreads about their middle, joints in halves of ranges.
 
     middle: (d,) pixels. frame: (d, d) axes of the pictures as columns, each a spread long inverted.
@@ -73,7 +73,7 @@ class Scale:
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class LearningRates:
     """How much is learnt now: shares of the winner, and widths in units of the lattice.
 
     place, place_width: of w. answer, answer_width: of θ and A. noise: pixels; movements that are
@@ -88,7 +88,7 @@ class Pace:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class MapTask:
     """What a map is of: robot and the names of its joints that move, cameras, and how many points
     of the tool each of them sees. A picture is u, v of each camera, point by point.
     """
@@ -106,7 +106,7 @@ class Task:
     @property
     def determined(self) -> int:
         """Number of joints that the points determine, at most all that move."""
-        return min(DETERMINED_BY.get(self.points, 6), len(self.axes))
+        return min(JOINTS_OF_POINTS.get(self.points, 6), len(self.axes))
 
     @property
     def free(self) -> bool:
@@ -122,9 +122,9 @@ class ExtendedMap:
     won. steps: trials that were learnt from.
     """
 
-    task: Task
+    task: MapTask
     shape: tuple[int, ...]
-    scale: Scale
+    scale: MapScale
     places: Floats
     answers: Floats
     wins: Floats
@@ -159,10 +159,10 @@ class ExtendedMap:
         """(m,) the units nearest to pictures (m, d)."""
         return np.asarray((self._half_squares - pictures @ self.places.T).argmin(axis=1))
 
-    def learn_places(self, winners: Rows, pictures: Floats, pace: Pace) -> None:
+    def learn_places(self, winners: Rows, pictures: Floats, pace: LearningRates) -> None:
         """Draws units towards pictures (m, d), one after the other; their lines stay."""
         about = Neighbourhood(self.shape, pace.place_width)
-        if about.alone and _differ(winners):
+        if about.alone and _all_different(winners):
             moved = pace.place * (pictures - self.places[winners])
             self.answers[winners, : self.axes] += np.einsum(
                 "mad,md->ma", self.slopes[winners], moved
@@ -174,10 +174,10 @@ class ExtendedMap:
             box, shares = about.about(place)
             self._draw_places(box, picture, pace.place * shares)
 
-    def learn_answers(self, winners: Rows, better: Floats, pace: Pace) -> None:
+    def learn_answers(self, winners: Rows, better: Floats, pace: LearningRates) -> None:
         """Draws θ and A of units towards better ones (m, a + a·d), one after the other."""
         about = Neighbourhood(self.shape, pace.answer_width)
-        if about.alone and _differ(winners):
+        if about.alone and _all_different(winners):
             self.answers[winners] += pace.answer * (better - self.answers[winners])
             return
         grid = self.answers.reshape(*self.shape, -1)
@@ -189,7 +189,7 @@ class ExtendedMap:
             work *= pace.answer * shares[..., None]
             near += work
 
-    def _draw_places(self, box: Box, picture: Floats, shares: Floats) -> None:
+    def _draw_places(self, box: LatticeBox, picture: Floats, shares: Floats) -> None:
         near = self.places.reshape(*self.shape, -1)[box]
         lines = self.answers.reshape(*self.shape, -1)[box]
         moved = self._work[: near.size].reshape(near.shape)
@@ -207,8 +207,8 @@ class ExtendedMap:
         )
 
 
-def begun(
-    task: Task, shape: tuple[int, ...], pictures: Floats, ranges: Floats, seed: int = 0
+def random_map(
+    task: MapTask, shape: tuple[int, ...], pictures: Floats, ranges: Floats, seed: int = 0
 ) -> ExtendedMap:
     """A map that has learnt nothing: all of it is drawn at random.
 
@@ -219,15 +219,15 @@ def begun(
     units, seen, axes = int(np.prod(shape)), pictures.shape[1], len(ranges)
     middle = pictures.mean(axis=0)
     squares, frame = np.linalg.eigh(np.cov((pictures - middle).T))
-    spreads = np.sqrt(np.maximum(squares, FLATTEST**2 * squares[-1]))
+    spreads = np.sqrt(np.maximum(squares, LEAST_SPREAD**2 * squares[-1]))
     low, high = np.array(ranges, dtype=np.float64).T.copy()
-    answers = draw.normal(0.0, AT_RANDOM, (units, axes + axes * seen))
+    answers = draw.normal(0.0, RANDOM_SIGMA, (units, axes + axes * seen))
     answers[:, :axes] = draw.uniform(-1.0, 1.0, (units, axes))
     places = draw.uniform(-1.0, 1.0, (units, seen))
-    scale = Scale(middle, frame / spreads, low, high)
+    scale = MapScale(middle, frame / spreads, low, high)
     none = np.full(units, np.nan)
     return ExtendedMap(task, shape, scale, places, answers, np.zeros(units), none)
 
 
-def _differ(winners: Rows) -> bool:
+def _all_different(winners: Rows) -> bool:
     return len(set(winners.tolist())) == len(winners)

@@ -11,22 +11,22 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, norms
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.rules import BAD_BOX, BAD_RANGE, NOT_REACHED
-from assistant.learning.maps.seen_arm import SeenArm
-from assistant.learning.maps.solving import solve
+from assistant.learning.maps.rules import BAD_BOX, BAD_RANGE, BOX_NOT_REACHED
+from assistant.learning.maps.seen_arm import ObservedArm
+from assistant.learning.maps.solving import solve_joints
 from assistant.robots import Robot
 
-Rule = Literal["any", "down", "forward"]
+ToolRule = Literal["any", "down", "forward"]
 """How a tool is held: anyhow, its z axis down, or along x of the base."""
-HELD: Final[dict[Rule, tuple[float, float, float, float]]] = {
+TOOL_ROTATIONS: Final[dict[ToolRule, tuple[float, float, float, float]]] = {
     "down": (0.0, 0.0, 1.0, 0.0),
     "forward": (0.7071067811865476, 0.0, 0.7071067811865476, 0.0),
 }
 """Rotations of a tool that is not turned about its own axis."""
-TRIED: Final = 2000
+BOX_SAMPLES: Final = 2000
 """Poses by which it is asked how much of a box an arm reaches."""
-ENOUGH: Final = 0.999
-CLOSE: Final = 0.01
+LEAST_REACHED: Final = 0.999
+REACHED_MM: Final = 0.01
 """Mm within which a place is reached."""
 
 
@@ -52,8 +52,8 @@ class InRanges:
 
     ranges: Floats
 
-    def draw(self, arm: SeenArm, count: int, draw: np.random.Generator) -> Goals:
-        joints = _between(draw, self.ranges, count)
+    def draw(self, arm: ObservedArm, count: int, draw: np.random.Generator) -> Goals:
+        joints = _random_joints(draw, self.ranges, count)
         points, turns = arm.tool(joints)
         return Goals(arm.seen(points), points, None if arm.free else turns)
 
@@ -67,11 +67,11 @@ class InBox:
     """
 
     box: Floats
-    rule: Rule = "any"
+    rule: ToolRule = "any"
     turn: tuple[float, float] = (0.0, 0.0)
 
-    def draw(self, arm: SeenArm, count: int, draw: np.random.Generator) -> Goals:
-        places = _between(draw, self.box, count)
+    def draw(self, arm: ObservedArm, count: int, draw: np.random.Generator) -> Goals:
+        places = _random_joints(draw, self.box, count)
         if self.rule == "any":
             points = places[:, None]
             return Goals(arm.seen(points), points)
@@ -79,9 +79,11 @@ class InBox:
         points = places[:, None] + rotations.rotate(turns[:, None], arm.points - arm.points[0])
         return Goals(arm.seen(points), points, turns)
 
-    def joints(self, arm: SeenArm, count: int, draw: np.random.Generator) -> tuple[Floats, Truths]:
+    def joints(
+        self, arm: ObservedArm, count: int, draw: np.random.Generator
+    ) -> tuple[Floats, Truths]:
         """Of poses in the box: joints (n, a) of the branch that reaches most, and which reach."""
-        places = _between(draw, self.box, count)
+        places = _random_joints(draw, self.box, count)
         turns = self._turns(draw.uniform(*self.turn, count))
         flange = places - rotations.rotate(turns, arm.points[0])
         joints, valid = arm.robot.ik(flange, turns)
@@ -90,7 +92,7 @@ class InBox:
 
     def _turns(self, degrees: Floats) -> Floats:
         about = rotations.about((0.0, 0.0, 1.0) * np.ones((len(degrees), 1)), degrees)
-        return rotations.canonical(rotations.multiply(np.array(HELD[self.rule]), about))
+        return rotations.canonical(rotations.multiply(np.array(TOOL_ROTATIONS[self.rule]), about))
 
 
 Space = InRanges | InBox
@@ -111,7 +113,7 @@ def ranges_about_home(robot: Robot, moves: Sequence[str]) -> Floats:
     return np.array(out)
 
 
-def checked_ranges(robot: Robot, moves: Sequence[str], ranges: Floats) -> Floats:
+def check_ranges(robot: Robot, moves: Sequence[str], ranges: Floats) -> Floats:
     """The same ranges (a, 2); raises Refused for one that is none or leaves the limits."""
     for name, (low, high) in zip(moves, ranges.tolist(), strict=True):
         least, most = robot.limits[robot.axes.index(name)].tolist()
@@ -123,7 +125,7 @@ def checked_ranges(robot: Robot, moves: Sequence[str], ranges: Floats) -> Floats
     return ranges
 
 
-def checked_box(box: Floats) -> Floats:
+def check_box(box: Floats) -> Floats:
     """The same box (3, 2); raises Refused for one that is none."""
     reason = ""
     if box.shape != (3, 2) or not np.isfinite(box).all():
@@ -135,7 +137,7 @@ def checked_box(box: Floats) -> Floats:
     return box
 
 
-def ranges_for(arm: SeenArm, space: InBox, seed: int = 0) -> Floats:
+def ranges_for_box(arm: ObservedArm, space: InBox, seed: int = 0) -> Floats:
     """(a, 2) between which joints reach all of a box, a twentieth wider, inside the limits.
 
     Raises Refused if the arm does not reach the box in one of its branches, without a rule from its
@@ -144,16 +146,16 @@ def ranges_for(arm: SeenArm, space: InBox, seed: int = 0) -> Floats:
     draw = np.random.default_rng(seed)
     limits = arm.robot.limits[arm.columns]
     if space.rule == "any":
-        points = _between(draw, space.box, TRIED)[:, None]
-        home = np.tile(arm.robot.home[arm.columns], (TRIED, 1))
-        joints = solve(arm, points, home, limits)
-        reached = norms(arm.tool(joints)[0][:, 0] - points[:, 0]) < CLOSE
+        points = _random_joints(draw, space.box, BOX_SAMPLES)[:, None]
+        home = np.tile(arm.robot.home[arm.columns], (BOX_SAMPLES, 1))
+        joints = solve_joints(arm, points, home, limits)
+        reached = norms(arm.tool(joints)[0][:, 0] - points[:, 0]) < REACHED_MM
     else:
-        joints, reached = space.joints(arm, TRIED, draw)
+        joints, reached = space.joints(arm, BOX_SAMPLES, draw)
     share = float(reached.mean())
-    if share < ENOUGH:
+    if share < LEAST_REACHED:
         held = "anyhow" if space.rule == "any" else space.rule
-        finding = NOT_REACHED(share=share, robot=arm.robot.title, rule=held)
+        finding = BOX_NOT_REACHED(share=share, robot=arm.robot.title, rule=held)
         raise Refused(finding, exit_status=1)
     low, high = joints[reached].min(axis=0), joints[reached].max(axis=0)
     more = 0.05 * (high - low) + 1.0
@@ -161,6 +163,6 @@ def ranges_for(arm: SeenArm, space: InBox, seed: int = 0) -> Floats:
     return np.column_stack([np.maximum(low - more, least), np.minimum(high + more, most)])
 
 
-def _between(draw: np.random.Generator, ranges: Floats, count: int) -> Floats:
+def _random_joints(draw: np.random.Generator, ranges: Floats, count: int) -> Floats:
     """(count, a) between ranges (a, 2)."""
     return draw.uniform(ranges[:, 0], ranges[:, 1], (count, len(ranges)))

@@ -9,12 +9,12 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows
 
-LEAST: Final = 2e-3
+LEAST_SHARE: Final = 2e-3
 """Shares of a Gaussian below which a unit learns nothing from its neighbour."""
-WIDEST: Final = 1e3
+WIDEST_GAUSSIAN: Final = 1e3
 """Units; a wider Gaussian is flat over every lattice."""
 
-Box = tuple[slice, ...]
+LatticeBox = tuple[slice, ...]
 """A part of a lattice."""
 
 
@@ -31,22 +31,22 @@ class Neighbourhood:
     shares: Floats = field(init=False)
 
     def __post_init__(self) -> None:
-        width = min(self.width, WIDEST)
-        reach = int(width * np.sqrt(-2.0 * np.log(LEAST)))
+        width = min(self.width, WIDEST_GAUSSIAN)
+        reach = int(width * np.sqrt(-2.0 * np.log(LEAST_SHARE)))
         self.reaches = tuple(min(reach, count - 1) for count in self.shape)
         self.shares = np.ones(())
         for reach in self.reaches:
             away = np.arange(-reach, reach + 1)
             line = np.exp(-(away**2) / (2.0 * width**2)) if reach else np.ones(1)
             self.shares = self.shares[..., None] * line
-        self.shares[self.shares < LEAST] = 0.0
+        self.shares[self.shares < LEAST_SHARE] = 0.0
 
     @property
     def alone(self) -> bool:
         """Whether the winner has no neighbours any more."""
         return not any(self.reaches)
 
-    def about(self, place: tuple[int, ...]) -> tuple[Box, Floats]:
+    def about(self, place: tuple[int, ...]) -> tuple[LatticeBox, Floats]:
         """The box of units near to one, and their shares."""
         box, part = [], []
         for at, reach, count in zip(place, self.reaches, self.shape, strict=True):
@@ -56,7 +56,7 @@ class Neighbourhood:
         return tuple(box), self.shares[tuple(part)]
 
 
-def pairs(shape: tuple[int, ...]) -> Rows:
+def neighbour_pairs(shape: tuple[int, ...]) -> Rows:
     """(m, 2) units that are neighbours in a lattice, each pair once."""
     numbers = np.arange(int(np.prod(shape))).reshape(shape)
     found = [np.zeros((0, 2), dtype=np.intp)]

@@ -17,30 +17,30 @@ from assistant.base.budgets import most_unpacked
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
-from assistant.learning.maps.extended_map import ExtendedMap, Scale, Task
-from assistant.learning.maps.rules import NO_MAP, OTHER_VERSION
+from assistant.learning.maps.extended_map import ExtendedMap, MapScale, MapTask
+from assistant.learning.maps.rules import NO_MAP, OTHER_MAP_VERSION
 from assistant.learning.maps.training import MOST_UNITS
 
 VERSION: Final = 1
-KIND: Final = "learned map"
+FILE_KIND: Final = "learned map"
 COLUMNS: Final = (
     *("shape", "middle", "frame", "low", "high", "places", "answers", "wins", "missed"),
     *("about", "kind", "robot", "axes", "cameras"),
 )
-LONGEST: Final = 1000
+LONGEST_TEXT: Final = 1000
 """Characters of a text."""
 MOST_NUMBERS: Final = 1000
 """Of a picture."""
-HUGEST: Final = 1e9
+LARGEST_NUMBER: Final = 1e9
 """No number of a map that learns comes near it."""
-BROKEN: Final = (
+READ_ERRORS: Final = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError),
     *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError, TokenError),
 )
 """What readers of archives and of headers raise for damaged and foreign content."""
 
 
-def save(
+def save_map(
     net: ExtendedMap, path: str | FilePath, beside: Mapping[FilePath, bytes] | None = None
 ) -> None:
     """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be.
@@ -49,7 +49,7 @@ def save(
     """
     buffer, task, scale = io.BytesIO(), net.task, net.scale
     columns: dict[str, Any] = {
-        "kind": np.array(KIND),
+        "kind": np.array(FILE_KIND),
         "about": np.array([VERSION, net.steps, task.points], dtype=np.float64),
         "robot": np.array(task.robot),
         "axes": np.array("\n".join(task.axes)),
@@ -62,42 +62,43 @@ def save(
     write_all({FilePath(path): buffer.getvalue(), **(beside or {})})
 
 
-def load(path: str | FilePath) -> ExtendedMap:
+def load_map(path: str | FilePath) -> ExtendedMap:
     """The map of a file. Raises Unreadable or Refused, with a finding, for whatever is none."""
     try:
-        columns = _columns(read_bytes(path))
+        columns = _read_columns(read_bytes(path))
     except Refused:
         raise
-    except BROKEN as wrong:
+    except READ_ERRORS as wrong:
         reason = " ".join(str(wrong).split())[:120] or type(wrong).__name__
         raise Unreadable(NO_MAP(path=str(path), reason=reason)) from None
     about = columns.get("about", np.zeros(0))
-    if str(columns.get("kind")) == KIND and about.shape == (3,) and about[0] != VERSION:
-        finding = OTHER_VERSION(path=str(path), version=float(about[0]), known=VERSION)
+    if str(columns.get("kind")) == FILE_KIND and about.shape == (3,) and about[0] != VERSION:
+        finding = OTHER_MAP_VERSION(path=str(path), version=float(about[0]), known=VERSION)
         raise Refused(finding, exit_status=2)
-    reason = _fault(columns)
+    reason = _map_fault(columns)
     if reason:
         raise Unreadable(NO_MAP(path=str(path), reason=reason))
     axes, cameras = (tuple(str(columns[name]).split("\n")) for name in ("axes", "cameras"))
-    task = Task(str(columns["robot"]), axes, cameras, int(about[2]))
-    scale = Scale(*(columns[name] for name in ("middle", "frame", "low", "high")))
+    task = MapTask(str(columns["robot"]), axes, cameras, int(about[2]))
+    scale = MapScale(*(columns[name] for name in ("middle", "frame", "low", "high")))
     places, answers, wins, missed = (columns[n] for n in ("places", "answers", "wins", "missed"))
     shape = tuple(int(count) for count in columns["shape"])
     return ExtendedMap(task, shape, scale, places, answers, wins, missed, int(about[1]))
 
 
-def _columns(data: bytes) -> dict[str, Any]:
+def _read_columns(data: bytes) -> dict[str, Any]:
     """What an archive holds, each by its name; nothing in it is ever run."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         members = archive.infolist()
         if sum(member.file_size for member in members) > most_unpacked():
             raise ValueError("it unpacks to more than is read")
         return {
-            member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members
+            member.filename.removesuffix(".npy"): _read_array(archive.read(member))
+            for member in members
         }
 
 
-def _array(data: bytes) -> Any:
+def _read_array(data: bytes) -> Any:
     """A column of float64, or a text; raises ValueError for anything else.
 
     By its header, whose size is compared with what is there before anything is made.
@@ -105,8 +106,8 @@ def _array(data: bytes) -> Any:
     stream = io.BytesIO(data)
     if np.lib.format.read_magic(stream) != (1, 0):
         raise ValueError("a column has another format than numpy writes")
-    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream, max_header_size=LONGEST)
-    text = kind.kind == "U" and shape == () and kind.itemsize <= 4 * LONGEST
+    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream, max_header_size=LONGEST_TEXT)
+    text = kind.kind == "U" and shape == () and kind.itemsize <= 4 * LONGEST_TEXT
     if kind.hasobject or not (kind == np.float64 or text):
         raise ValueError(f"a column holds `{str(kind)[:40]}`, which no map has")
     if len(data) - stream.tell() != math.prod(shape) * kind.itemsize:
@@ -115,9 +116,9 @@ def _array(data: bytes) -> Any:
     return flat.reshape(shape, order="F" if fortran else "C").copy()
 
 
-def _fault(columns: dict[str, Any]) -> str:
+def _map_fault(columns: dict[str, Any]) -> str:
     """What keeps columns from being a map, nothing if they are one."""
-    if str(columns.get("kind")) != KIND:
+    if str(columns.get("kind")) != FILE_KIND:
         return "it says to be something else"
     missing = [name for name in COLUMNS if name not in columns]
     if missing:
@@ -125,7 +126,9 @@ def _fault(columns: dict[str, Any]) -> str:
     numbers = {n: c for n, c in columns.items() if c.dtype == np.float64}
     if {"robot", "axes", "cameras"} & numbers.keys() or len(numbers) < len(COLUMNS) - 4:
         return "texts and numbers are mixed up"
-    if not all((np.abs(c) <= HUGEST).all() for name, c in numbers.items() if name != "missed"):
+    if not all(
+        (np.abs(c) <= LARGEST_NUMBER).all() for name, c in numbers.items() if name != "missed"
+    ):
         return "it holds numbers that are none"
     shape, about = columns["shape"], columns["about"]
     if about.shape != (3,) or not (about[1] >= 0.0 and 1.0 <= about[2] <= MOST_NUMBERS):

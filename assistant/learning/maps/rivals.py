@@ -16,25 +16,25 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
 from assistant.learning.maps.goals import Goals
-from assistant.learning.maps.seen_arm import SeenArm
-from assistant.learning.maps.solving import solve
-from assistant.learning.maps.training import Errors
+from assistant.learning.maps.seen_arm import ObservedArm
+from assistant.learning.maps.solving import solve_joints
+from assistant.learning.maps.training import MapErrors
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.triangulating import triangulate
 
-NEIGHBOURS: Final = 3
+NEIGHBOUR_RATIO: Final = 3
 """Times the numbers that a plane has: how many of the nearest pictures it is laid through."""
-AT_ONCE: Final = 20_000_000
+DISTANCES_AT_ONCE: Final = 20_000_000
 """Distances between targets and pictures that are computed together."""
-DOUBT: Final = 0.2
+LEAST_SLOPE_SPREAD: Final = 0.2
 """Pixels: a plane has no slope along directions in which pictures differ by less."""
-TINY: Final = 1e-9
+LEAST_PICTURE_SPREAD: Final = 1e-9
 """Pixels, where all pictures are alike."""
-TRIES: Final = 20
+PICTURE_SURPLUS: Final = 20
 """Times the pictures that are wanted, among which those about the targets are looked for."""
 
 
-class Rival(Protocol):
+class Baseline(Protocol):
     def joints(self, pixels: Floats) -> Floats:
         """Pictures (m, d) → joints (m, a) for them."""
         ...
@@ -45,14 +45,14 @@ class Rival(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Calibrated:
+class CalibratedBaseline:
     """model: the arm as its robot file has it, with the cameras as they were calibrated.
 
     A whole pose, told by three points, goes through `Robot.ik`. For fewer points joints are found
     by Gauss and Newton over `Robot.fk`, from the middle of the ranges (a, 2).
     """
 
-    model: SeenArm
+    model: ObservedArm
     ranges: Floats
 
     def joints(self, pixels: Floats) -> Floats:
@@ -73,18 +73,18 @@ class Calibrated:
     def _solved(self, points: Floats, begin: Floats | None = None) -> Floats:
         robot, middle = self.model.robot, self.ranges.mean(axis=1)
         if points.shape[1] >= 3 and len(self.model.moves) == len(robot.axes):
-            turns = fitted(self.model.points, points)
+            turns = fit_rotations(self.model.points, points)
             places = points.mean(axis=1) - rotations.rotate(turns, self.model.points.mean(axis=0))
             found, valid = robot.ik(places, turns)
             away = np.where(valid, norms(np.nan_to_num(found - middle)), np.inf)
             best = found[np.arange(len(points)), away.argmin(axis=1)]
             return np.asarray(np.where(np.isfinite(best), best, middle))
         first = np.tile(middle, (len(points), 1)) if begin is None else begin
-        return solve(self.model, points, first, self.ranges)
+        return solve_joints(self.model, points, first, self.ranges)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Nearest:
+class NearestBaseline:
     """pictures (n, d) pixels, taken at joints (n, a); it answers between `ranges` (a, 2)."""
 
     pictures: Floats
@@ -93,7 +93,7 @@ class Nearest:
     scale: Floats = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "scale", self.pictures.std(axis=0) + TINY)
+        object.__setattr__(self, "scale", self.pictures.std(axis=0) + LEAST_PICTURE_SPREAD)
 
     def joints(self, pixels: Floats) -> Floats:
         out = [self._planes(pixels[rows])[0] for rows in self._parts(len(pixels))]
@@ -107,7 +107,7 @@ class Nearest:
         return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
 
     def _parts(self, count: int) -> list[slice]:
-        size = max(AT_ONCE // len(self.pictures), 1)
+        size = max(DISTANCES_AT_ONCE // len(self.pictures), 1)
         return [slice(at, at + size) for at in range(0, count, size)]
 
     def _planes(self, pixels: Floats) -> tuple[Floats, Floats]:
@@ -117,18 +117,20 @@ class Nearest:
         middle, mean = pictures.mean(axis=1), joints.mean(axis=1)
         offsets = pictures - middle[:, None]
         squares = np.einsum("mnd,mne->mde", offsets, offsets)
-        squares += offsets.shape[1] * DOUBT**2 * np.eye(pixels.shape[1])
+        squares += offsets.shape[1] * LEAST_SLOPE_SPREAD**2 * np.eye(pixels.shape[1])
         slopes = np.linalg.solve(squares, np.swapaxes(offsets, 1, 2) @ (joints - mean[:, None]))
         return mean + np.einsum("mda,md->ma", slopes, pixels - middle), slopes
 
     def _near(self, pixels: Floats) -> Rows:
         ours, theirs = self.pictures / self.scale, pixels / self.scale
         distances = 0.5 * (ours**2).sum(axis=1) - theirs @ ours.T
-        count = min(NEIGHBOURS * (pixels.shape[1] + 1), len(ours))
+        count = min(NEIGHBOUR_RATIO * (pixels.shape[1] + 1), len(ours))
         return np.asarray(np.argpartition(distances, count - 1, axis=1)[:, :count])
 
 
-def pictures_of(arm: SeenArm, ranges: Floats, count: int, goals: Goals, seed: int = 0) -> Nearest:
+def nearest_baseline(
+    arm: ObservedArm, ranges: Floats, count: int, goals: Goals, seed: int = 0
+) -> NearestBaseline:
     """So many pictures of an arm between ranges; fewer where it is rarely seen.
 
     Those are taken whose numbers all lie between those of the goals, a tenth wider, as targets of a
@@ -140,7 +142,7 @@ def pictures_of(arm: SeenArm, ranges: Floats, count: int, goals: Goals, seed: in
     near: list[tuple[Floats, Floats]] = []
     far: list[tuple[Floats, Floats]] = []
     found = 0
-    for _ in range(TRIES):
+    for _ in range(PICTURE_SURPLUS):
         joints = draw.uniform(ranges[:, 0], ranges[:, 1], size)
         pixels = arm(joints)
         like = ((pixels >= low - more) & (pixels <= high + more)).all(axis=1)
@@ -151,10 +153,10 @@ def pictures_of(arm: SeenArm, ranges: Floats, count: int, goals: Goals, seed: in
         if found >= count:
             break
     pixels, joints = (np.concatenate(columns)[:count] for columns in zip(*near, *far, strict=True))
-    return Nearest(pixels, joints, ranges)
+    return NearestBaseline(pixels, joints, ranges)
 
 
-def errors_of(rival: Rival, arm: SeenArm, goals: Goals) -> Errors:
+def baseline_errors(rival: Baseline, arm: ObservedArm, goals: Goals) -> MapErrors:
     """As of the map: its first movement as `coarse`, the others after one correction."""
     first = rival.joints(goals.pixels)
     seen = arm(first)
@@ -169,10 +171,10 @@ def errors_of(rival: Rival, arm: SeenArm, goals: Goals) -> Errors:
         turned = rotations.angle_between(turns, goals.turns)
     pixels = np.sqrt(np.nanmean((arm(last) - goals.pixels) ** 2))
     means = float(off.mean()), float(off.max()), float(turned.mean()), float(turned.max())
-    return Errors(0, *means, float(pixels), float(coarse.mean()))
+    return MapErrors(0, *means, float(pixels), float(coarse.mean()))
 
 
-def fitted(points: Floats, found: Floats) -> Floats:
+def fit_rotations(points: Floats, found: Floats) -> Floats:
     """(m, 4) rotations that take points (k, 3) nearest to found ones (m, k, 3), about their middles
     (Kabsch, Acta Crystallographica A32, 1976).
     """

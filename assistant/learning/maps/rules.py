@@ -9,12 +9,12 @@ from assistant.base.diagnostics import error, warning
 NO_MAP: Final = error(
     "LN001", "this is no learned map: {reason}", "learn one with `robot-assistant learn`"
 )
-OTHER_VERSION: Final = error(
+OTHER_MAP_VERSION: Final = error(
     "LN002",
     "the map has version {version:g} of its format, and {known} is read",
     "learn it again, or read it where it was learnt",
 )
-OTHER_TASK: Final = error(
+OTHER_MAP_TASK: Final = error(
     "LN003",
     "the map has learnt {learnt}, and {asked} is asked for",
     "go on with the robot, joints, points and cameras that it was begun with",
@@ -24,18 +24,18 @@ NO_TARGET: Final = error(
     "the target is no picture of the tool: {reason}",
     "show the target to all cameras, every point of the tool",
 )
-FAR: Final = error(
+TARGET_TOO_FAR: Final = error(
     "LN005",
     "nothing like the target was learnt: it is {times:.1f} times as far from the nearest unit as "
     "the neighbours of that are",
     "show targets inside the space that was learnt, or let the map learn there as well",
 )
-UNSEEN: Final = error(
+TOOL_RARELY_SEEN: Final = error(
     "LN006",
     "the tool was seen by all cameras in {seen} of {total} trials",
     "move the cameras so that they see the tool at all joints of the ranges, or narrow these",
 )
-NOT_REACHED: Final = error(
+BOX_NOT_REACHED: Final = error(
     "LN007",
     "{robot} reaches {share:.0%} of the box with the tool {rule}",
     "move the box or make it smaller",
@@ -57,22 +57,22 @@ BAD_LATTICE: Final = error(
     "no lattice of {units} units in {dimensions} dimensions is learnt",
     "choose 1 to 6 counts of at least 2, and {most:,} units at most",
 )
-NO_ANSWER: Final = error(
+BAD_PICTURE_SHAPE: Final = error(
     "LN011",
     "the arm was seen at numbers of shape {shape}, and {wanted} are wanted",
     "answer a row for each row of joints: u, v of each camera, point by point",
 )
-LOST: Final = error(
+TOOL_LOST: Final = error(
     "LN012",
     "the tool is out of sight after movement {movement}; it has stopped",
     "look at what hides it, and move the arm back into sight",
 )
-NOT_THERE: Final = warning(
+TARGET_MISSED: Final = warning(
     "LN013",
     "the tool is seen {seen:.2g} px off after {movements} movements, {usual:.2g} are usual there",
     "let the map go on learning, and look at tool and cameras",
 )
-NOT_LEARNT: Final = warning(
+UNITS_WITHOUT_WINS: Final = warning(
     "LN014",
     "{share:.0%} of the units have not won yet",
     "learn for more steps, or with fewer units",
@@ -96,30 +96,30 @@ BEYOND_RANGES: Final = warning(
     "learn with wider ranges than the places that you use need, or keep away from the borders: "
     "most movements there are refused (LN022)",
 )
-RULE_WITHOUT: Final = error(
+INCOMPLETE_TOOL_RULE: Final = error(
     "LN018",
     "no tool is held {rule} {what}",
     "name a box and how the tool is held there, all joints free, or one point that may be held "
     "anyhow",
 )
-BAD_HELD: Final = error(
+BAD_HELD_JOINT: Final = error(
     "LN019",
     "{axis} cannot stay at {value:g}: {reason}",
     "hold joints inside their limits, and let one learn at least",
 )
-UNLIKE: Final = error(
+TARGET_UNLIKE_TOOL: Final = error(
     "LN020",
     "the target does not look like the tool: its picture is {times:.1f} times as far beside those "
     "that were learnt as is explained",
     "show the same points to all cameras; if one of them has moved, let the map go on learning",
 )
-STRANGE: Final = error(
+UNEXPLAINED_MISS: Final = error(
     "LN021",
     "the tool is seen {seen:.3g} px from the target after movement {movement}, and {most:.3g} px "
     "are explained at most; it has stopped",
     "look at what has changed of tool, robot and cameras, and let the map go on learning",
 )
-CLIPPED: Final = error(
+TARGET_BEYOND_RANGE: Final = error(
     "LN022",
     "the target needs {axis} {over:.2g} degrees (mm) beyond {end:g}, the end of what was learnt; "
     "{where}",

@@ -12,18 +12,18 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, rows_of
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.extended_map import Task
+from assistant.learning.maps.extended_map import MapTask
 from assistant.learning.maps.rules import NO_AXIS, NO_LENGTH
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms.closed_form import FiveAxis, Lengths, SixAxis
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 
-LENGTHS: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
+LENGTH_NAMES: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
 
 
 @dataclass(frozen=True, eq=False)
-class SeenArm:
+class ObservedArm:
     """Called with joints (n, a) of `moves` it answers pixels (n, d), as `trials.Arm`.
 
     robot: in whose base the cameras stand. moves: names of the joints that move; the others stay at
@@ -74,33 +74,33 @@ class SeenArm:
         return [self.robot.axes.index(name) for name in self.moves]
 
     @property
-    def task(self) -> Task:
+    def task(self) -> MapTask:
         names = tuple(camera.name for camera in self.cameras)
-        return Task(self.robot.name, self.moves, names, len(self.points))
+        return MapTask(self.robot.name, self.moves, names, len(self.points))
 
-    def noisy(self, noise: float, seed: int = 0) -> SeenArm:
+    def noisy(self, noise: float, seed: int = 0) -> ObservedArm:
         return replace(self, noise=noise, seed=seed)
 
-    def bent(self, points: Floats) -> SeenArm:
+    def bent(self, points: Floats) -> ObservedArm:
         """With another tool."""
         return replace(self, points=points)
 
-    def watched(self, cameras: Sequence[Camera]) -> SeenArm:
+    def watched(self, cameras: Sequence[Camera]) -> ObservedArm:
         """By other cameras, or by the same ones that have been moved."""
         return replace(self, cameras=tuple(cameras))
 
-    def longer(self, name: str, factor: float) -> SeenArm:
+    def longer(self, name: str, factor: float) -> ObservedArm:
         """With another length of a link, by its name in `Lengths`; raises Refused for none."""
         return replace(self, robot=with_length(self.robot, name, factor))
 
 
-def seen_arm(
+def observed_arm(
     robot: Robot,
     cameras: Sequence[Camera],
     points: Sequence[Sequence[float]],
     moves: Sequence[str] = (),
     rest: Floats | None = None,
-) -> SeenArm:
+) -> ObservedArm:
     """moves: by default all joints. Raises Refused for a joint that the robot has not."""
     known = tuple(moves) or robot.axes
     for name in known:
@@ -109,45 +109,45 @@ def seen_arm(
             raise Refused(finding, exit_status=2)
     still = robot.home if rest is None else np.asarray(rest, dtype=np.float64)
     tool = rows_of(points, 3, "points")
-    return SeenArm(robot, tuple(cameras), tool, known, still)
+    return ObservedArm(robot, tuple(cameras), tool, known, still)
 
 
 def with_length(robot: Robot, name: str, factor: float) -> Robot:
     """The robot with one length times a factor; raises Refused for a length that it has not."""
     lengths = getattr(robot.arm, "lengths", None)
-    known = [one for one in LENGTHS if getattr(lengths, one, 0.0)]
+    known = [one for one in LENGTH_NAMES if getattr(lengths, one, 0.0)]
     if not isinstance(robot.arm, SixAxis | FiveAxis) or name not in known:
         finding = NO_LENGTH(robot=robot.title, name=name, known=", ".join(known) or "none")
         raise Refused(finding, exit_status=2)
-    values = {one: getattr(lengths, one) for one in LENGTHS}
+    values = {one: getattr(lengths, one) for one in LENGTH_NAMES}
     values[name] *= factor
     return replace(robot, arm=replace(robot.arm, lengths=Lengths(**values)))
 
 
-LENS: Final = Lens.ideal((640, 480), 800.0)
-MARGIN: Final = 30.0
+PAIR_LENS: Final = Lens.ideal((640, 480), 800.0)
+PAIR_MARGIN: Final = 30.0
 """Pixels that are kept free at the edges by `pair_for`."""
-ASIDE: Final = 0.3
+PAIR_ASIDE: Final = 0.3
 """Of the distance by which each of the two cameras stands aside."""
-UP: Final = 0.35
+PAIR_HEIGHT: Final = 0.35
 """Of the distance by which they stand higher than what they look at."""
 
 
-def pair_for(points: Floats, lens: Lens = LENS) -> tuple[Camera, Camera]:
+def pair_for(points: Floats, lens: Lens = PAIR_LENS) -> tuple[Camera, Camera]:
     """Two cameras in front of a robot that see points (n, 3) mm of its base, as near as can be."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     distance = max(float(np.linalg.norm(np.ptp(points, axis=0))), 1.0)
     while True:
         cameras = tuple(
-            Camera(name, lens, _looking(middle, distance, side * ASIDE))
+            Camera(name, lens, _pose_of_pair(middle, distance, side * PAIR_ASIDE))
             for name, side in (("left", -1.0), ("right", 1.0))
         )
-        if all(one.within(one.project(points), MARGIN).all() for one in cameras):
+        if all(one.within(one.project(points), PAIR_MARGIN).all() for one in cameras):
             return cameras[0], cameras[1]
         distance *= 1.05
 
 
-def _looking(middle: Floats, distance: float, aside: float) -> Pose:
-    ahead = np.array([1.0, aside, UP])
+def _pose_of_pair(middle: Floats, distance: float, aside: float) -> Pose:
+    ahead = np.array([1.0, aside, PAIR_HEIGHT])
     eye = middle + distance * ahead / np.linalg.norm(ahead)
     return looking_at(eye, middle)

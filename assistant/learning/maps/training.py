@@ -13,31 +13,31 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, norms
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.cooling import Cooling, learning
-from assistant.learning.maps.extended_map import DETERMINED_BY, ExtendedMap, begun
+from assistant.learning.maps.cooling import Cooling, first_cooling
+from assistant.learning.maps.extended_map import JOINTS_OF_POINTS, ExtendedMap, random_map
 from assistant.learning.maps.goals import Goals, Space
-from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, UNSEEN
-from assistant.learning.maps.seen_arm import SeenArm
-from assistant.learning.maps.solving import slope_of
-from assistant.learning.maps.trials import Arm, learn, times, tried
-from assistant.learning.maps.using import BEYOND
+from assistant.learning.maps.rules import BAD_LATTICE, FEW_POINTS, TOOL_RARELY_SEEN
+from assistant.learning.maps.seen_arm import ObservedArm
+from assistant.learning.maps.solving import point_slopes
+from assistant.learning.maps.trials import ArmFunction, apply_slopes, learn_trials, try_targets
+from assistant.learning.maps.using import RANGE_TOLERANCE
 
-AT_ONCE: Final = 16
+TARGETS_AT_ONCE: Final = 16
 """Targets that are tried before what they told is learnt: an arm that is computed is asked for all
 of them in one call.
 """
-SAMPLE: Final = 1000
+SCALE_SAMPLES: Final = 1000
 """Pictures by which a map that begins is scaled."""
-TESTS: Final = 500
+TEST_GOALS: Final = 500
 """Goals by which errors are measured."""
-LEAST_SEEN: Final = 0.5
+LEAST_SEEN_SHARE: Final = 0.5
 """Share of them that the cameras must see."""
-SLOPES: Final = 50
+CHECKED_POSTURES: Final = 50
 """Places at which it is asked whether the seen points tell the joints."""
-LEAST_MOVED: Final = 0.01
+LEAST_MM_PER_DEGREE: Final = 0.01
 """Mm a degree of what moves the seen points least."""
 MOST_UNITS: Final = 50_000
-LATTICES: Final[dict[int, tuple[int, ...]]] = {
+USUAL_LATTICES: Final[dict[int, tuple[int, ...]]] = {
     1: (30,),
     2: (16, 16),
     3: (7, 12, 4),
@@ -46,15 +46,15 @@ LATTICES: Final[dict[int, tuple[int, ...]]] = {
     6: (4, 5, 4, 4, 4, 4),
 }
 """By how many numbers a target is told. That of three is the one of the published experiment."""
-MARKS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
+MEASURED_STEPS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
 """Steps at which errors are measured."""
-BABBLE: Final = 0.3
+RANDOM_MOVEMENT: Final = 0.3
 """One sigma of the random movements of a free arm, in half ranges of the joints and widths of
 learning: they show which joints move the picture."""
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
+class MapErrors:
     """After so many steps, means and the worst: mm of the tool's first point, degrees of its whole
     orientation (NaN where only a place is wanted). pixels: seen, root mean square. coarse: mm of
     the coarse movement alone. seconds: spent on learning until then.
@@ -71,58 +71,60 @@ class Errors:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class TrainingPlan:
     """steps: of the run. at_once: see `AT_ONCE`. marks: steps of the map at which `watch` is called
     beside the last one. seed: of the targets.
     """
 
     steps: int
     cooling: Cooling
-    at_once: int = AT_ONCE
-    marks: tuple[int, ...] = MARKS
+    at_once: int = TARGETS_AT_ONCE
+    marks: tuple[int, ...] = MEASURED_STEPS
     seed: int = 0
 
 
-def start(
-    arm: SeenArm, space: Space, ranges: Floats, dimensions: int, seed: int = 0
+def start_map(
+    arm: ObservedArm, space: Space, ranges: Floats, dimensions: int, seed: int = 0
 ) -> ExtendedMap:
     """A map that has learnt nothing, of the usual size for targets of so many dimensions."""
-    return start_with(LATTICES.get(dimensions, ()), arm, space, ranges, seed)
+    return start_map_with_shape(USUAL_LATTICES.get(dimensions, ()), arm, space, ranges, seed)
 
 
-def start_with(
-    shape: tuple[int, ...], arm: SeenArm, space: Space, ranges: Floats, seed: int = 0
+def start_map_with_shape(
+    shape: tuple[int, ...], arm: ObservedArm, space: Space, ranges: Floats, seed: int = 0
 ) -> ExtendedMap:
     """The same on a lattice of this shape; raises Refused for what no map learns."""
     if not 1 <= len(shape) <= 6 or min(shape) < 2 or np.prod(shape) > MOST_UNITS:
         units = int(np.prod(shape))
         finding = BAD_LATTICE(units=units, dimensions=len(shape), most=MOST_UNITS)
         raise Refused(finding, exit_status=2)
-    _check_told(arm, ranges)
-    sample = space.draw(arm, SAMPLE, np.random.default_rng(seed)).pixels
+    _check_determined(arm, ranges)
+    sample = space.draw(arm, SCALE_SAMPLES, np.random.default_rng(seed)).pixels
     sample = sample[np.isfinite(sample).all(axis=1)]
-    if len(sample) < LEAST_SEEN * SAMPLE:
-        raise Refused(UNSEEN(seen=len(sample), total=SAMPLE), exit_status=1)
-    return begun(arm.task, shape, sample, ranges, seed)
+    if len(sample) < LEAST_SEEN_SHARE * SCALE_SAMPLES:
+        raise Refused(TOOL_RARELY_SEEN(seen=len(sample), total=SCALE_SAMPLES), exit_status=1)
+    return random_map(arm.task, shape, sample, ranges, seed)
 
 
-def _check_told(arm: SeenArm, ranges: Floats) -> None:
+def _check_determined(arm: ObservedArm, ranges: Floats) -> None:
     """Raises Refused where some joints move without any of the points that are seen."""
     count, needed = len(arm.points), len(arm.moves)
-    joints = np.random.default_rng(0).uniform(ranges[:, 0], ranges[:, 1], (SLOPES, needed))
-    slopes = slope_of(arm, joints)
+    joints = np.random.default_rng(0).uniform(
+        ranges[:, 0], ranges[:, 1], (CHECKED_POSTURES, needed)
+    )
+    slopes = point_slopes(arm, joints)
     wanted = arm.task.determined if arm.free else needed
     least = np.linalg.svd(slopes, compute_uv=False)[:, wanted - 1 : wanted]
-    if wanted > DETERMINED_BY.get(count, 6) or float(np.median(least)) < LEAST_MOVED:
+    if wanted > JOINTS_OF_POINTS.get(count, 6) or float(np.median(least)) < LEAST_MM_PER_DEGREE:
         points = f"{count} point" if count == 1 else f"{count} points"
         raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
 
 
-def train(
+def train_map(
     net: ExtendedMap,
-    arm: Arm,
+    arm: ArmFunction,
     targets: Floats,
-    plan: Plan,
+    plan: TrainingPlan,
     watch: Callable[[float], None] = lambda _: None,
 ) -> float:
     """Learns from targets (m, d) pixels, round after round, until the steps of the plan are done.
@@ -133,7 +135,7 @@ def train(
     """
     there = targets[np.isfinite(targets).all(axis=1)]
     if not len(there):
-        raise Refused(UNSEEN(seen=0, total=len(targets)), exit_status=1)
+        raise Refused(TOOL_RARELY_SEEN(seen=0, total=len(targets)), exit_status=1)
     done, spent = 0, 0.0
     draw = np.random.default_rng(plan.seed + 6)
     while done < plan.steps:
@@ -141,11 +143,11 @@ def train(
         rows = np.arange(done, min(done + plan.at_once, plan.steps)) % len(there)
         pace, before = plan.cooling.at(done), net.steps
         more = (
-            draw.normal(0.0, BABBLE * pace.answer_width, (len(rows), net.axes))
+            draw.normal(0.0, RANDOM_MOVEMENT * pace.answer_width, (len(rows), net.axes))
             if net.task.free
             else 0.0
         )
-        learn(net, there[rows], tried(net, arm, there[rows], more), pace)
+        learn_trials(net, there[rows], try_targets(net, arm, there[rows], more), pace)
         done += len(rows)
         spent += time.perf_counter() - began
         if done == plan.steps or any(before < mark <= net.steps for mark in plan.marks):
@@ -153,53 +155,55 @@ def train(
     return spent
 
 
-def trained(
+def train_and_measure(
     net: ExtendedMap,
-    arm: SeenArm,
+    arm: ObservedArm,
     space: Space,
-    plan: Plan,
+    plan: TrainingPlan,
     tests: Goals | None = None,
-    watch: Callable[[Errors], None] = lambda _: None,
-) -> tuple[Errors, ...]:
+    watch: Callable[[MapErrors], None] = lambda _: None,
+) -> tuple[MapErrors, ...]:
     """Trains with goals that are drawn, and measures by the truth.
 
     tests: goals by which it is measured, drawn if there are none. watch: called with each of the
     errors that are given in the end.
     """
     goals = space.draw(arm, plan.steps, np.random.default_rng(plan.seed + 1))
-    asked = tests or measured_goals(arm, space, plan.seed)
-    curve: list[Errors] = []
+    asked = tests or draw_test_goals(arm, space, plan.seed)
+    curve: list[MapErrors] = []
 
     def look(seconds: float) -> None:
-        curve.append(errors(net, arm, asked, seconds))
+        curve.append(measure_errors(net, arm, asked, seconds))
         watch(curve[-1])
 
-    train(net, arm, goals.pixels, plan, look)
+    train_map(net, arm, goals.pixels, plan, look)
     return tuple(curve)
 
 
-def measured_goals(arm: SeenArm, space: Space, seed: int = 0) -> Goals:
+def draw_test_goals(arm: ObservedArm, space: Space, seed: int = 0) -> Goals:
     """500 goals that are not learnt from, as they are without noise; fewer where some are hidden.
 
     Raises Refused where all of them are.
     """
-    goals = space.draw(arm.noisy(0.0), TESTS, np.random.default_rng(seed + 2))
+    goals = space.draw(arm.noisy(0.0), TEST_GOALS, np.random.default_rng(seed + 2))
     there = np.isfinite(goals.pixels).all(axis=1)
     if not there.any():
-        raise Refused(UNSEEN(seen=0, total=TESTS), exit_status=1)
+        raise Refused(TOOL_RARELY_SEEN(seen=0, total=TEST_GOALS), exit_status=1)
     turns = None if goals.turns is None else goals.turns[there]
     return Goals(goals.pixels[there], goals.points[there], turns)
 
 
-def with_noise(goals: Goals, noise: float, seed: int = 0) -> Goals:
+def goals_with_noise(goals: Goals, noise: float, seed: int = 0) -> Goals:
     """The same goals as cameras with a noise of so many pixels see them."""
     draw = np.random.default_rng(seed + 4)
     return replace(goals, pixels=goals.pixels + draw.normal(0.0, noise, goals.pixels.shape))
 
 
-def errors(net: ExtendedMap, arm: SeenArm, goals: Goals, seconds: float = 0.0) -> Errors:
+def measure_errors(
+    net: ExtendedMap, arm: ObservedArm, goals: Goals, seconds: float = 0.0
+) -> MapErrors:
     """By the truth, after one coarse and one fine movement to each goal."""
-    done = tried(net, arm, goals.pixels)
+    done = try_targets(net, arm, goals.pixels)
     points, turns = arm.tool(done.fine)
     off = norms(points[:, 0] - goals.points[:, 0])
     coarse = norms(arm.tool(done.coarse)[0][:, 0] - goals.points[:, 0])
@@ -208,11 +212,11 @@ def errors(net: ExtendedMap, arm: SeenArm, goals: Goals, seconds: float = 0.0) -
         turned = rotations.angle_between(turns, goals.turns)
     pixels = np.sqrt(np.nanmean((done.fine_seen - goals.pixels) ** 2))
     means = float(off.mean()), float(off.max()), float(turned.mean()), float(turned.max())
-    return Errors(net.steps, *means, float(pixels), float(coarse.mean()), seconds)
+    return MapErrors(net.steps, *means, float(pixels), float(coarse.mean()), seconds)
 
 
 @dataclass(frozen=True, slots=True)
-class Beyond:
+class RangeOverrun:
     """Goals for which one of both movements would leave the ranges of the joints.
 
     share: of all goals. worst_mm: of the first point there. rest_mm: the worst of all others.
@@ -225,20 +229,20 @@ class Beyond:
     where: str
 
 
-def beyond_ranges(net: ExtendedMap, arm: SeenArm, goals: Goals) -> Beyond:
+def measure_overrun(net: ExtendedMap, arm: ObservedArm, goals: Goals) -> RangeOverrun:
     """By the truth, see `Beyond`: the joint stays at its end, and the movement falls short.
 
     A free arm has many postures for a place. Targets are drawn inside the ranges, but the posture
     nearest to the middle may be outside of them: the lines of the map lead there.
     """
-    done, scale = tried(net, arm, goals.pixels), net.scale
+    done, scale = try_targets(net, arm, goals.pixels), net.scale
     slopes, wanted = net.slopes[done.winners], scale.pictures(goals.pixels)
     off = np.nan_to_num(wanted - scale.pictures(done.coarse_seen))
-    first = net.angles[done.winners] + times(slopes, wanted - net.places[done.winners])
-    second = scale.angles(done.coarse) + times(slopes, off)
+    first = net.angles[done.winners] + apply_slopes(slopes, wanted - net.places[done.winners])
+    second = scale.angles(done.coarse) + apply_slopes(slopes, off)
     each = np.stack([scale.clipped(first), scale.clipped(second)]) / (scale.high - scale.low)
     over = np.where(np.abs(each[0]) > np.abs(each[1]), *each)
-    left = np.abs(over).max(axis=1) > BEYOND
+    left = np.abs(over).max(axis=1) > RANGE_TOLERANCE
     mm = norms(arm.tool(done.fine)[0][:, 0] - goals.points[:, 0])
     axes = np.abs(over[left]).argmax(axis=1)
     ends = Counter(
@@ -247,7 +251,7 @@ def beyond_ranges(net: ExtendedMap, arm: SeenArm, goals: Goals) -> Beyond:
         for axis, row in zip(axes, over[left], strict=True)
     )
     where = ", ".join(end for end, _ in ends.most_common(3))
-    return Beyond(
+    return RangeOverrun(
         float(left.mean()),
         float(mm[left].max(initial=0.0)),
         float(mm[~left].max(initial=0.0)),
@@ -255,6 +259,8 @@ def beyond_ranges(net: ExtendedMap, arm: SeenArm, goals: Goals) -> Beyond:
     )
 
 
-def usual(steps: int, noise: float = 0.0, seed: int = 0, marks: Iterable[int] = MARKS) -> Plan:
+def usual_plan(
+    steps: int, noise: float = 0.0, seed: int = 0, marks: Iterable[int] = MEASURED_STEPS
+) -> TrainingPlan:
     """The plan of a map that begins."""
-    return Plan(steps, learning(steps, noise), marks=tuple(marks), seed=seed)
+    return TrainingPlan(steps, first_cooling(steps, noise), marks=tuple(marks), seed=seed)

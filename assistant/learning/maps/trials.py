@@ -10,13 +10,13 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.extended_map import ExtendedMap, Pace
-from assistant.learning.maps.rules import NO_ANSWER
+from assistant.learning.maps.extended_map import ExtendedMap, LearningRates
+from assistant.learning.maps.rules import BAD_PICTURE_SHAPE
 
-Arm = Callable[[Floats], Floats]
+ArmFunction = Callable[[Floats], Floats]
 """Joints (n, a) to which an arm is moved one after the other → pixels (n, d) at which its tool is
 seen there; a row that some camera does not see holds NaN."""
-LATELY: Final = 0.1
+NEWEST_SHARE: Final = 0.1
 """Share of the newest trial in what a unit misses by."""
 
 
@@ -31,7 +31,9 @@ class Trials:
     fine_seen: Floats
 
 
-def tried(net: ExtendedMap, arm: Arm, targets: Floats, more: Floats | float = 0.0) -> Trials:
+def try_targets(
+    net: ExtendedMap, arm: ArmFunction, targets: Floats, more: Floats | float = 0.0
+) -> Trials:
     """Move the arm to targets (m, d) pixels, each by a coarse and a fine movement.
 
     more: (m, a) in angles of the map, added to the fine movements of an arm that tries others.
@@ -42,14 +44,14 @@ def tried(net: ExtendedMap, arm: Arm, targets: Floats, more: Floats | float = 0.
     wanted = scale.pictures(targets)
     winners = net.winners(wanted)
     slopes = net.slopes[winners]
-    coarse = scale.joints(net.angles[winners] + times(slopes, wanted - net.places[winners]))
-    coarse_seen = looked(arm, coarse, targets.shape[1])
+    coarse = scale.joints(net.angles[winners] + apply_slopes(slopes, wanted - net.places[winners]))
+    coarse_seen = observe_arm(arm, coarse, targets.shape[1])
     off = np.nan_to_num(wanted - scale.pictures(coarse_seen))
-    fine = scale.joints(scale.angles(coarse) + times(slopes, off) + more)
-    return Trials(winners, coarse, coarse_seen, fine, looked(arm, fine, targets.shape[1]))
+    fine = scale.joints(scale.angles(coarse) + apply_slopes(slopes, off) + more)
+    return Trials(winners, coarse, coarse_seen, fine, observe_arm(arm, fine, targets.shape[1]))
 
 
-def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
+def learn_trials(net: ExtendedMap, targets: Floats, done: Trials, pace: LearningRates) -> None:
     """Learns from trials; from those that were out of sight only where targets are."""
     scale, winners = net.scale, done.winners
     wanted = scale.pictures(targets)
@@ -60,22 +62,22 @@ def learn(net: ExtendedMap, targets: Floats, done: Trials, pace: Pace) -> None:
     first, last = scale.pictures(done.coarse_seen[there]), scale.pictures(done.fine_seen[there])
     slopes, moved = net.slopes[winners], last - first
     turned = scale.angles(done.fine[there]) - scale.angles(done.coarse[there])
-    angles = net.angles[winners] + times(slopes, wanted - first)
+    angles = net.angles[winners] + apply_slopes(slopes, wanted - first)
     if net.task.free:
-        pull = _beside(slopes, -net.angles[winners], net.task.determined)
-        angles += PULL * pace.answer_width * pull
+        pull = _null_motion(slopes, -net.angles[winners], net.task.determined)
+        angles += POSTURE_PULL * pace.answer_width * pull
     missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
-    teach(net, winners, angles, turned, moved, missed, pace)
+    teach_units(net, winners, angles, turned, moved, missed, pace)
 
 
-def teach(
+def teach_units(
     net: ExtendedMap,
     winners: Rows,
     angles: Floats,
     turned: Floats,
     moved: Floats,
     missed: Floats,
-    pace: Pace,
+    pace: LearningRates,
 ) -> None:
     """Teach the units (m,) that won what their answers are.
 
@@ -83,24 +85,26 @@ def teach(
     (m, d), by which A is corrected. missed: (m,) pixels by which the answers so far are off.
     """
     slopes, axes = net.slopes[winners], net.axes
-    size = np.einsum("md,md->m", moved, moved) + max((pace.noise * net.scale.pixel) ** 2, TINY)
-    wrong = (turned - times(slopes, moved)) / size[:, None]
+    size = np.einsum("md,md->m", moved, moved) + max(
+        (pace.noise * net.scale.pixel) ** 2, UNSEEN_MOVEMENT
+    )
+    wrong = (turned - apply_slopes(slopes, moved)) / size[:, None]
     right = slopes + wrong[:, :, None] * moved[:, None, :]
     corrected = right.reshape(len(winners), net.answers.shape[1] - axes)
     better = np.concatenate([angles, corrected], axis=1)
     net.learn_answers(winners, better, pace)
     before = net.missed[winners]
-    lately = np.where(np.isfinite(before), before + LATELY * (missed - before), missed)
+    lately = np.where(np.isfinite(before), before + NEWEST_SHARE * (missed - before), missed)
     net.missed[winners] = lately
     np.add.at(net.wins, winners, 1.0)
 
 
-PULL: Final = 0.1
+POSTURE_PULL: Final = 0.1
 """Share of the way to its preferred posture, times the width of learning, that a free arm takes in
 each trial."""
 
 
-def _beside(slopes: Floats, angles: Floats, count: int) -> Floats:
+def _null_motion(slopes: Floats, angles: Floats, count: int) -> Floats:
     """Return the part of angles (m, a) that does not change the picture.
 
     slopes: (m, a, d), whose `count` strongest directions matter: where A is the pseudoinverse of
@@ -111,18 +115,20 @@ def _beside(slopes: Floats, angles: Floats, count: int) -> Floats:
     return np.asarray(angles - seen)
 
 
-TINY: Final = 1e-12
+UNSEEN_MOVEMENT: Final = 1e-12
 """Of squares of spreads: a movement that is no longer seen."""
 
 
-def looked(arm: Arm, joints: Floats, count: int) -> Floats:
+def observe_arm(arm: ArmFunction, joints: Floats, count: int) -> Floats:
     """What an arm is seen at; raises Refused if that are no pixels (m, count)."""
     seen = np.asarray(arm(joints), dtype=np.float64)
     if seen.shape != (len(joints), count):
-        raise Refused(NO_ANSWER(shape=seen.shape, wanted=(len(joints), count)), exit_status=2)
+        raise Refused(
+            BAD_PICTURE_SHAPE(shape=seen.shape, wanted=(len(joints), count)), exit_status=2
+        )
     return seen
 
 
-def times(slopes: Floats, offsets: Floats) -> Floats:
+def apply_slopes(slopes: Floats, offsets: Floats) -> Floats:
     """(m, a, d) times (m, d)."""
     return np.asarray(np.matmul(slopes, offsets[..., None])[..., 0])

@@ -10,29 +10,35 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.learning.maps.doubting import beside, surroundings
-from assistant.learning.maps.extended_map import ExtendedMap, Pace
+from assistant.learning.maps.doubting import distance_beside, unit_surroundings
+from assistant.learning.maps.extended_map import ExtendedMap, LearningRates
 from assistant.learning.maps.rules import (
-    CLIPPED,
-    FAR,
-    LOST,
     NO_TARGET,
-    NOT_THERE,
-    STRANGE,
-    UNLIKE,
+    TARGET_BEYOND_RANGE,
+    TARGET_MISSED,
+    TARGET_TOO_FAR,
+    TARGET_UNLIKE_TOOL,
+    TOOL_LOST,
+    UNEXPLAINED_MISS,
 )
-from assistant.learning.maps.trials import Arm, Trials, learn, looked, times
+from assistant.learning.maps.trials import (
+    ArmFunction,
+    Trials,
+    apply_slopes,
+    learn_trials,
+    observe_arm,
+)
 
-NEAR: Final = 1.4
+NEAR_UNIT: Final = 1.4
 """Times the distance between neighbours up to which a target is like what was learnt."""
-WORSE: Final = 2.0
+WORSE_RATIO: Final = 2.0
 """Times what the movement before missed by above which an arm stops."""
-LEAST: Final = 1.0
+LEAST_REPORTED: Final = 1.0
 """Pixels, root mean square, below which nothing is reported: the noise of what cameras measure.
 The usual residual of a map is no excuse: pixels that remain are an error of the tool."""
-BEYOND: Final = 0.01
+RANGE_TOLERANCE: Final = 0.01
 """Part of the range of an axis by which an answer may leave it: rounding, and noise of pictures."""
-OVERSHOT: Final = 3.0
+OVERSHOOT_RATIO: Final = 3.0
 """Times the disagreement of its neighbours by which a unit's first answer may leave the ranges too;
 the movement after it corrects that."""
 
@@ -69,7 +75,7 @@ class Proposal:
     @property
     def near(self) -> Truths:
         """(m,) whether it is not far from a unit that has learnt."""
-        return np.asarray((self.away <= NEAR) & np.isfinite(self.expected))
+        return np.asarray((self.away <= NEAR_UNIT) & np.isfinite(self.expected))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +91,7 @@ class Reached:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class User:
+class MapInUse:
     """A map in use."""
 
     net: ExtendedMap
@@ -93,23 +99,23 @@ class User:
     def proposed(self, targets: Floats) -> Proposal:
         """Targets (m, d) pixels; raises Refused for what is no picture. Nothing moves."""
         net, scale = self.net, self.net.scale
-        wanted = scale.pictures(checked(net, targets))
+        wanted = scale.pictures(check_targets(net, targets))
         winners = net.winners(wanted)
-        angles = _answers(net, winners, wanted)
+        angles = _unit_answers(net, winners, wanted)
         joints = scale.joints(angles)
-        offsets, about = wanted - net.places[winners], surroundings(net, winners)
+        offsets, about = wanted - net.places[winners], unit_surroundings(net, winners)
         away = norms(offsets) / about.gap
         spread = self._spread(winners, wanted, joints)
-        off = beside(net, winners, offsets, about)
+        off = distance_beside(net, winners, offsets, about)
         clipped = scale.clipped(angles)
         return Proposal(joints, clipped, winners, away, off, spread, net.missed[winners])
 
     def reach(
         self,
-        arm: Arm,
+        arm: ArmFunction,
         target: Floats,
         corrections: int = 1,
-        pace: Pace | None = None,
+        pace: LearningRates | None = None,
         asks: Callable[[Floats], bool] = lambda _: True,
     ) -> Reached:
         """Moves an arm to a target (d,) pixels: a coarse movement and so many fine ones.
@@ -123,7 +129,7 @@ class User:
         net, scale = self.net, self.net.scale
         proposal = self.proposed(target[None])
         _check_known(proposal)
-        self._check_inside(proposal.clipped, OVERSHOT * float(proposal.spread[0]))
+        self._check_inside(proposal.clipped, OVERSHOOT_RATIO * float(proposal.spread[0]))
         if not asks(proposal.joints[0]):
             raise Refused(exit_status=1)
         wanted, slopes = scale.pictures(target[None]), net.slopes[proposal.winners]
@@ -133,21 +139,21 @@ class User:
         for movement in range(1 + corrections):
             if movement:
                 off = wanted - scale.pictures(seen[-1])
-                angles = scale.angles(joints[-1]) + times(slopes, off)
+                angles = scale.angles(joints[-1]) + apply_slopes(slopes, off)
                 self._check_inside(scale.clipped(angles), 0.0, movement)
                 joints.append(scale.joints(angles))
-            seen.append(looked(arm, joints[-1], len(target)))
+            seen.append(observe_arm(arm, joints[-1], len(target)))
             if not np.isfinite(seen[-1]).all():
-                raise Refused(LOST(movement=movement + 1), exit_status=1)
+                raise Refused(TOOL_LOST(movement=movement + 1), exit_status=1)
             missed.append(float(np.sqrt(((seen[-1] - target) ** 2).mean())))
             self._check_explained(proposal, wanted, seen[-1], missed)
         usual = float(proposal.expected[0])
         if pace is not None and corrections:
             done = Trials(proposal.winners, joints[0], seen[0], joints[1], seen[1])
-            learn(net, target[None], done, pace)
+            learn_trials(net, target[None], done, pace)
         findings: tuple[Diagnostic, ...] = ()
-        if missed[-1] > LEAST:
-            findings = (NOT_THERE(seen=missed[-1], movements=1 + corrections, usual=usual),)
+        if missed[-1] > LEAST_REPORTED:
+            findings = (TARGET_MISSED(seen=missed[-1], movements=1 + corrections, usual=usual),)
         return Reached(joints[-1][0], seen[-1][0], tuple(missed), findings)
 
     def _check_inside(self, clipped: Floats, more: float, movement: int = 0) -> None:
@@ -159,12 +165,12 @@ class User:
         ranges = scale.high - scale.low
         axis = int(np.argmax(np.abs(clipped[0]) / ranges))
         over = float(clipped[0, axis])
-        if abs(over) <= BEYOND * float(ranges[axis]) + more:
+        if abs(over) <= RANGE_TOLERANCE * float(ranges[axis]) + more:
             return
         end = scale.high[axis] if over > 0.0 else scale.low[axis]
         where = "nothing has moved" if movement == 0 else f"it has stopped after {movement}"
         name = self.net.task.axes[axis]
-        finding = CLIPPED(axis=name, over=abs(over), end=float(end), where=where)
+        finding = TARGET_BEYOND_RANGE(axis=name, over=abs(over), end=float(end), where=where)
         raise Refused(finding, exit_status=1)
 
     def _check_explained(
@@ -174,13 +180,15 @@ class User:
         leads, or than the movement before it.
         """
         if len(missed) == 1:
-            gap = surroundings(self.net, proposal.winners).gap
-            times = float((norms(wanted - self.net.scale.pictures(seen)) / gap)[0]) / NEAR
+            gap = unit_surroundings(self.net, proposal.winners).gap
+            times = float((norms(wanted - self.net.scale.pictures(seen)) / gap)[0]) / NEAR_UNIT
             most = missed[0] / times if times else missed[0]
         else:
-            most = WORSE * missed[-2] + LEAST
+            most = WORSE_RATIO * missed[-2] + LEAST_REPORTED
         if missed[-1] > most:
-            raise Refused(STRANGE(movement=len(missed), seen=missed[-1], most=most), exit_status=1)
+            raise Refused(
+                UNEXPLAINED_MISS(movement=len(missed), seen=missed[-1], most=most), exit_status=1
+            )
 
     def _spread(self, winners: Rows, wanted: Floats, joints: Floats) -> Floats:
         net, squares, count = self.net, np.zeros(len(winners)), np.zeros(len(winners))
@@ -191,7 +199,7 @@ class User:
                 there[axis] += step
                 rows = np.flatnonzero((there[axis] >= 0) & (there[axis] < size))
                 units = np.ravel_multi_index(tuple(there[:, rows]), net.shape)
-                other = net.scale.joints(_answers(net, units, wanted[rows]))
+                other = net.scale.joints(_unit_answers(net, units, wanted[rows]))
                 squares[rows] += ((other - joints[rows]) ** 2).mean(axis=1)
                 count[rows] += 1.0
         return np.asarray(np.sqrt(squares / np.maximum(count, 1.0)))
@@ -199,12 +207,12 @@ class User:
 
 def _check_known(proposal: Proposal) -> None:
     if not proposal.near[0]:
-        raise Refused(FAR(times=float(proposal.away[0])), exit_status=1)
+        raise Refused(TARGET_TOO_FAR(times=float(proposal.away[0])), exit_status=1)
     if not proposal.known[0]:
-        raise Refused(UNLIKE(times=float(proposal.beside[0])), exit_status=1)
+        raise Refused(TARGET_UNLIKE_TOOL(times=float(proposal.beside[0])), exit_status=1)
 
 
-def checked(net: ExtendedMap, targets: Floats) -> Floats:
+def check_targets(net: ExtendedMap, targets: Floats) -> Floats:
     """Targets (m, d); raises Refused for another number of pixels, or any that is not seen."""
     reason = ""
     if targets.ndim != 2 or targets.shape[1] != net.task.seen:
@@ -217,5 +225,7 @@ def checked(net: ExtendedMap, targets: Floats) -> Floats:
     return targets
 
 
-def _answers(net: ExtendedMap, units: Rows, wanted: Floats) -> Floats:
-    return np.asarray(net.angles[units] + times(net.slopes[units], wanted - net.places[units]))
+def _unit_answers(net: ExtendedMap, units: Rows, wanted: Floats) -> Floats:
+    return np.asarray(
+        net.angles[units] + apply_slopes(net.slopes[units], wanted - net.places[units])
+    )

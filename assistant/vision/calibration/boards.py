@@ -20,13 +20,13 @@ from assistant.vision.calibration import rules
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv, silent
 
-DICTIONARY: Final = "5X5_100"
-BOARD: Final = re.compile(
+USUAL_DICTIONARY: Final = "5X5_100"
+BOARD_TEXT: Final = re.compile(
     r"(?P<kind>chessboard|charuco) (?P<columns>\d{1,3})x(?P<rows>\d{1,3}) (?P<square>\d+(?:\.\d+)?)"
     r"(?: (?P<marker>\d+(?:\.\d+)?))?(?: (?P<dictionary>[4-7]X[4-7]_(?:50|100|250|1000)))?"
 )
-FORMS: Final = "write `chessboard 9x6 25`, or `charuco 7x5 40 30`"
-FEWEST: Final = 6
+BOARD_EXAMPLES: Final = "write `chessboard 9x6 25`, or `charuco 7x5 40 30`"
+FEWEST_CORNERS: Final = 6
 """Corners of a view that counts."""
 
 
@@ -41,26 +41,28 @@ class Board:
     rows: int
     square: float
     marker: float = 0.0
-    dictionary: str = DICTIONARY
+    dictionary: str = USUAL_DICTIONARY
 
     @staticmethod
     def parse(text: str) -> Board:
         """What a text says; raises Refused (exit status 2)."""
-        found = BOARD.fullmatch(" ".join(text.split()))
+        found = BOARD_TEXT.fullmatch(" ".join(text.split()))
         if found is None:
-            raise _bad(text, "it is none of the two forms", FORMS)
+            raise _bad_board(text, "it is none of the two forms", BOARD_EXAMPLES)
         columns, rows = int(found["columns"]), int(found["rows"])
         square, marker = float(found["square"]), float(found["marker"] or 0.0)
         charuco = found["kind"] == "charuco"
         if not (3 <= columns <= 60 and 3 <= rows <= 60 and 0.1 <= square <= 1000.0):
-            raise _bad(text, "its numbers are those of no board", FORMS)
+            raise _bad_board(text, "its numbers are those of no board", BOARD_EXAMPLES)
         if charuco != (0.0 < marker < square):
-            raise _bad(text, "a marker is smaller than its square, and only ChArUco has it", FORMS)
+            raise _bad_board(
+                text, "a marker is smaller than its square, and only ChArUco has it", BOARD_EXAMPLES
+            )
         if not charuco and found["dictionary"]:
-            raise _bad(text, "a chessboard has no dictionary", FORMS)
-        named = found["dictionary"] or DICTIONARY
+            raise _bad_board(text, "a chessboard has no dictionary", BOARD_EXAMPLES)
+        named = found["dictionary"] or USUAL_DICTIONARY
         if charuco and columns * rows // 2 > int(named.partition("_")[2]):
-            raise _bad(text, f"it has more markers than {named}", "name a larger dictionary")
+            raise _bad_board(text, f"it has more markers than {named}", "name a larger dictionary")
         kind: Literal["chessboard", "charuco"] = "charuco" if charuco else "chessboard"
         return Board(kind, columns, rows, square, marker, named)
 
@@ -121,7 +123,7 @@ class Board:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class BoardView:
     """Corners of a board in a picture. rows: (n,) of `Board.corners`. pixels: (n, 2)."""
 
     name: str
@@ -129,25 +131,29 @@ class View:
     pixels: Floats
 
 
-def find(board: Board, picture: Picture, name: str) -> View | None:
+def find_board(board: Board, picture: Picture, name: str) -> BoardView | None:
     """The board in a picture, None if it is not seen; raises Refused for a mirrored one."""
     cv = opencv()
     grey = cv.cvtColor(picture, cv.COLOR_BGR2GRAY)
-    found = _charuco(cv, board, grey) if board.kind == "charuco" else _chessboard(cv, board, grey)
+    found = (
+        _find_charuco(cv, board, grey)
+        if board.kind == "charuco"
+        else _find_chessboard(cv, board, grey)
+    )
     if found is None:
         if board.kind == "charuco":
-            mirror = _charuco(cv, board, np.ascontiguousarray(grey[:, ::-1]))
+            mirror = _find_charuco(cv, board, np.ascontiguousarray(grey[:, ::-1]))
             if mirror is not None:
-                raise Refused(rules.MIRRORED(name=name))
+                raise Refused(rules.MIRRORED_BOARD(name=name))
         return None
     rows, pixels = found
-    return View(name, rows, pixels)
+    return BoardView(name, rows, pixels)
 
 
-def _charuco(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
+def _find_charuco(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
     detector = cv.aruco.CharucoDetector(board._opencv(cv))
     corners, ids, _, _ = detector.detectBoard(grey)
-    if ids is None or len(ids) < FEWEST:
+    if ids is None or len(ids) < FEWEST_CORNERS:
         return None
     rows = np.asarray(ids).ravel().astype(np.intp)
     pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
@@ -155,7 +161,7 @@ def _charuco(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
     return None if flat else (rows, pixels)
 
 
-def _chessboard(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
+def _find_chessboard(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
     found, corners = cv.findChessboardCornersSB(grey, board.across)
     if not found:
         return None
@@ -163,6 +169,6 @@ def _chessboard(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
     return np.arange(len(pixels), dtype=np.intp), pixels
 
 
-def _bad(text: str, reason: str, cure: str) -> Refused:
+def _bad_board(text: str, reason: str, cure: str) -> Refused:
     shown = "".join(c if c.isprintable() else "?" for c in text)[:60]
     return Refused(rules.BAD_BOARD(text=shown, reason=reason, cure=cure), exit_status=2)

@@ -22,33 +22,33 @@ from assistant.vision.opencv import opencv
 
 Mounting = Literal["hand", "stand"]
 METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS", "SHAH", "LI")
-WORLD_TOO: Final = ("SHAH", "LI")
+METHODS_WITH_WORLD: Final = ("SHAH", "LI")
 """Of these, those that find the place of the board at the same time."""
 ROBUST_METHOD: Final = "PARK"
 """By which samples of the poses are solved: in closed form, and exact for exact poses."""
-LEAST: Final = 4
+FEWEST_POSES: Final = 4
 """Poses; three would do without noise, and would leave nothing to judge by."""
-TURN: Final = 10.0
+LEAST_SECOND_TURN: Final = 10.0
 """Degrees about a second axis at least."""
-MOST_LEFT: Final = 20.0
+MOST_HAND_EYE_RESIDUAL: Final = 20.0
 """mm left from which on poses and pictures do not belong together."""
-STARTS: Final = 80
+ROBUST_SAMPLES: Final = 80
 """Samples of `LEAST` poses by which a camera is found that most of the others agree with: with one
 pose of four wrong, at least one sample is right in all but 1e-13 of the cases."""
-SIGMAS: Final = 6.0
+OUTLIER_SIGMAS: Final = 6.0
 """Robust sigmas from the other poses from which on a pose does not belong to them."""
-FLOOR: Final = (0.05, 0.01)
+OUTLIER_FLOOR: Final = (0.05, 0.01)
 """mm and degrees that no pose is told apart by: rounding, and a handful of poses that fit alike."""
-MOST_WRONG: Final = 0.25
+MOST_OUTLIERS: Final = 0.25
 """Part of the poses that may be left out."""
-MIDDLE: Final = 1.538
+MEDIAN_LENGTH: Final = 1.538
 """Median of the length of three Gaussian numbers of one sigma each."""
-ARM: Final = 1.0
+ARM_ACCURACY: Final = 1.0
 """mm that a pose of an arm may be off: the accuracy of arms that were not calibrated."""
 
 
 @dataclass(frozen=True, slots=True)
-class Solution:
+class HandEyeSolution:
     """camera: in the flange (hand) or in the base (stand). mm, degrees: root mean square of what
     is left of the poses in all views.
     """
@@ -68,8 +68,8 @@ class HandEyeFound:
     sigma of the camera's place. left_out: rows of the poses that do not belong to the others.
     """
 
-    best: Solution
-    solutions: tuple[Solution, ...]
+    best: HandEyeSolution
+    solutions: tuple[HandEyeSolution, ...]
     held_out: tuple[float, float]
     sigma: tuple[float, float]
     left_out: tuple[int, ...] = ()
@@ -95,35 +95,35 @@ def find_hand_eye(
     with the least left is best. A single pose that contradicts the others is left out and reported.
     Raises Refused for poses that do not determine the camera, or do not belong together.
     """
-    if len(flanges) != len(boards) or len(flanges) < LEAST:
-        raise Refused(rules.FEW_MOTIONS(count=min(len(flanges), len(boards)), least=LEAST))
+    if len(flanges) != len(boards) or len(flanges) < FEWEST_POSES:
+        raise Refused(rules.FEW_POSES(count=min(len(flanges), len(boards)), least=FEWEST_POSES))
     _check_turns(flanges)
     cv = opencv()
-    wrong = _contradicting(cv, flanges, boards, mounting)
+    wrong = _outlier_rows(cv, flanges, boards, mounting)
     titles = names or [str(number + 1) for number in range(len(flanges))]
-    if len(wrong) > MOST_WRONG * len(flanges):
+    if len(wrong) > MOST_OUTLIERS * len(flanges):
         which = ", ".join(titles[row] for row in wrong)
-        raise Refused(rules.MANY_WRONG(count=len(wrong), total=len(flanges), which=which))
+        raise Refused(rules.MANY_WRONG_POSES(count=len(wrong), total=len(flanges), which=which))
     kept = [row for row in range(len(flanges)) if row not in wrong]
     hands, seen = [flanges[row] for row in kept], [boards[row] for row in kept]
     if wrong:
         _check_turns(hands)
     solved = _solutions(cv, hands, seen, mounting)
     best = min(solved, key=lambda one: one.mm)
-    if best.mm > MOST_LEFT:
-        raise Refused(_unlike(solved, best))
+    if best.mm > MOST_HAND_EYE_RESIDUAL:
+        raise Refused(_methods_differ(solved, best))
     findings = list[Diagnostic]()
-    for row, mm, degrees in _off(flanges, boards, mounting, best.camera, kept, wrong):
+    for row, mm, degrees in _outlier_distances(flanges, boards, mounting, best.camera, kept, wrong):
         findings.append(rules.WRONG_POSE(name=titles[row], mm=mm, degrees=degrees))
-    if best.mm > ARM + SIGMAS / 2.0 * noise:
-        findings.append(rules.LOOSE_HAND(mm=best.mm, explained=noise))
-    held_out, sigma = _held_out(cv, hands, seen, mounting, best.method)
+    if best.mm > ARM_ACCURACY + OUTLIER_SIGMAS / 2.0 * noise:
+        findings.append(rules.LARGE_HAND_EYE_RESIDUAL(mm=best.mm, explained=noise))
+    held_out, sigma = _leave_one_out(cv, hands, seen, mounting, best.method)
     away = float(np.mean([np.linalg.norm(one.position) for one in seen]))
     unsure = float(np.hypot(sigma[0], lens[0] * away)), float(np.hypot(sigma[1], lens[1]))
     return HandEyeFound(best, solved, held_out, unsure, tuple(wrong), tuple(findings))
 
 
-def _contradicting(
+def _outlier_rows(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting
 ) -> list[int]:
     """Rows that are far from what most poses agree on (least median of squares).
@@ -132,35 +132,38 @@ def _contradicting(
     that has the smallest median deviation; a row that is `SIGMAS` robust sigmas off it is wrong.
     """
     count = len(flanges)
-    if count <= LEAST:
+    if count <= FEWEST_POSES:
         return []
     draw = np.random.default_rng(1)
     best, scales = None, (np.inf, np.inf)
-    for _ in range(STARTS):
-        some = sorted(draw.choice(count, LEAST, replace=False).tolist())
+    for _ in range(ROBUST_SAMPLES):
+        some = sorted(draw.choice(count, FEWEST_POSES, replace=False).tolist())
         found = _deviations(cv, flanges, boards, mounting, some)
-        if found is not None and _robust(found[0]) < scales[0]:
-            best, scales = found, (_robust(found[0]), _robust(found[1]))
+        if found is not None and _robust_sigma(found[0]) < scales[0]:
+            best, scales = found, (_robust_sigma(found[0]), _robust_sigma(found[1]))
     kept = list(range(count))
     for _ in range(10):
         if best is None:
             return []
-        limits = [SIGMAS * max(one, least) for one, least in zip(scales, FLOOR, strict=True)]
+        limits = [
+            OUTLIER_SIGMAS * max(one, least)
+            for one, least in zip(scales, OUTLIER_FLOOR, strict=True)
+        ]
         good = np.flatnonzero((best[0] <= limits[0]) & (best[1] <= limits[1])).tolist()
-        if good == kept or len(good) < LEAST:
+        if good == kept or len(good) < FEWEST_POSES:
             break
         kept = good
         best = _deviations(cv, flanges, boards, mounting, kept)
         if best is not None:
-            scales = _robust(best[0][kept]), _robust(best[1][kept])
+            scales = _robust_sigma(best[0][kept]), _robust_sigma(best[1][kept])
     return [row for row in range(count) if row not in kept]
 
 
-def _robust(deviations: Floats) -> float:
+def _robust_sigma(deviations: Floats) -> float:
     """One sigma along an axis, of a sample that may hold wrong values."""
     count = len(deviations)
-    few = 1.0 + 5.0 / max(count - LEAST, 1)  # Rousseeuw and Leroy 1987, for small samples
-    return float(np.median(deviations)) / MIDDLE * few
+    few = 1.0 + 5.0 / max(count - FEWEST_POSES, 1)  # Rousseeuw and Leroy 1987, for small samples
+    return float(np.median(deviations)) / MEDIAN_LENGTH * few
 
 
 def _deviations(
@@ -171,18 +174,18 @@ def _deviations(
     some: Sequence[int],
 ) -> tuple[Floats, Floats] | None:
     """(n,) mm and (n,) degrees of each row from the mean of some, by the camera of those."""
-    camera = _solved(
+    camera = _solve(
         cv, [flanges[i] for i in some], [boards[i] for i in some], mounting, ROBUST_METHOD
     )
     if camera is None:
         return None
-    p, q = _places(flanges, boards, mounting, camera)
+    p, q = _board_poses(flanges, boards, mounting, camera)
     rows = list(some)
     turned = rotations.angle_between(q, np.tile(_mean_turn(q[rows]), (len(q), 1)))
     return np.linalg.norm(p - np.median(p[rows], axis=0), axis=1), np.asarray(turned)
 
 
-def _off(
+def _outlier_distances(
     flanges: Sequence[Pose],
     boards: Sequence[Pose],
     mounting: Mounting,
@@ -191,7 +194,7 @@ def _off(
     wrong: Sequence[int],
 ) -> list[tuple[int, float, float]]:
     """The wrong rows: number, and mm and degrees from where the others put the board."""
-    p, q = _places(flanges, boards, mounting, camera)
+    p, q = _board_poses(flanges, boards, mounting, camera)
     there, mean = p[list(kept)].mean(axis=0), _mean_turn(q[list(kept)])
     return [
         (row, float(np.linalg.norm(p[row] - there)), float(rotations.angle_between(q[row], mean)))
@@ -203,40 +206,44 @@ def _mean_turn(q: Floats) -> Floats:
     return np.ravel(rotations.canonical(np.linalg.eigh(q.T @ q)[1][:, -1]))
 
 
-def _unlike(solved: Sequence[Solution], best: Solution) -> Any:
+def _methods_differ(solved: Sequence[HandEyeSolution], best: HandEyeSolution) -> Any:
     away = [np.subtract(one.camera.position, best.camera.position) for one in solved]
     turned = [
         float(rotations.angle_between(one.camera.quaternion, best.camera.quaternion))
         for one in solved
     ]
     mm = float(np.linalg.norm(away, axis=1).max())
-    return rules.UNLIKE(mm=mm, degrees=max(turned), residual=best.mm)
+    return rules.METHODS_DIFFER(mm=mm, degrees=max(turned), residual=best.mm)
 
 
 def _solutions(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting
-) -> tuple[Solution, ...]:
+) -> tuple[HandEyeSolution, ...]:
     found = []
     for method in METHODS:
-        camera = _solved(cv, flanges, boards, mounting, method)
+        camera = _solve(cv, flanges, boards, mounting, method)
         if camera is not None:
-            found.append(Solution(method, camera, *left(flanges, boards, mounting, camera)))
+            found.append(
+                HandEyeSolution(method, camera, *pose_residuals(flanges, boards, mounting, camera))
+            )
     if not found:
-        raise Refused(rules.NO_TURNS(least=TURN))
+        raise Refused(rules.ONE_ROTATION_AXIS(least=LEAST_SECOND_TURN))
     return tuple(found)
 
 
-def _solved(
+def _solve(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, method: str
 ) -> Pose | None:
     """A camera beside the arm is solved as one in the hand, with flanges the other way round."""
     hands = flanges if mounting == "hand" else [one.inverse() for one in flanges]
     try:
-        if method in WORLD_TOO:
-            turn, place = _with_world(cv, hands, boards, method)
+        if method in METHODS_WITH_WORLD:
+            turn, place = _solve_with_world(cv, hands, boards, method)
         else:
             number = getattr(cv, f"CALIB_HAND_EYE_{method}")
-            turn, place = cv.calibrateHandEye(*_parts(hands), *_parts(boards), method=number)
+            turn, place = cv.calibrateHandEye(
+                *_rotations_and_positions(hands), *_rotations_and_positions(boards), method=number
+            )
     except cv.error:
         return None
     turn, place = np.asarray(turn), np.ravel(place)
@@ -247,33 +254,35 @@ def _solved(
     return Pose.of(place, np.ravel(rotations.from_matrix(turn)))
 
 
-def _with_world(
+def _solve_with_world(
     cv: Any, hands: Sequence[Pose], boards: Sequence[Pose], method: str
 ) -> tuple[Floats, Floats]:
     """It answers with the flange in the camera, where calibrateHandEye has the camera in it."""
     number = getattr(cv, f"CALIB_ROBOT_WORLD_HAND_EYE_{method}")
     bases = [one.inverse() for one in hands]
-    found = cv.calibrateRobotWorldHandEye(*_parts(boards), *_parts(bases), method=number)
+    found = cv.calibrateRobotWorldHandEye(
+        *_rotations_and_positions(boards), *_rotations_and_positions(bases), method=number
+    )
     turn, place = np.asarray(found[2]), np.ravel(found[3])
     return turn.T, -turn.T @ place
 
 
-def _parts(poses: Sequence[Pose]) -> tuple[list[Floats], list[Floats]]:
+def _rotations_and_positions(poses: Sequence[Pose]) -> tuple[list[Floats], list[Floats]]:
     turns = [rotations.to_matrix(np.array(one.quaternion)) for one in poses]
     return turns, [np.array(one.position) for one in poses]
 
 
-def left(
+def pose_residuals(
     flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, camera: Pose
 ) -> tuple[float, float]:
     """Mm and degrees, root mean square, by which the place differs that should be the same."""
-    p, q = _places(flanges, boards, mounting, camera)
+    p, q = _board_poses(flanges, boards, mounting, camera)
     turned = rotations.angle_between(q, np.tile(_mean_turn(q), (len(q), 1)))
     off = p - p.mean(axis=0)
     return float(np.sqrt((off**2).sum(axis=1).mean())), float(np.sqrt((turned**2).mean()))
 
 
-def _places(
+def _board_poses(
     flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, camera: Pose
 ) -> tuple[Floats, Floats]:
     """Of the board: in the base, or on the flange."""
@@ -282,7 +291,7 @@ def _places(
     return np.array([p.position for p in places]), np.array([p.quaternion for p in places])
 
 
-def _held_out(
+def _leave_one_out(
     cv: Any, flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, method: str
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Distance of each view from where all others put the board, and one sigma of the camera's
@@ -292,12 +301,12 @@ def _held_out(
     for out in range(len(flanges)):
         rest = [i for i in range(len(flanges)) if i != out]
         some = [flanges[i] for i in rest], [boards[i] for i in rest]
-        camera = _solved(cv, *some, mounting, method)
+        camera = _solve(cv, *some, mounting, method)
         if camera is None:
             continue
         cameras.append(camera)
-        p, q = _places(*some, mounting, camera)
-        there, turned = _places([flanges[out]], [boards[out]], mounting, camera)
+        p, q = _board_poses(*some, mounting, camera)
+        there, turned = _board_poses([flanges[out]], [boards[out]], mounting, camera)
         angle = float(np.ravel(rotations.angle_between(turned, _mean_turn(q)[None]))[0])
         found.append((float(np.linalg.norm(there[0] - p.mean(axis=0))), angle))
     if not found:
@@ -318,19 +327,22 @@ def _check_turns(flanges: Sequence[Pose]) -> None:
     first = flanges[0].inverse()
     turns = [np.array((first @ one).quaternion) for one in flanges[1:]]
     vectors = np.array(
-        [2.0 * np.degrees(np.arctan2(np.linalg.norm(q[1:]), q[0])) * _unit(q[1:]) for q in turns]
+        [
+            2.0 * np.degrees(np.arctan2(np.linalg.norm(q[1:]), q[0])) * _unit_vector(q[1:])
+            for q in turns
+        ]
     )
     spread = np.linalg.svd(vectors, compute_uv=False)
-    if len(spread) < 2 or spread[1] / np.sqrt(len(vectors)) < TURN / 2.0:
-        raise Refused(rules.NO_TURNS(least=TURN))
+    if len(spread) < 2 or spread[1] / np.sqrt(len(vectors)) < LEAST_SECOND_TURN / 2.0:
+        raise Refused(rules.ONE_ROTATION_AXIS(least=LEAST_SECOND_TURN))
 
 
-def _unit(vector: Floats) -> Floats:
+def _unit_vector(vector: Floats) -> Floats:
     length = float(np.linalg.norm(vector))
     return vector / length if length > 0.0 else vector
 
 
-SOURCES: Final[Mapping[str, str]] = {
+METHOD_SOURCES: Final[Mapping[str, str]] = {
     "TSAI": "Tsai and Lenz 1989",
     "PARK": "Park and Martin 1994",
     "HORAUD": "Horaud and Dornaika 1995",

@@ -13,23 +13,23 @@ from assistant.base.arrays import Floats, Truths
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
-from assistant.vision.calibration.boards import Board, View
-from assistant.vision.calibration.lenses import LEAST
+from assistant.vision.calibration.boards import Board, BoardView
+from assistant.vision.calibration.lenses import FEWEST_VIEWS
 from assistant.vision.cameras.camera import Lens
 from assistant.vision.opencv import opencv
 
-MOST_LEFT: Final = 5.0
+MOST_PAIR_RESIDUAL: Final = 5.0
 """Pixels left from which on two cameras did not see the same."""
-TIMES: Final = 5.0
+VIEW_RESIDUAL_RATIO: Final = 5.0
 """Times what the lenses leave, and `ROUGH` pixels, from which on one pair of views did not."""
-ROUGH: Final = 1.0
-NEAREST: Final = 1.0
+VIEW_RESIDUAL_FLOOR: Final = 1.0
+LEAST_BASE_LINE: Final = 1.0
 """mm between two cameras; those that are nearer are one."""
-FEWEST: Final = 6
+FEWEST_SHARED_CORNERS: Final = 6
 """Corners that both see in a pair of views that counts."""
-UNSURE: Final = (0.5, 0.5)
+MOST_PAIR_SIGMA: Final = (0.5, 0.5)
 """Percent of the base line and degrees, one sigma: depth is wrong by the same percentage."""
-LENS: Final = 9
+LENS_PARAMETER_COUNT: Final = 9
 """Parameters of a lens: two focal lengths, the centre, five of the distortion."""
 
 
@@ -58,7 +58,7 @@ class PairFound:
 def find_pair(
     board: Board,
     lenses: tuple[Lens, Lens],
-    views: Sequence[tuple[View, View]],
+    views: Sequence[tuple[BoardView, BoardView]],
     names: tuple[str, str] = ("first", "second"),
     lens_residual: float = 0.0,
     free: tuple[Truths, Truths] | None = None,
@@ -72,10 +72,10 @@ def find_pair(
     """
     cv = opencv()
     objects, seen = list[object](), (list[object](), list[object]())
-    counted = list[tuple[View, View]]()
+    counted = list[tuple[BoardView, BoardView]]()
     for pair in views:
         rows = np.intersect1d(pair[0].rows, pair[1].rows)
-        if len(rows) < FEWEST:
+        if len(rows) < FEWEST_SHARED_CORNERS:
             continue
         objects.append(board.corners[rows].astype(np.float32))
         counted.append(pair)
@@ -83,8 +83,8 @@ def find_pair(
             places = {int(row): i for i, row in enumerate(view.rows)}
             some = view.pixels[[places[int(row)] for row in rows]]
             pixels.append(some.astype(np.float32)[:, None])
-    if len(objects) < LEAST:
-        raise Refused(rules.FEW_VIEWS(count=len(objects), least=LEAST))
+    if len(objects) < FEWEST_VIEWS:
+        raise Refused(rules.FEW_VIEWS(count=len(objects), least=FEWEST_VIEWS))
     optics = [part for lens in lenses for part in (lens.matrix, np.array(lens.distortion))]
     found = cv.stereoCalibrateExtended(
         *(objects, *seen, *optics, lenses[0].size, np.eye(3), np.zeros(3)),
@@ -94,10 +94,13 @@ def find_pair(
     left = float(found[0]) / np.sqrt(2.0)
     worst = int(np.argmax(of_views.max(axis=1)))
     most = float(of_views.max()) / np.sqrt(2.0)
-    if not (left < MOST_LEFT and most < max(ROUGH, TIMES * lens_residual)):
+    if not (
+        left < MOST_PAIR_RESIDUAL
+        and most < max(VIEW_RESIDUAL_FLOOR, VIEW_RESIDUAL_RATIO * lens_residual)
+    ):
         files = [view.name for view in counted[worst]]
         raise Refused(
-            rules.APART(
+            rules.LARGE_PAIR_RESIDUAL(
                 one=names[0],
                 other=names[1],
                 residual=left,
@@ -107,24 +110,29 @@ def find_pair(
             )
         )
     base_line = float(np.linalg.norm(place))
-    if base_line < NEAREST:
-        raise Refused(rules.ONE_PLACE(one=names[0], other=names[1]))
+    if base_line < LEAST_BASE_LINE:
+        raise Refused(rules.SAME_CAMERA_POSITION(one=names[0], other=names[1]))
     into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
-    open_ones = free or (np.ones(LENS, np.bool_), np.ones(LENS, np.bool_))
-    covariance = left**2 * _spread(cv, objects, optics, (turn, place), found[9:11], open_ones)
+    open_ones = free or (
+        np.ones(LENS_PARAMETER_COUNT, np.bool_),
+        np.ones(LENS_PARAMETER_COUNT, np.bool_),
+    )
+    covariance = left**2 * _pair_covariance(
+        cv, objects, optics, (turn, place), found[9:11], open_ones
+    )
     along = place / base_line
     mm = float(np.sqrt(along @ covariance[3:, 3:] @ along))
     degrees = float(np.degrees(np.sqrt(np.trace(covariance[:3, :3]))))
     percent = 100.0 * mm / base_line
     findings: tuple[Diagnostic, ...] = ()
-    if percent > UNSURE[0] or degrees > UNSURE[1]:
+    if percent > MOST_PAIR_SIGMA[0] or degrees > MOST_PAIR_SIGMA[1]:
         one, other = names
-        said = rules.LOOSE_PAIR(one=one, other=other, mm=mm, percent=percent, degrees=degrees)
+        said = rules.UNCERTAIN_PAIR(one=one, other=other, mm=mm, percent=percent, degrees=degrees)
         findings = (said,)
     return PairFound(into.inverse(), left, len(objects), mm, degrees, findings)
 
 
-def _spread(
+def _pair_covariance(
     cv: Any,
     objects: Sequence[Any],
     optics: Sequence[Any],
@@ -154,26 +162,28 @@ def _spread(
         paired = np.zeros((len(one), 6)), np.hstack(changes[2:])
         for i, seen in enumerate((one, two)):
             by_lens[i].append(seen[:, 6:][:, free[i]])
-            by_board[i].append(_at(seen[:, :6], number, count))
-            placed[i].append(np.hstack([paired[i], _at(boarded[i], number, count)]))
-    pair = _solving(np.vstack(placed[0] + placed[1]))[:6]
+            by_board[i].append(_columns_of_board(seen[:, :6], number, count))
+            placed[i].append(np.hstack([paired[i], _columns_of_board(boarded[i], number, count)]))
+    pair = _least_squares_inverse(np.vstack(placed[0] + placed[1]))[:6]
     parts = []
     for part, lens, board in zip(np.hsplit(pair, 2), by_lens, by_board, strict=True):
         slopes = np.vstack(lens)
-        lens_found = _solving(np.hstack([slopes, np.vstack(board)]))[: slopes.shape[1]]
+        lens_found = _least_squares_inverse(np.hstack([slopes, np.vstack(board)]))[
+            : slopes.shape[1]
+        ]
         parts.append(part - part @ slopes @ lens_found)
     through = np.hstack(parts)
     return np.asarray(through @ through.T)
 
 
-def _at(columns: Floats, number: int, count: int) -> Floats:
+def _columns_of_board(columns: Floats, number: int, count: int) -> Floats:
     """Columns (n, 6) of one board among those of all of them."""
     wide = np.zeros((len(columns), 6 * count))
     wide[:, 6 * number : 6 * number + 6] = columns
     return wide
 
 
-def _solving(slopes: Floats) -> Floats:
+def _least_squares_inverse(slopes: Floats) -> Floats:
     """(k, n) by which least squares answer n measurements with k unknowns."""
     scale = np.linalg.norm(slopes, axis=0)
     scaled = slopes / scale

@@ -12,24 +12,24 @@ import numpy as np
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.calibration import rules
-from assistant.vision.calibration.boards import Board, View, find
+from assistant.vision.calibration.boards import Board, BoardView, find_board
 from assistant.vision.calibration.hand_eye import HandEyeFound, Mounting, find_hand_eye
 from assistant.vision.calibration.lenses import LensFound, find_lens
 from assistant.vision.calibration.pairs import PairFound, find_pair
 from assistant.vision.cameras.camera import WORLD, Camera
-from assistant.vision.cameras.camera_file import Record, Rig
+from assistant.vision.cameras.camera_file import CalibrationRecord, Rig
 from assistant.vision.cameras.capture import pictures_in, read_picture
 from assistant.vision.cameras.pairing import pairing_finding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Looked:
+class BoardPictures:
     """Pictures of one camera. views: of each picture, None where the board is not found."""
 
     name: str
     size: tuple[int, int]
     files: tuple[str, ...]
-    views: tuple[View | None, ...]
+    views: tuple[BoardView | None, ...]
     findings: tuple[Diagnostic, ...]
 
 
@@ -46,30 +46,30 @@ class RigFound:
     findings: tuple[Diagnostic, ...]
 
 
-def look(board: Board, name: str, folder: str | FilePath) -> Looked:
+def find_board_in_folder(board: Board, name: str, folder: str | FilePath) -> BoardPictures:
     """Finds the board in the pictures of a folder; raises Refused for one that holds none."""
     files = pictures_in(folder) if FilePath(folder).is_dir() else []
     if not files:
         raise Refused(rules.NO_PICTURES(name=name, folder=folder), exit_status=2)
-    size, views, findings = (0, 0), list[View | None](), list[Diagnostic]()
+    size, views, findings = (0, 0), list[BoardView | None](), list[Diagnostic]()
     for number, file in enumerate(files):
         picture = read_picture(file)
         given = picture.shape[1], picture.shape[0]
         if number and given != size:
             told = [f"{w} × {h}" for w, h in (given, size)]
-            finding = rules.OTHER_SIZES(name=file, given=told[0], wanted=told[1])
+            finding = rules.UNEQUAL_SIZES(name=file, given=told[0], wanted=told[1])
             raise Refused(finding, exit_status=2)
         size = given
-        views.append(find(board, picture, str(file)))
+        views.append(find_board(board, picture, str(file)))
         if views[-1] is None:
             findings.append(rules.NO_BOARD(name=file))
     names = tuple(file.name for file in files)
-    return Looked(name, size, names, tuple(views), tuple(findings))
+    return BoardPictures(name, size, names, tuple(views), tuple(findings))
 
 
-def calibrate(
+def calibrate_rig(
     board: Board,
-    looked: Sequence[Looked],
+    looked: Sequence[BoardPictures],
     *,
     flanges: Sequence[Pose] | None = None,
     mounting: Mounting = "stand",
@@ -83,7 +83,7 @@ def calibrate(
     as well. flange: how the file calls the flange. Raises Refused where pictures do not tell it.
     """
     if board.turned_alike and (len(looked) > 1 or flanges is not None):
-        raise Refused(rules.TURNED_ALIKE(columns=board.columns, rows=board.rows), exit_status=2)
+        raise Refused(rules.AMBIGUOUS_BOARD(columns=board.columns, rows=board.rows), exit_status=2)
     findings = [finding for one in looked for finding in one.findings]
     lenses = {
         one.name: find_lens(board, [v for v in one.views if v is not None], one.size, one.name)
@@ -91,28 +91,30 @@ def calibrate(
     }
     findings += [finding for found in lenses.values() for finding in found.findings]
     first = looked[0]
-    found = _hand_eye(first, lenses[first.name], flanges, mounting)
+    found = _place_on_arm(first, lenses[first.name], flanges, mounting)
     findings += () if found is None else found.findings
     place = Pose() if found is None else found.best.camera
     carried = found is not None and mounting == "hand"
-    pairs = {one.name: _pair(board, first, one, lenses) for one in looked[1:]}
+    pairs = {one.name: _place_pair(board, first, one, lenses) for one in looked[1:]}
     findings += [finding for pair in pairs.values() for finding in pair.findings]
     parent = flange if carried else WORLD
     cameras = {first.name: Camera(first.name, lenses[first.name].lens, place, parent)}
     for one in looked[1:]:
         pose = place @ pairs[one.name].pose
         cameras[one.name] = Camera(one.name, lenses[one.name].lens, pose, parent)
-    records = _records(lenses, pairs, found, today or datetime.datetime.now().astimezone().date())
+    records = _calibration_records(
+        lenses, pairs, found, today or datetime.datetime.now().astimezone().date()
+    )
     return RigFound(Rig(cameras, records), lenses, pairs, found, tuple(findings))
 
 
-def _records(
+def _calibration_records(
     lenses: Mapping[str, LensFound],
     pairs: Mapping[str, PairFound],
     hand_eye: HandEyeFound | None,
     day: datetime.date,
-) -> dict[str, Record]:
-    records = {name: Record(day, round(one.residual, 4)) for name, one in lenses.items()}
+) -> dict[str, CalibrationRecord]:
+    records = {name: CalibrationRecord(day, round(one.residual, 4)) for name, one in lenses.items()}
     for name, pair in pairs.items():
         records[name] = replace(records[name], pair=round(pair.residual, 4))
     if hand_eye is not None:
@@ -127,9 +129,11 @@ def with_sources(rig: Rig, sources: Mapping[str, str]) -> Rig:
     return replace(rig, sources=dict(sources))
 
 
-def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensFound]) -> PairFound:
+def _place_pair(
+    board: Board, first: BoardPictures, other: BoardPictures, lenses: Mapping[str, LensFound]
+) -> PairFound:
     if len(first.views) != len(other.views):
-        raise Refused(_uneven(first, other.name, len(other.views)))
+        raise Refused(_uneven_views(first, other.name, len(other.views)))
     pairing = pairing_finding(first.name, first.files, other.name, other.files)
     if pairing is not None:
         raise Refused(pairing)
@@ -145,13 +149,13 @@ def _pair(board: Board, first: Looked, other: Looked, lenses: Mapping[str, LensF
     return find_pair(board, both_lenses, both, (first.name, other.name), residual, free)
 
 
-def _hand_eye(
-    looked: Looked, lens: LensFound, flanges: Sequence[Pose] | None, mounting: Mounting
+def _place_on_arm(
+    looked: BoardPictures, lens: LensFound, flanges: Sequence[Pose] | None, mounting: Mounting
 ) -> HandEyeFound | None:
     if flanges is None:
         return None
     if len(flanges) != len(looked.views):
-        raise Refused(_uneven(looked, "poses of the arm", len(flanges)))
+        raise Refused(_uneven_views(looked, "poses of the arm", len(flanges)))
     seen = [i for i, view in enumerate(looked.views) if view is not None]
     names = [f"{i + 1} ({looked.files[i]})" for i in seen]
     focal, centre = max(lens.lens.focal), float(lens.sigma[2:4].max())
@@ -160,6 +164,6 @@ def _hand_eye(
     return find_hand_eye(hands, lens.poses, mounting, names, lens.noise_mm, unsure)
 
 
-def _uneven(looked: Looked, others: str, count: int) -> Diagnostic:
+def _uneven_views(looked: BoardPictures, others: str, count: int) -> Diagnostic:
     here = len(looked.views)
-    return rules.OTHER_COUNT(name=looked.name, others=others, count=here, other=count)
+    return rules.UNEVEN_VIEWS(name=looked.name, others=others, count=here, other=count)

@@ -21,11 +21,11 @@ from assistant.program.geometry import IDENTITY, Pose, Vector
 
 WORLD: Final = "world"
 """The parent of a camera that stands still."""
-NEAR: Final = 1.0
+LEAST_DEPTH: Final = 1.0
 """mm before the camera; what is nearer, or behind it, is not seen."""
-ROUNDS: Final = 20
+UNDISTORTION_ROUNDS: Final = 20
 """Steps of Newton's method at most, from a pixel to its ray."""
-RING: Final = np.linspace(0.0, 3.0, 601)
+TANGENT_SAMPLES: Final = np.linspace(0.0, 3.0, 601)
 """Tangents of angles from the axis at which it is looked how far the lens is one to one."""
 
 
@@ -57,9 +57,9 @@ class Lens:
     def widest(self) -> float:
         """Tangent of the angle from the axis up to which what is farther out is seen so."""
         k1, k2, _, _, k3 = self.distortion
-        r2 = RING**2
+        r2 = TANGENT_SAMPLES**2
         rising = 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0
-        return float(RING[-1] if rising.all() else RING[np.argmin(rising)])
+        return float(TANGENT_SAMPLES[-1] if rising.all() else TANGENT_SAMPLES[np.argmin(rising)])
 
     @property
     def whole(self) -> bool:
@@ -90,9 +90,9 @@ class Lens:
 
     def _undistorted(self, found: Floats, wanted: Floats) -> Floats:
         """By Newton's method from `found` on, in place."""
-        for _ in range(ROUNDS):
+        for _ in range(UNDISTORTION_ROUNDS):
             off = self._distorted(found) - wanted
-            step = _solved(self._slope(found), off)
+            step = _solve_2x2(self._slope(found), off)
             found -= np.clip(step, -0.3, 0.3)
             if not (np.abs(step) > 1e-13).any():
                 break
@@ -131,7 +131,7 @@ class Lens:
         return np.moveaxis(np.array(rows), 2, 0)
 
 
-def _solved(matrices: Floats, right: Floats) -> Floats:
+def _solve_2x2(matrices: Floats, right: Floats) -> Floats:
     """(n, 2, 2) and (n, 2) → (n, 2), many times faster than by a factorisation of each."""
     (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
     x, y = right.T
@@ -166,7 +166,7 @@ class Camera:
         local = self.seen_by(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             tangents = local[:, :2] / local[:, 2:]
-        tangents[~(local[:, 2] > NEAR)] = np.nan
+        tangents[~(local[:, 2] > LEAST_DEPTH)] = np.nan
         return self.lens.pixels(tangents)
 
     def slopes(self, points: Floats) -> Floats:
@@ -175,7 +175,7 @@ class Camera:
         NaN for points behind the camera.
         """
         local = self.seen_by(points)
-        local[~(local[:, 2] > NEAR)] = np.nan
+        local[~(local[:, 2] > LEAST_DEPTH)] = np.nan
         x, y, z = local.T
         none = np.zeros_like(z)
         with np.errstate(divide="ignore", invalid="ignore"):

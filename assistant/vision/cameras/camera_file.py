@@ -37,12 +37,12 @@ from assistant.vision.cameras.camera import WORLD, Camera, Lens
 
 MOST_PIXELS: Final = 32_768
 """Along one side."""
-NARROWEST: Final = 100.0
+LONGEST_FOCAL: Final = 100.0
 """Focal length as so many times the width of the picture; no lens of a cell is longer."""
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class CalibrationRecord:
     """How a camera was calibrated: when, and what was left, root mean square.
 
     residual: pixels, of its lens. pair: pixels, of its place to the first camera. mm, degrees: of
@@ -63,7 +63,7 @@ class Rig:
     """
 
     cameras: Mapping[str, Camera]
-    records: Mapping[str, Record] = field(default_factory=dict)
+    records: Mapping[str, CalibrationRecord] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
     folder: FilePath = FilePath()
 
@@ -86,12 +86,18 @@ def cameras_in(source: SourceText, folder: FilePath = FilePath()) -> Rig:
     top = read_toml(source)
     top.read({"cameras": lambda value: value})
     tables = list(top.table("cameras").named())
-    cameras, records, sources = dict[str, Camera](), dict[str, Record](), dict[str, str]()
+    cameras, records, sources = (
+        dict[str, Camera](),
+        dict[str, CalibrationRecord](),
+        dict[str, str](),
+    )
     for name, table in tables:
         said = table.read(KEYS)
         if (camera := _camera(name, table, said)) is not None:
             cameras[name] = camera
-            records[name] = Record(said.get("calibrated"), *(said.get(key) for key in LEFT))
+            records[name] = CalibrationRecord(
+                said.get("calibrated"), *(said.get(key) for key in RESIDUAL_KEYS)
+            )
             sources[name] = said.get("source", "")
     if not tables:
         top.say(rules.NO_CAMERAS)
@@ -103,31 +109,31 @@ def cameras_in(source: SourceText, folder: FilePath = FilePath()) -> Rig:
 def write_cameras(path: str | FilePath, rig: Rig) -> None:
     """Writes the file whole or not at all; numbers come back as they are."""
     file = FilePath(path)
-    write_files({file.name: text_of(rig).encode("utf-8")}, file.parent)
+    write_files({file.name: rig_toml(rig).encode("utf-8")}, file.parent)
 
 
-def text_of(rig: Rig) -> str:
+def rig_toml(rig: Rig) -> str:
     """The file of a rig, as `read_cameras` reads it."""
-    return "\n".join("\n".join(_lines(rig, name)) + "\n" for name in rig.cameras)
+    return "\n".join("\n".join(_camera_lines(rig, name)) + "\n" for name in rig.cameras)
 
 
-def _lines(rig: Rig, name: str) -> list[str]:
-    camera, record = rig.cameras[name], rig.records.get(name, Record())
+def _camera_lines(rig: Rig, name: str) -> list[str]:
+    camera, record = rig.cameras[name], rig.records.get(name, CalibrationRecord())
     lens, pose = camera.lens, camera.pose
     rows: list[tuple[str, Any]] = [
         *(("size", lens.size), ("focal", lens.focal), ("centre", lens.centre)),
         *(("distortion", lens.distortion), ("position", pose.position)),
         *(("quaternion", pose.quaternion), ("parent", camera.parent)),
         ("calibrated", record.date),
-        *zip(LEFT, (record.residual, record.pair, record.mm, record.degrees), strict=True),
+        *zip(RESIDUAL_KEYS, (record.residual, record.pair, record.mm, record.degrees), strict=True),
         ("source", rig.sources.get(name) or None),
     ]
-    return [f"[cameras.{name}]", *(f"{k} = {_said(v)}" for k, v in rows if v is not None)]
+    return [f"[cameras.{name}]", *(f"{k} = {_toml_value(v)}" for k, v in rows if v is not None)]
 
 
-def _said(value: Any) -> str:
+def _toml_value(value: Any) -> str:
     if isinstance(value, tuple):
-        return f"[{', '.join(map(_said, value))}]"
+        return f"[{', '.join(map(_toml_value, value))}]"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, float):
@@ -172,7 +178,7 @@ def _source(value: Any) -> str:
     return settings_tables.text(value)
 
 
-LEFT: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
+RESIDUAL_KEYS: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
 """Of `Record`, in the order of its fields."""
 KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "size": _size,
@@ -194,21 +200,23 @@ NEEDED: Final = ("size", "focal", "centre")
 def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
     missing = [key for key in NEEDED if key not in table.content]
     if missing:
-        table.say(rules.INCOMPLETE, name=name, keys=" and no ".join(f"`{k}`" for k in missing))
+        table.say(
+            rules.INCOMPLETE_CAMERA, name=name, keys=" and no ".join(f"`{k}`" for k in missing)
+        )
     if any(key not in said for key in NEEDED):
         return None
     lens = Lens(said["size"], said["focal"], said["centre"], said.get("distortion", (0.0,) * 5))
-    if (what := _wrong_lens(lens)) is not None:
+    if (what := _lens_fault(lens)) is not None:
         table.say(rules.BAD_LENS, "focal", name=name, what=what)
         return None
     placed = any(key in said for key in PLACE_KEYS)
     return Camera(name, lens, pose_of(said) if placed else Pose(), said.get("parent", WORLD))
 
 
-def _wrong_lens(lens: Lens) -> str | None:
+def _lens_fault(lens: Lens) -> str | None:
     """What no camera of a cell has."""
     width, height = lens.size
-    if not all(width / 20.0 <= focal <= NARROWEST * width for focal in lens.focal):
+    if not all(width / 20.0 <= focal <= LONGEST_FOCAL * width for focal in lens.focal):
         return f"has a focal length of {max(lens.focal):g} pixels for {width} pixels of width"
     if not max(lens.focal) <= 2.0 * min(lens.focal):
         return "has pixels that are twice as long as they are wide"

@@ -23,18 +23,28 @@ from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import MOST_PIXELS, silent
 
-DARK: Final = 12.0
+DARK_LEVEL: Final = 12.0
 """Grey level below which half of a picture shows nothing."""
 MOST_SATURATED: Final = 0.25
 """Part of a picture that may be as bright as can be."""
 MOST_BYTES: Final = 100_000_000
-PATIENCE: Final = 5000
+STREAM_TIMEOUT: Final = 5000
 """Milliseconds until a stream that does not answer is given up."""
-FILMS: Final = (".avi", ".mp4", ".m4v", ".mkv", ".webm", ".mpg", ".mpeg", ".mjpeg", ".mjpg")
+VIDEO_SUFFIXES: Final = (
+    ".avi",
+    ".mp4",
+    ".m4v",
+    ".mkv",
+    ".webm",
+    ".mpg",
+    ".mpeg",
+    ".mjpeg",
+    ".mjpg",
+)
 """What is handed to what decodes films; lists of other files and addresses are none."""
-SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
-STREAM: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
-STARTS: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
+PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+STREAM_ADDRESS: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
+PICTURE_SIGNATURES: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
 """How files of pictures begin; others are not handed to what decodes them."""
 
 
@@ -51,7 +61,9 @@ class Frame:
 
 
 @contextmanager
-def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterator[Iterator[Frame]]:
+def open_frames(
+    camera: Camera, source: str, folder: FilePath = FilePath()
+) -> Iterator[Iterator[Frame]]:
     """The frames of a camera, one by one as they are asked for.
 
     source: the number of a device, the address of a stream, a film, a picture, a folder of pictures
@@ -64,28 +76,37 @@ def opened(camera: Camera, source: str, folder: FilePath = FilePath()) -> Iterat
     if source.isascii() and source.isdigit():
         if len(source) > 2:
             cure = "devices are counted from 0"
-            raise Refused(_not_there(camera, source, "there is nothing", cure), exit_status=2)
-        with _captured(camera, int(source), f"device {source}") as frames:
+            raise Refused(_not_opened(camera, source, "there is nothing", cure), exit_status=2)
+        with _open_device(camera, int(source), f"device {source}") as frames:
             yield frames
         return
-    if STREAM.match(source):
-        with _captured(camera, source, source) as frames:
+    if STREAM_ADDRESS.match(source):
+        with _open_device(camera, source, source) as frames:
             yield frames
         return
     path = folder / source
     if path.suffix.lower() == ".toml":
-        yield _drawn(camera, path)
+        yield _drawn_frames(camera, path)
     elif is_folder(path):
-        yield _of_folder(camera, path)
-    elif path.suffix.lower() in SUFFIXES:
-        yield iter([Frame(_sized(camera, read_picture(path)), 0, time.monotonic(), path.name)])
-    elif path.suffix.lower() in FILMS and is_file(path):
-        with _captured(camera, str(path), str(path)) as frames:
+        yield _folder_frames(camera, path)
+    elif path.suffix.lower() in PICTURE_SUFFIXES:
+        yield iter(
+            [
+                Frame(
+                    _with_calibrated_size(camera, read_picture(path)),
+                    0,
+                    time.monotonic(),
+                    path.name,
+                )
+            ]
+        )
+    elif path.suffix.lower() in VIDEO_SUFFIXES and is_file(path):
+        with _open_device(camera, str(path), str(path)) as frames:
             yield frames
     else:
         reason = "it is neither film nor picture" if is_file(path) else "there is nothing"
         cure = "name a folder, a film, a picture, an address, or the number of a device"
-        raise Refused(_not_there(camera, source, reason, cure), exit_status=2)
+        raise Refused(_not_opened(camera, source, reason, cure), exit_status=2)
 
 
 def read_picture(path: str | FilePath) -> Picture:
@@ -103,42 +124,42 @@ def read_picture(path: str | FilePath) -> Picture:
         if picture is not None:
             return np.asarray(picture)
         reason = "what it holds cannot be decoded"
-    raise Refused(rules.NO_PICTURE(path=str(path), reason=reason), exit_status=2)
+    raise Refused(rules.NOT_A_PICTURE(path=str(path), reason=reason), exit_status=2)
 
 
-def look_at(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...]:
+def exposure_findings(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...]:
     """Whether a picture is dark or saturated."""
     found = []
     brightest = picture.max(axis=2)
-    if float(np.median(brightest)) < DARK:
-        found.append(rules.DARK(name=camera.name, level=DARK))
+    if float(np.median(brightest)) < DARK_LEVEL:
+        found.append(rules.DARK_PICTURE(name=camera.name, level=DARK_LEVEL))
     part = float((picture.min(axis=2) >= 255).mean())
     if part > MOST_SATURATED:
-        found.append(rules.SATURATED(name=camera.name, percent=100.0 * part))
+        found.append(rules.SATURATED_PICTURE(name=camera.name, percent=100.0 * part))
     return tuple(found)
 
 
-def files_of(source: str, folder: FilePath = FilePath()) -> list[str] | None:
+def picture_names(source: str, folder: FilePath = FilePath()) -> list[str] | None:
     """Names of the pictures of a source, in their order; None for one that is no folder of them."""
     number = source.isascii() and source.isdigit()
-    if number or STREAM.match(source) or not is_folder(folder / source):
+    if number or STREAM_ADDRESS.match(source) or not is_folder(folder / source):
         return None
     return [file.name for file in pictures_in(folder / source)]
 
 
 def pictures_in(folder: str | FilePath) -> list[FilePath]:
     """The pictures of a folder, by the numbers in their names: 2 stands before 10."""
-    files = (one for one in FilePath(folder).iterdir() if one.suffix.lower() in SUFFIXES)
-    return sorted(files, key=lambda one: _natural(one.name))
+    files = (one for one in FilePath(folder).iterdir() if one.suffix.lower() in PICTURE_SUFFIXES)
+    return sorted(files, key=lambda one: _number_order(one.name))
 
 
-def _natural(name: str) -> list[tuple[int, int, str]]:
+def _number_order(name: str) -> list[tuple[int, int, str]]:
     parts = re.findall(r"\d+|\D+", name)
     return [(0, int(p), "") if p.isdecimal() else (1, 0, p.casefold()) for p in parts]
 
 
 def _unlike_a_picture(data: bytes) -> str | None:
-    start = next((one for one in STARTS if data.startswith(one)), None)
+    start = next((one for one in PICTURE_SIGNATURES if data.startswith(one)), None)
     if start is None:
         return "it begins like no PNG, JPEG, BMP or TIFF"
     if start == b"\x89PNG" and len(data) >= 24:
@@ -150,33 +171,33 @@ def _unlike_a_picture(data: bytes) -> str | None:
     return None
 
 
-def _sized(camera: Camera, picture: Picture) -> Picture:
+def _with_calibrated_size(camera: Camera, picture: Picture) -> Picture:
     given = picture.shape[1], picture.shape[0]
     if given != camera.lens.size:
         told = [f"{w} × {h}" for w, h in (given, camera.lens.size)]
-        finding = rules.OTHER_SIZE(name=camera.name, given=told[0], wanted=told[1])
+        finding = rules.OTHER_PICTURE_SIZE(name=camera.name, given=told[0], wanted=told[1])
         raise Refused(finding, exit_status=2)
     return picture
 
 
-def _of_folder(camera: Camera, folder: FilePath) -> Iterator[Frame]:
+def _folder_frames(camera: Camera, folder: FilePath) -> Iterator[Frame]:
     files = pictures_in(folder)
     if not files:
-        cure = f"put pictures there, as {', '.join(SUFFIXES)}"
-        raise Refused(_not_there(camera, str(folder), "it holds none", cure), exit_status=2)
+        cure = f"put pictures there, as {', '.join(PICTURE_SUFFIXES)}"
+        raise Refused(_not_opened(camera, str(folder), "it holds none", cure), exit_status=2)
     for number, file in enumerate(files):
-        picture = _sized(camera, read_picture(file))
+        picture = _with_calibrated_size(camera, read_picture(file))
         yield Frame(picture, number, time.monotonic(), file.name)
 
 
-def _drawn(camera: Camera, cell: FilePath) -> Iterator[Frame]:
+def _drawn_frames(camera: Camera, cell: FilePath) -> Iterator[Frame]:
     """A cell as a camera that stands in it sees it; each picture has noise of its own."""
     from assistant.cell.cell_file import read_scene
-    from assistant.vision.cameras.drawing import draw, things_of
-    from assistant.vision.cameras.standing import in_world
+    from assistant.vision.cameras.drawing import bodies_of_scene, draw
+    from assistant.vision.cameras.standing import camera_in_world
 
     scene, _ = read_scene(cell)
-    stands, things = in_world(camera, scene), things_of(scene)
+    stands, things = camera_in_world(camera, scene), bodies_of_scene(scene)
     number = 0
     while True:
         yield Frame(draw(stands, things, seed=number), number, time.monotonic())
@@ -184,41 +205,41 @@ def _drawn(camera: Camera, cell: FilePath) -> Iterator[Frame]:
 
 
 @contextmanager
-def _captured(camera: Camera, source: int | str, named: str) -> Iterator[Iterator[Frame]]:
+def _open_device(camera: Camera, source: int | str, named: str) -> Iterator[Iterator[Frame]]:
     with silent() as cv:
-        if STREAM.match(named):
-            limits = [cv.CAP_PROP_OPEN_TIMEOUT_MSEC, PATIENCE]
-            limits += [cv.CAP_PROP_READ_TIMEOUT_MSEC, PATIENCE]
+        if STREAM_ADDRESS.match(named):
+            limits = [cv.CAP_PROP_OPEN_TIMEOUT_MSEC, STREAM_TIMEOUT]
+            limits += [cv.CAP_PROP_READ_TIMEOUT_MSEC, STREAM_TIMEOUT]
             device = cv.VideoCapture(source, cv.CAP_FFMPEG, limits)
         else:
             device = cv.VideoCapture(source)
     try:
         if not device.isOpened():
             cure = "look whether it is plugged in, and whether others use it"
-            raise Refused(_not_there(camera, named, "it does not open", cure), exit_status=2)
+            raise Refused(_not_opened(camera, named, "it does not open", cure), exit_status=2)
         if isinstance(source, int):
             width, height = camera.lens.size
             device.set(cv.CAP_PROP_FRAME_WIDTH, width)
             device.set(cv.CAP_PROP_FRAME_HEIGHT, height)
-        yield _grabbed(camera, device, named)
+        yield _device_frames(camera, device, named)
     finally:
         device.release()
 
 
-def _grabbed(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
+def _device_frames(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
     number = 0
     while True:
         there, picture = device.read()
         if not there:
             if number == 0:
                 cure = "look whether others use it"
-                raise Refused(_not_there(camera, named, "no picture came", cure), exit_status=2)
-            if not named.lower().endswith(FILMS) or STREAM.match(named):
-                raise Refused(rules.LOST(name=camera.name, count=number), exit_status=2)
+                raise Refused(_not_opened(camera, named, "no picture came", cure), exit_status=2)
+            if not named.lower().endswith(VIDEO_SUFFIXES) or STREAM_ADDRESS.match(named):
+                raise Refused(rules.CAMERA_LOST(name=camera.name, count=number), exit_status=2)
             return
-        yield Frame(_sized(camera, np.asarray(picture)), number, time.monotonic())
+        yield Frame(_with_calibrated_size(camera, np.asarray(picture)), number, time.monotonic())
         number += 1
 
 
-def _not_there(camera: Camera, source: str, reason: str, cure: str) -> Diagnostic:
-    return rules.NOT_THERE(name=camera.name, source=source, reason=reason, cure=cure)
+def _not_opened(camera: Camera, source: str, reason: str, cure: str) -> Diagnostic:
+    return rules.CAMERA_NOT_OPENED(name=camera.name, source=source, reason=reason, cure=cure)

@@ -14,14 +14,14 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere
 
-Met = tuple[Floats, Floats]
-AT_ONCE: Final = 2_000_000
+Hits = tuple[Floats, Floats]
+PAIRS_AT_ONCE: Final = 2_000_000
 """Pairs of rays and triangles that are worked out at once."""
-LEVEL: Final = 1e-12
+PARALLEL_SHARE: Final = 1e-12
 """Of a direction along an axis or a face, below which it runs beside it."""
 
 
-def met(shape: Shape, eye: Floats, rays: Floats) -> Met:
+def cast_rays(shape: Shape, eye: Floats, rays: Floats) -> Hits:
     """The first meeting of each ray with a shape, seen from outside."""
     match shape:
         case Sphere(radius=radius):
@@ -29,10 +29,10 @@ def met(shape: Shape, eye: Floats, rays: Floats) -> Met:
         case Capsule(radius=radius, length=length):
             ends = (np.array([0.0, 0.0, end * length / 2.0]) for end in (-1.0, 1.0))
             parts = [_sphere(end, radius, eye, rays) for end in ends]
-            return _first(_tube(radius, length, eye, rays), *parts)
+            return _nearest_hits(_tube(radius, length, eye, rays), *parts)
         case Cylinder(radius=radius, length=length):
             lids = [_lid(radius, side * length / 2.0, side, eye, rays) for side in (-1.0, 1.0)]
-            return _first(_tube(radius, length, eye, rays), *lids)
+            return _nearest_hits(_tube(radius, length, eye, rays), *lids)
         case Box(size=size):
             normals = np.concatenate([np.eye(3), -np.eye(3)])
             return _halves(normals, np.tile(np.array(size) / 2.0, 2), eye, rays)
@@ -44,7 +44,7 @@ def met(shape: Shape, eye: Floats, rays: Floats) -> Met:
     return _triangles(shape, eye, rays)
 
 
-def _sphere(centre: Floats, radius: float, eye: Floats, rays: Floats) -> Met:
+def _sphere(centre: Floats, radius: float, eye: Floats, rays: Floats) -> Hits:
     away = centre - eye
     squares = (rays**2).sum(axis=1)
     along = rays @ away / squares
@@ -53,27 +53,27 @@ def _sphere(centre: Floats, radius: float, eye: Floats, rays: Floats) -> Met:
     hit = inside >= 0.0
     t[hit] = along[hit] - np.sqrt(inside[hit])
     t[~(t > 0.0)] = np.inf
-    return t, _at(eye, rays, t, lambda points: (points - centre) / radius)
+    return t, _hits_at(eye, rays, t, lambda points: (points - centre) / radius)
 
 
-def _tube(radius: float, length: float, eye: Floats, rays: Floats) -> Met:
+def _tube(radius: float, length: float, eye: Floats, rays: Floats) -> Hits:
     """The side of a cylinder about z."""
     across = (rays[:, :2] ** 2).sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         along = -(rays[:, :2] @ eye[:2]) / across
         inside = along**2 - (eye[:2] @ eye[:2] - radius**2) / across
         t = along - np.sqrt(inside)
-        good = (across > LEVEL) & (inside >= 0.0) & (t > 0.0)
+        good = (across > PARALLEL_SHARE) & (inside >= 0.0) & (t > 0.0)
         good &= np.abs(eye[2] + t * rays[:, 2]) <= length / 2.0
     t[~good] = np.inf
 
     def normal(points: Floats) -> Floats:
         return np.column_stack([points[:, :2] / radius, np.zeros(len(points))])
 
-    return t, _at(eye, rays, t, normal)
+    return t, _hits_at(eye, rays, t, normal)
 
 
-def _lid(radius: float, z: float, side: float, eye: Floats, rays: Floats) -> Met:
+def _lid(radius: float, z: float, side: float, eye: Floats, rays: Floats) -> Hits:
     with np.errstate(divide="ignore", invalid="ignore"):
         t = (z - eye[2]) / rays[:, 2]
         at = eye[:2] + t[:, None] * rays[:, :2]
@@ -82,7 +82,7 @@ def _lid(radius: float, z: float, side: float, eye: Floats, rays: Floats) -> Met
     return t, np.tile([0.0, 0.0, side], (len(rays), 1))
 
 
-def _halves(normals: Floats, offsets: Floats, eye: Floats, rays: Floats) -> Met:
+def _halves(normals: Floats, offsets: Floats, eye: Floats, rays: Floats) -> Hits:
     """A convex body as half spaces normal · x ≤ offset."""
     enter, leave = np.full(len(rays), -np.inf), np.full(len(rays), np.inf)
     face = np.zeros(len(rays), dtype=np.intp)
@@ -90,10 +90,10 @@ def _halves(normals: Floats, offsets: Floats, eye: Floats, rays: Floats) -> Met:
         toward, rest = rays @ normal, offset - eye @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
             t = rest / toward
-        front = toward < -LEVEL
+        front = toward < -PARALLEL_SHARE
         later = front & (t > enter)
         enter[later], face[later] = t[later], number
-        back = toward > LEVEL
+        back = toward > PARALLEL_SHARE
         leave[back] = np.minimum(leave[back], t[back])
         if rest < 0.0:
             leave[~front & ~back] = -np.inf
@@ -101,7 +101,7 @@ def _halves(normals: Floats, offsets: Floats, eye: Floats, rays: Floats) -> Met:
     return enter, normals[face]
 
 
-def _faces(mesh: Mesh) -> Met:
+def _faces(mesh: Mesh) -> Hits:
     """Unit normals of its triangles, and a corner of each."""
     a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
     across = np.cross(b - a, c - a)
@@ -109,7 +109,7 @@ def _faces(mesh: Mesh) -> Met:
     return across / np.where(sizes > 0.0, sizes, 1.0), a
 
 
-def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Met:
+def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Hits:
     """By Möller and Trumbore, Fast, minimum storage ray-triangle intersection, 1997."""
     best, face = np.full(len(rays), np.inf), np.zeros(len(rays), dtype=np.intp)
     for rows in _chunks(len(rays), len(mesh.triangles)):
@@ -124,7 +124,7 @@ def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Met:
                 q = np.cross(eye - a, one)
                 v = some @ q / size
                 t = two @ q / size
-                good = (np.abs(size) > LEVEL) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+                good = (np.abs(size) > PARALLEL_SHARE) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
                 good &= (t > 0.0) & (t < best[rows])
             best[rows] = np.where(good, t, best[rows])
             face[rows] = np.where(good, number, face[rows])
@@ -134,11 +134,11 @@ def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Met:
 
 
 def _chunks(count: int, across: int) -> Iterator[slice]:
-    step = max(AT_ONCE // max(across, 1), 1024)
+    step = max(PAIRS_AT_ONCE // max(across, 1), 1024)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
-def _first(*found: Met) -> Met:
+def _nearest_hits(*found: Hits) -> Hits:
     """The nearest of several meetings."""
     distances = np.stack([t for t, _ in found])
     which = distances.argmin(axis=0)
@@ -146,7 +146,7 @@ def _first(*found: Met) -> Met:
     return distances[which, rows], np.stack([n for _, n in found])[which, rows]
 
 
-def _at(eye: Floats, rays: Floats, t: Floats, normal: object) -> Floats:
+def _hits_at(eye: Floats, rays: Floats, t: Floats, normal: object) -> Floats:
     """Normals where something is met, upright elsewhere."""
     out = np.tile([0.0, 0.0, 1.0], (len(rays), 1))
     hit = np.isfinite(t)

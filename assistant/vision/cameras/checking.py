@@ -11,7 +11,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic
 from assistant.vision.cameras import rules
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.capture import Frame, look_at
+from assistant.vision.cameras.capture import Frame, exposure_findings
 from assistant.vision.cameras.triangulating import triangulate
 
 
@@ -28,11 +28,11 @@ class Agreement:
     mm: float
 
 
-MOST_LEFT = 1.0
+MOST_RESIDUAL = 1.0
 """Pixels from which on two cameras do not stand as they were calibrated."""
 
 
-def agree(
+def check_agreement(
     cameras: Sequence[Camera], pixels: Sequence[Floats], corners: Floats
 ) -> tuple[Agreement, tuple[Diagnostic, ...]]:
     """Two cameras in the world that see the same corners. corners: (n, 3) mm on the board."""
@@ -40,7 +40,7 @@ def agree(
     names = (cameras[0].name, cameras[1].name)
     good = np.isfinite(found.residuals)
     if good.sum() < 2:
-        told = rules.DISAGREE(one=names[0], other=names[1], pixels=np.inf)
+        told = rules.CAMERAS_DISAGREE(one=names[0], other=names[1], pixels=np.inf)
         return Agreement(names, 0, np.inf, np.inf), (told,)
     seen, known = found.points[good], corners[good]
     off = np.linalg.norm(np.diff(seen, axis=0), axis=1) - np.linalg.norm(
@@ -49,7 +49,9 @@ def agree(
     left = float(np.sqrt((found.residuals[good] ** 2).mean()))
     mm = float(np.sqrt((off**2).mean()))
     findings = (
-        (rules.DISAGREE(one=names[0], other=names[1], pixels=left),) if left > MOST_LEFT else ()
+        (rules.CAMERAS_DISAGREE(one=names[0], other=names[1], pixels=left),)
+        if left > MOST_RESIDUAL
+        else ()
     )
     return Agreement(names, int(good.sum()), left, mm), findings
 
@@ -59,5 +61,7 @@ def pictures_findings(
 ) -> tuple[Diagnostic, ...]:
     """Dark and saturated pictures."""
     return tuple(
-        one for name, frame in frames.items() for one in look_at(cameras[name], frame.picture)
+        one
+        for name, frame in frames.items()
+        for one in exposure_findings(cameras[name], frame.picture)
     )

@@ -21,8 +21,8 @@ from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import Scene, Shape, Sphere, extent
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.vision.cameras.camera import Camera, Lens
-from assistant.vision.cameras.casting import met
-from assistant.vision.cameras.standing import row_of
+from assistant.vision.cameras.casting import cast_rays
+from assistant.vision.cameras.standing import scene_joints
 from assistant.vision.opencv import opencv
 
 Picture = NDArray[np.uint8]
@@ -31,15 +31,15 @@ Colours = NDArray[np.float32]
 """(…, 3) grey levels: blue, green, red."""
 Colour = tuple[int, int, int]
 GREY: Final[Colour] = (160, 160, 165)
-FINE: Final = 4
+RAYS_PER_SIDE: Final = 4
 """Rays along each side of a pixel in which things meet."""
-AT_ONCE: Final = 2048
+PIXELS_AT_ONCE: Final = 2048
 """Pixels that are drawn of several rays at once: what is worked out fits into a cache."""
-SMALL: Final = 24
+SMALL_BODY: Final = 24
 """Pixels across below which all of a thing is drawn of several rays, as single ones may miss it."""
-WIDE: Final = 1024
+LOOKUP_WIDTH: Final = 1024
 """Places of a picture in a row, while they are looked up."""
-UNLIKE: Final = 6.0
+EDGE_LEVELS: Final = 6.0
 """Grey levels between two pixels beside each other from which on both are drawn of several rays."""
 
 
@@ -55,7 +55,7 @@ class Card:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Thing:
+class VisibleBody:
     """Something that is seen, at a pose in the world. colour: red, green, blue; a card has none."""
 
     shape: Shape | Card
@@ -83,7 +83,7 @@ CLEAR: Final = Optics()
 
 
 def draw(
-    camera: Camera, things: Sequence[Thing], optics: Optics = CLEAR, *, seed: int = 0
+    camera: Camera, things: Sequence[VisibleBody], optics: Optics = CLEAR, *, seed: int = 0
 ) -> Picture:
     """What a camera that stands in the world sees (h, w, 3); the same seed gives the same noise."""
     width, height = camera.lens.size
@@ -95,27 +95,27 @@ def draw(
     small = (
         own
         for own, (u0, u1, v0, v1) in zip(rows, regions, strict=True)
-        if min(u1 - u0, v1 - v0) < SMALL
+        if min(u1 - u0, v1 - v0) < SMALL_BODY
     )
-    edges = np.unique(np.concatenate([_edges(picture), *small]))
-    for first in range(0, len(edges), AT_ONCE):
-        some = edges[first : first + AT_ONCE]
-        flat[some] = _fine(camera, things, regions, some, optics)
-    return _taken(picture, optics, seed)
+    edges = np.unique(np.concatenate([_edge_pixels(picture), *small]))
+    for first in range(0, len(edges), PIXELS_AT_ONCE):
+        some = edges[first : first + PIXELS_AT_ONCE]
+        flat[some] = _mean_colours(camera, things, regions, some, optics)
+    return _with_optics(picture, optics, seed)
 
 
-def ball(centre: Vector, radius: float, colour: Colour) -> Thing:
+def ball(centre: Vector, radius: float, colour: Colour) -> VisibleBody:
     """A ball in the world."""
-    return Thing(Sphere(radius), Pose(centre), colour)
+    return VisibleBody(Sphere(radius), Pose(centre), colour)
 
 
-def things_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[Thing]:
+def bodies_of_scene(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[VisibleBody]:
     """The bodies of a cell, of robots by name at joints (a,), the others in their home.
 
     Raises Refused for a body whose parent the scene has not.
     """
     carriers = Carriers(scene.robots)
-    origins, turns = carriers.at(row_of(scene, joints))
+    origins, turns = carriers.at(scene_joints(scene, joints))
     found = []
     for body in scene.all_bodies():
         if body.shown:
@@ -124,7 +124,7 @@ def things_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> list[
             carrier = Pose.of(origins[0, number], np.ravel(turn))
             placed = carrier @ pose
             colour = body.colour or GREY
-            found += [Thing(part.shape, placed @ part.pose, colour) for part in body.parts]
+            found += [VisibleBody(part.shape, placed @ part.pose, colour) for part in body.parts]
     return found
 
 
@@ -146,7 +146,7 @@ def _directions(lens: Lens, pixels: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def _changes(lens: Lens) -> tuple[Floats, Floats]:
+def _direction_slopes(lens: Lens) -> tuple[Floats, Floats]:
     """(w h, 3) change of the direction from a pixel to the next, to the right and down."""
     width, height = lens.size
     grid = _rays(lens).reshape(height, width, 3)
@@ -154,9 +154,9 @@ def _changes(lens: Lens) -> tuple[Floats, Floats]:
     return right.reshape(-1, 3), down.reshape(-1, 3)
 
 
-def _beside(lens: Lens, pixels: Rows, offsets: Floats) -> Floats:
+def _subpixel_directions(lens: Lens, pixels: Rows, offsets: Floats) -> Floats:
     """(n k, 3) directions at offsets (k, 2) from pixels (n,): of first order, within a pixel."""
-    right, down = (one[pixels] for one in _changes(lens))
+    right, down = (one[pixels] for one in _direction_slopes(lens))
     u, v = offsets.T
     rays = _rays(lens)[pixels][:, None] + right[:, None] * u[:, None] + down[:, None] * v[:, None]
     return np.asarray(rays.reshape(-1, 3))
@@ -166,9 +166,9 @@ Region = tuple[int, int, int, int]
 """Columns and rows of the picture, begin and end of each."""
 
 
-def _region(camera: Camera, thing: Thing) -> Region:
+def _region(camera: Camera, thing: VisibleBody) -> Region:
     width, height = camera.lens.size
-    low, high = _extent(thing.shape)
+    low, high = _body_extent(thing.shape)
     corners = (np.indices((2, 2, 2)).reshape(3, -1).T) * (high - low) + low
     corners = thing.pose.moved(corners)
     if (camera.seen_by(corners)[:, 2] <= 0.0).all():
@@ -184,7 +184,7 @@ def _region(camera: Camera, thing: Thing) -> Region:
     return u0, u1, v0, v1
 
 
-def _extent(shape: Shape | Card) -> tuple[Floats, Floats]:
+def _body_extent(shape: Shape | Card) -> tuple[Floats, Floats]:
     if isinstance(shape, Card):
         half = np.array([*shape.size, 0.0]) / 2.0
         return -half, half
@@ -193,7 +193,7 @@ def _extent(shape: Shape | Card) -> tuple[Floats, Floats]:
 
 def _cast(
     camera: Camera,
-    things: Sequence[Thing],
+    things: Sequence[VisibleBody],
     rays: Floats,
     regions: Sequence[Rows],
     optics: Optics,
@@ -210,7 +210,7 @@ def _cast(
         turn = rotations.to_matrix(np.array(back.quaternion))
         view = back @ camera.pose
         local = rays[rows] @ rotations.to_matrix(np.array(view.quaternion)).T
-        t, normals, colour = _seen(thing, np.array(view.position), local)
+        t, normals, colour = _hits_of_body(thing, np.array(view.position), local)
         nearer = np.flatnonzero(t < away[rows])
         there = rows[nearer]
         away[there] = t[nearer]
@@ -220,15 +220,15 @@ def _cast(
     return colours
 
 
-def _seen(thing: Thing, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
+def _hits_of_body(thing: VisibleBody, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
     shape = thing.shape
     if isinstance(shape, Card):
-        return _card(shape, eye, rays)
-    t, normals = met(shape, eye, rays)
+        return _hits_of_card(shape, eye, rays)
+    t, normals = cast_rays(shape, eye, rays)
     return t, normals, np.broadcast_to(np.array(thing.colour[::-1], dtype=float), normals.shape)
 
 
-def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
+def _hits_of_card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats]:
     with np.errstate(divide="ignore", invalid="ignore"):
         t = -eye[2] / rays[:, 2]
         at = eye[:2] + t[:, None] * rays[:, :2]
@@ -239,19 +239,19 @@ def _card(card: Card, eye: Floats, rays: Floats) -> tuple[Floats, Floats, Floats
     colours = np.zeros((len(rays), 3))
     height, width = card.picture.shape[:2]
     places = (at[good] / half * [1.0, -1.0] + 1.0) / 2.0 * [width, height] - 0.5
-    colours[good] = _sampled(card.picture, places)
+    colours[good] = _interpolated_colours(card.picture, places)
     return t, np.broadcast_to([0.0, 0.0, 1.0], rays.shape), colours
 
 
-def _sampled(picture: Picture, places: Floats) -> Floats:
+def _interpolated_colours(picture: Picture, places: Floats) -> Floats:
     """Colours (n, 3) of a picture between its pixels."""
     if not len(places):
         return np.zeros((0, 3))
     cv = opencv()
-    rows = -(-len(places) // WIDE)
-    maps = np.zeros((2, rows * WIDE), dtype=np.float32)
+    rows = -(-len(places) // LOOKUP_WIDTH)
+    maps = np.zeros((2, rows * LOOKUP_WIDTH), dtype=np.float32)
     maps[:, : len(places)] = places.T
-    u, v = maps.reshape(2, rows, WIDE)
+    u, v = maps.reshape(2, rows, LOOKUP_WIDTH)
     found = cv.remap(picture, u, v, cv.INTER_LINEAR, borderMode=cv.BORDER_REPLICATE)
     return np.asarray(found.reshape(-1, 3)[: len(places)], dtype=np.float64)
 
@@ -259,11 +259,11 @@ def _sampled(picture: Picture, places: Floats) -> Floats:
 # ---------------------------------------------------------------------------------- edges
 
 
-def _edges(picture: Colours) -> Rows:
+def _edge_pixels(picture: Colours) -> Rows:
     """Pixels that differ from one beside them, and those around these."""
     edge = np.zeros(picture.shape[:2], dtype=bool)
     for axis in (0, 1):
-        steps = np.abs(np.diff(picture, axis=axis)) > UNLIKE
+        steps = np.abs(np.diff(picture, axis=axis)) > EDGE_LEVELS
         unlike = steps[..., 0] | steps[..., 1] | steps[..., 2]
         first, last = [slice(None)] * 2, [slice(None)] * 2
         first[axis], last[axis] = slice(None, -1), slice(1, None)
@@ -272,26 +272,26 @@ def _edges(picture: Colours) -> Rows:
     return np.flatnonzero(edge)
 
 
-def _fine(
+def _mean_colours(
     camera: Camera,
-    things: Sequence[Thing],
+    things: Sequence[VisibleBody],
     regions: Sequence[Region],
     pixels: Rows,
     optics: Optics,
 ) -> Colours:
     """Mean colours (n, 3) of several rays in each of some pixels."""
     width, _ = camera.lens.size
-    steps = (np.arange(FINE) + 0.5) / FINE - 0.5
+    steps = (np.arange(RAYS_PER_SIDE) + 0.5) / RAYS_PER_SIDE - 0.5
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    rays = _beside(camera.lens, pixels, offsets)
+    rays = _subpixel_directions(camera.lens, pixels, offsets)
     u, v = pixels % width, pixels // width
     within = [(u >= u0) & (u < u1) & (v >= v0) & (v < v1) for u0, u1, v0, v1 in regions]
-    rows = [np.flatnonzero(np.repeat(inside, FINE * FINE)) for inside in within]
+    rows = [np.flatnonzero(np.repeat(inside, RAYS_PER_SIDE * RAYS_PER_SIDE)) for inside in within]
     colours = _cast(camera, things, rays, rows, optics)
-    return np.asarray(colours.reshape(len(pixels), FINE * FINE, 3).mean(axis=1))
+    return np.asarray(colours.reshape(len(pixels), RAYS_PER_SIDE * RAYS_PER_SIDE, 3).mean(axis=1))
 
 
-def _taken(picture: Colours, optics: Optics, seed: int) -> Picture:
+def _with_optics(picture: Colours, optics: Optics, seed: int) -> Picture:
     out = (picture * optics.brightness).astype(np.float32)
     if optics.blur > 0.0:
         out = opencv().GaussianBlur(out, (0, 0), optics.blur)

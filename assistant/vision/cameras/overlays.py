@@ -11,11 +11,11 @@ from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv
 
-ALONG: Final = 100.0
+AXIS_LENGTH: Final = 100.0
 """mm of an axis."""
-COLOURS: Final = ((40, 40, 220), (40, 180, 40), (220, 90, 40))
+AXIS_COLOURS: Final = ((40, 40, 220), (40, 180, 40), (220, 90, 40))
 """Blue, green, red; of x, y, z."""
-PARTS: Final = 16
+AXIS_CHORDS: Final = 16
 """Chords of an axis, which the lens bends."""
 
 
@@ -25,13 +25,13 @@ def with_axes(camera: Camera, picture: Picture) -> Picture:
     out = picture.copy()
     u, v = (round(value) for value in camera.lens.centre)
     cv.drawMarker(out, (u, v), (255, 255, 255), cv.MARKER_CROSS, 14, 1)
-    for axis, colour in enumerate(COLOURS):
-        points = np.outer(np.linspace(0.0, ALONG, PARTS + 1), np.eye(3)[axis])
-        _line(cv, out, camera.project(points), colour, "xyz"[axis])
+    for axis, colour in enumerate(AXIS_COLOURS):
+        points = np.outer(np.linspace(0.0, AXIS_LENGTH, AXIS_CHORDS + 1), np.eye(3)[axis])
+        _draw_axis(cv, out, camera.project(points), colour, "xyz"[axis])
     return out
 
 
-def _line(
+def _draw_axis(
     cv: Any, picture: Picture, pixels: Floats, colour: tuple[int, int, int], name: str
 ) -> None:
     seen = pixels[np.isfinite(pixels).all(axis=1)]

@@ -23,21 +23,21 @@ def pairing_finding(
     camera has and the other lacks is a picture that is missing. Each may count from where it
     likes, and one of them may go on for longer.
     """
-    counted = _steps(names), _steps(others)
+    counted = _picture_numbers(names), _picture_numbers(others)
     if counted[0] is None or counted[1] is None:
         count, more = len(names), len(others)
         if count == more:
             return None
-        return rules.UNEVEN(one=one, count=count, other=other, others=more)
+        return rules.UNEVEN_PICTURES(one=one, count=count, other=other, others=more)
     both = min(len(names), len(others))
     apart = np.flatnonzero(counted[0][:both] != counted[1][:both])
     if not len(apart):
         return None
     at = int(apart[0])
-    return rules.OUT_OF_STEP(one=one, other=other, first=names[at], second=others[at])
+    return rules.PICTURES_OUT_OF_STEP(one=one, other=other, first=names[at], second=others[at])
 
 
-def _steps(names: Sequence[str]) -> Rows | None:
+def _picture_numbers(names: Sequence[str]) -> Rows | None:
     """(n,) numbers of pictures from the first on, None if the names do not count."""
     found = [re.findall(r"\d{1,15}", PurePath(name).stem) for name in names]
     if not names or not all(found):

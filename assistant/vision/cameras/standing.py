@@ -14,7 +14,9 @@ from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 
 
-def in_world(camera: Camera, scene: Scene, joints: Mapping[str, Floats] | None = None) -> Camera:
+def camera_in_world(
+    camera: Camera, scene: Scene, joints: Mapping[str, Floats] | None = None
+) -> Camera:
     """The camera in the world, of robots by name at joints (a,), the others in their home.
 
     Its parent is the world, a link or flange of a robot (`arm.flange`), a body or a frame. Raises
@@ -23,13 +25,13 @@ def in_world(camera: Camera, scene: Scene, joints: Mapping[str, Floats] | None =
     carriers = Carriers(scene.robots)
     body = Body(f"camera {camera.name}", (), camera.pose, camera.parent)
     number, pose = carrier_of(scene, body, carriers)
-    origins, turns = carriers.at(row_of(scene, joints))
+    origins, turns = carriers.at(scene_joints(scene, joints))
     turn = rotations.from_matrix(turns[0, number])
     parent = Pose.of(origins[0, number], np.ravel(turn))
     return Camera(camera.name, camera.lens, parent @ pose)
 
 
-def row_of(scene: Scene, joints: Mapping[str, Floats] | None = None) -> Floats:
+def scene_joints(scene: Scene, joints: Mapping[str, Floats] | None = None) -> Floats:
     """(1, n) joints of all robots of a scene, as `Carriers` takes them."""
     given = dict(joints or {})
     rows = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]

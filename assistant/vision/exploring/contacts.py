@@ -16,18 +16,18 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.cell.cell_file import read_scene
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.drawing import Picture, draw, things_of
-from assistant.vision.cameras.standing import in_world
+from assistant.vision.cameras.drawing import Picture, bodies_of_scene, draw
+from assistant.vision.cameras.standing import camera_in_world
 from assistant.vision.exploring import rules
-from assistant.vision.servoing.live import Reader
+from assistant.vision.servoing.live import CameraReader
 
-GREY: Final = 30
+NOISE_LEVELS: Final = 30
 """Grey levels by which a pixel may differ by noise."""
-SHARE: Final = 0.01
+MOST_CHANGED: Final = 0.01
 """Largest part of the pixels of a region that differ without contact."""
-PATIENCE: Final = 2.0
+PICTURE_TIMEOUT: Final = 2.0
 """Most seconds to wait for a picture."""
-Region = tuple[int, int, int, int]
+PictureRegion = tuple[int, int, int, int]
 """Left, top, right, bottom in pixels; right and bottom are outside."""
 
 
@@ -38,7 +38,7 @@ class Contacts(Protocol):
         """True if the arm is in contact now; raises Refused if that cannot be found out."""
 
 
-class Reads(Protocol):
+class InputReader(Protocol):
     """A controller whose inputs can be read."""
 
     def inputs(self, names: Sequence[str]) -> dict[str, float]: ...
@@ -48,7 +48,7 @@ class Reads(Protocol):
 class InputContacts:
     """An input of the controller that is not 0 in contact."""
 
-    controller: Reads
+    controller: InputReader
     name: str
 
     def touching(self) -> bool:
@@ -83,18 +83,18 @@ class PictureContacts:
     """
 
     picture: Callable[[], Picture]
-    region: Region
+    region: PictureRegion
     first: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         self.first = self._grey()
 
     def touching(self) -> bool:
-        return self.difference() > SHARE
+        return self.difference() > MOST_CHANGED
 
     def difference(self) -> float:
         """Part of the pixels of the region that differ from the first picture."""
-        return float((np.abs(self._grey() - self.first) > GREY).mean())
+        return float((np.abs(self._grey() - self.first) > NOISE_LEVELS).mean())
 
     def _grey(self) -> Floats:
         left, top, right, bottom = self.region
@@ -113,11 +113,11 @@ class AnyContacts:
 
 
 @contextmanager
-def seen(
+def open_contact_camera(
     camera: Camera,
     source: str,
     folder: FilePath,
-    region: Region | None,
+    region: PictureRegion | None,
     joints: Callable[[], Mapping[str, Floats]],
 ) -> Iterator[PictureContacts]:
     """Open a camera as a source of contacts.
@@ -134,22 +134,24 @@ def seen(
         finding = rules.BAD_REGION(region=wanted, camera=camera.name, size=size)
         raise Refused(finding, exit_status=2)
     if source.lower().endswith(".toml"):
-        yield PictureContacts(_drawn(camera, folder / source, joints), wanted)
+        yield PictureContacts(_cell_drawer(camera, folder / source, joints), wanted)
         return
-    reader = Reader(camera, source, folder)
+    reader = CameraReader(camera, source, folder)
 
     def newest() -> Picture:
         now = time.monotonic()
-        frame = reader.newest(now, now + PATIENCE)
+        frame = reader.newest(now, now + PICTURE_TIMEOUT)
         if frame is None:
-            raise Refused(rules.NO_PICTURE(camera=camera.name, seconds=PATIENCE), exit_status=1)
+            raise Refused(
+                rules.NO_CONTACT_PICTURE(camera=camera.name, seconds=PICTURE_TIMEOUT), exit_status=1
+            )
         return frame.picture
 
     with reader.running():
         yield PictureContacts(newest, wanted)
 
 
-def _drawn(
+def _cell_drawer(
     camera: Camera, cell: FilePath, joints: Callable[[], Mapping[str, Floats]]
 ) -> Callable[[], Picture]:
     """Return a function that draws a cell with its robots at their present joints, and noise."""
@@ -158,7 +160,7 @@ def _drawn(
 
     def picture() -> Picture:
         now = joints()
-        stands = in_world(camera, scene, now)
-        return draw(stands, things_of(scene, now), seed=next(numbers))
+        stands = camera_in_world(camera, scene, now)
+        return draw(stands, bodies_of_scene(scene, now), seed=next(numbers))
 
     return picture

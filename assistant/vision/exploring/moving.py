@@ -25,28 +25,28 @@ from assistant.vision.servoing.bounds import Guard
 from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.synthetic import Clock
 
-TRIES: Final = 6
+POSTURES_TRIED: Final = 6
 """Postures that are drawn for each move; the target is the one that fills most new space."""
-DRAWN: Final = 2000
+POSTURES_DRAWN: Final = 2000
 """Postures that are drawn to find some with the flange in the box."""
-BACK: Final = 3.0
+LEAST_STEPS_BACK: Final = 3.0
 """Least steps back from a contact."""
-AHEAD: Final = 0.3
+SECONDS_AHEAD: Final = 0.3
 """Seconds to the target at the present speed, near the end of a motion led cycle by cycle."""
-LONGEST: Final = 0.2
+LONGEST_STEP: Final = 0.2
 """Most seconds of a step, however long the sources of contacts take."""
-THERE: Final = 0.1
+AT_TARGET: Final = 0.1
 """Steps from the target within which a move has ended."""
-RESTING: Final = 2.0
+REST_TIMEOUT: Final = 2.0
 """Seconds in which a motion that is led cycle by cycle must come to rest."""
-STANDS: Final = 0.02
+STANDSTILL: Final = 0.02
 """Most degrees or mm between two looks at an arm that stands still."""
-LOOK: Final = 0.1
+STANDSTILL_PERIOD: Final = 0.1
 """Seconds between these looks."""
 
 
 @dataclass(slots=True, eq=False)
-class Log:
+class ExplorationLog:
     """Joints, poses and contacts over time, as `explore recorded` reads them.
 
     rows: seconds, joints (a,) and contact of each row of the recording.
@@ -77,17 +77,17 @@ class Log:
         return clear_runs(np.array(times), np.array(joints), np.array(touching))
 
 
-def log_of(guard: Guard) -> Log:
+def empty_log(guard: Guard) -> ExplorationLog:
     """Return an empty log for the arm of a guard."""
     axes = zip(guard.robot.axes, guard.robot.units, strict=True)
     names = [f"{axis.lower()}_{'mm' if unit == 'mm' else 'deg'}" for axis, unit in axes]
     pose = ("x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z")
     fields: dict[str, tuple[str, ...]] = dict.fromkeys(("seconds", *names, *pose, "contact"), ())
-    return Log(Recording(fields))
+    return ExplorationLog(Recording(fields))
 
 
 @dataclass(slots=True, eq=False)
-class Wanderer:
+class RandomExplorer:
     """An arm that moves at random.
 
     explorer: with the chart so far; while the arm moves it learns from the log. carrier: leads the
@@ -101,7 +101,7 @@ class Wanderer:
     carrier: Carrier
     guard: Guard
     contacts: Contacts
-    log: Log
+    log: ExplorationLog
     ranges: Floats | None = None
     seconds: float = np.inf
     seed: int = 0
@@ -123,7 +123,7 @@ class Wanderer:
         joints = self.carrier.joints()
         what = self.guard.outside(joints) or self._outside(joints)
         if what:
-            raise Refused(rules.NO_START(what=what), exit_status=2)
+            raise Refused(rules.START_OUTSIDE_BOUNDS(what=what), exit_status=2)
         if self.contacts.touching():
             raise Refused(NOT_CLEAR(), exit_status=2)
 
@@ -165,13 +165,13 @@ class Wanderer:
         robot = self.guard.robot
         ranges = ranges_of(robot, self.ranges)
         if self.guard.bounds.box is None:
-            return drawn_in(ranges, TRIES, draw)
-        drawn = drawn_in(ranges, DRAWN, draw)
+            return drawn_in(ranges, POSTURES_TRIED, draw)
+        drawn = drawn_in(ranges, POSTURES_DRAWN, draw)
         low, high = np.array(self.guard.bounds.box)
         places = robot.fk(drawn)[0]
-        found = drawn[((places >= low) & (places <= high)).all(axis=1)][:TRIES]
+        found = drawn[((places >= low) & (places <= high)).all(axis=1)][:POSTURES_TRIED]
         if not len(found):
-            raise Refused(rules.EMPTY_BOX(count=DRAWN), exit_status=1)
+            raise Refused(rules.EMPTY_BOX(count=POSTURES_DRAWN), exit_status=1)
         return np.asarray(found)
 
     def _go(self, end: Floats, *, stops: bool) -> bool:
@@ -182,18 +182,18 @@ class Wanderer:
         velocity, before = np.zeros(len(end)), self.clock()
         while True:
             now = self.clock()
-            seconds = float(np.clip(now - before, self.carrier.period, LONGEST))
+            seconds = float(np.clip(now - before, self.carrier.period, LONGEST_STEP))
             before = now
             at = self.carrier.told()
             left = end - at
             steps = self._steps(left)
-            if steps < THERE:
+            if steps < AT_TARGET:
                 self._rest()
                 return self._note(self.contacts.touching()) and stops
             if self.carrier.waits:
                 self.carrier.move(at + left / max(steps, 1.0), seconds)
             else:
-                wanted = left / max(AHEAD, 2.0 * seconds)
+                wanted = left / max(SECONDS_AHEAD, 2.0 * seconds)
                 velocity = self.guard.limited(wanted, velocity, at, seconds)
                 self.carrier.move(at + velocity * seconds, seconds)
                 self.clock.wait(max(self.carrier.period - (self.clock() - now), 0.0))
@@ -223,7 +223,7 @@ class Wanderer:
         for here, there in itertools.pairwise(way):
             gone += self._steps(there - here)
             self._go(there, stops=False)
-            if gone >= BACK and not self.log.rows[-1][2]:
+            if gone >= LEAST_STEPS_BACK and not self.log.rows[-1][2]:
                 return
         if self.log.rows[-1][2]:
             back = gone * STEP_IN_CELLS * self.explorer.filler.size
@@ -234,12 +234,12 @@ class Wanderer:
         self.carrier.rest()
         if self.carrier.waits:
             return
-        end, before = self.clock() + RESTING, self.carrier.joints()
+        end, before = self.clock() + REST_TIMEOUT, self.carrier.joints()
         while self.clock() < end:
-            self.clock.wait(LOOK)
+            self.clock.wait(STANDSTILL_PERIOD)
             now = self.carrier.joints()
             self._note(self.contacts.touching())
-            if np.abs(now - before).max() <= STANDS:
+            if np.abs(now - before).max() <= STANDSTILL:
                 return
             before = now
 
@@ -267,7 +267,7 @@ class Wanderer:
             return ""
         off = np.maximum(self.ranges[:, 0] - joints, joints - self.ranges[:, 1])
         worst = int(np.argmax(off))
-        if off[worst] <= STANDS:
+        if off[worst] <= STANDSTILL:
             return ""
         low, high = self.ranges[worst]
         axis = self.guard.robot.axes[worst]

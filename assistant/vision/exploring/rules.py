@@ -11,7 +11,7 @@ STILL_TOUCHING: Final = error(
     "the contact did not end on the way back, {back:.0f} mm long; the arm has been stopped",
     "free the arm by hand, and check the source of the contact",
 )
-NO_START: Final = error(
+START_OUTSIDE_BOUNDS: Final = error(
     "VS221",
     "the arm explores only inside its bounds, and {what}",
     "move the arm into its bounds, or state wider ones",
@@ -21,7 +21,7 @@ EMPTY_BOX: Final = error(
     "none of {count:,} random postures has the flange in the box, so there is nowhere to move",
     "move the box to where the arm reaches, or make it larger",
 )
-NO_PICTURE: Final = error(
+NO_CONTACT_PICTURE: Final = error(
     "VS223",
     "no picture of camera `{camera}` came within {seconds:g} s, so contacts cannot be seen",
     "check the camera, and begin again",
@@ -31,7 +31,7 @@ BAD_REGION: Final = error(
     "the region {region} is not in the picture of camera `{camera}`, which is {size}",
     "write LEFT,TOP,RIGHT,BOTTOM in pixels of that picture",
 )
-NO_LONGER: Final = warning(
+EXPLORATION_TIME_OVER: Final = warning(
     "VS225",
     "the time is over after {moves} moves",
     "explore again with the same chart, which goes on from there",

@@ -17,30 +17,30 @@ from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv
-from assistant.vision.pointing.cones import Cone, cone_of
-from assistant.vision.pointing.devices import Ball, Colour
-from assistant.vision.pointing.spots import Spot
+from assistant.vision.pointing.cones import Cone, fit_cone
+from assistant.vision.pointing.devices import Ball, HueRange
+from assistant.vision.pointing.spots import MarkSpot
 
-LEAST_AREA: Final = 12
+LEAST_BALL_AREA: Final = 12
 """Pixels of a ball's colour; what is smaller is noise."""
-MOST_SPOTS: Final = 6
+MOST_BALLS: Final = 6
 """Of one colour that are looked at, the largest first."""
-LINES: Final = 90
+OUTLINE_LINES: Final = 90
 """From the middle of a ball across its outline."""
-STEP: Final = 0.25
+OUTLINE_STEP: Final = 0.25
 """Pixels along such a line."""
 PLATEAU: Final = 1.5
 """Pixels at both ends of a line that tell the colour inside and outside."""
-NEAR: Final = 2.0
-FAR: Final = 4.0
+SHADING_NEAR: Final = 2.0
+SHADING_FAR: Final = 4.0
 """Pixels inside of an outline between which it is looked how the light changes."""
-BLUR: Final = 1.0
+OUTLINE_BLUR: Final = 1.0
 """Pixels, sigma, of an outline as lenses and smoothing make it."""
-CONTRAST: Final = 18.0
+LEAST_CONTRAST: Final = 18.0
 """Grey levels that colours inside and outside differ by at least."""
-SMOOTHED: Final = 0.6
+HUE_SMOOTHING: Final = 0.6
 """Pixels by which noise is smoothed before; the same on both sides of an outline."""
-OFF: Final = 0.5
+OUTLINE_TOLERANCE: Final = 0.5
 """Pixels that a part of the outline may be off."""
 LEAST_CONFIDENCE: Final = 0.45
 """Part of the outline; of less a ball is not told from something else of its colour."""
@@ -52,29 +52,29 @@ def hues_of(picture: Picture) -> Any:
     return cv2.cvtColor(cv2.GaussianBlur(picture, (3, 3), 0), cv2.COLOR_BGR2HSV)
 
 
-def balls(picture: Picture, hues: Any, camera: Camera, ball: Ball) -> tuple[Spot, ...]:
+def find_balls(picture: Picture, hues: Any, camera: Camera, ball: Ball) -> tuple[MarkSpot, ...]:
     """What may be the ball in a picture, the surest first."""
     cv2 = opencv()
-    mask = _coloured(cv2, hues, ball.colour)
+    mask = _colour_mask(cv2, hues, ball.colour)
     count, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     areas = stats[1:, cv2.CC_STAT_AREA]
-    largest = np.argsort(-areas, kind="stable")[:MOST_SPOTS] + 1
+    largest = np.argsort(-areas, kind="stable")[:MOST_BALLS] + 1
     found = []
     for i in largest[: count - 1]:
-        if stats[i, cv2.CC_STAT_AREA] < LEAST_AREA:
+        if stats[i, cv2.CC_STAT_AREA] < LEAST_BALL_AREA:
             break
         x, y, w, h = (int(v) for v in stats[i, :4])
         # Half of a ball may be in the shade, or behind a stick: its box tells more than its area.
         radius = max(max(w, h) / 2.0, float(np.sqrt(stats[i, cv2.CC_STAT_AREA] / np.pi)))
         centre = (x + (w - 1) / 2.0, y + (h - 1) / 2.0)
-        patch = _around(cv2, picture, ball.colour, centre, radius)
-        spot = _measured(cv2, patch, camera, centre, radius)
+        patch = _patch_around(cv2, picture, ball.colour, centre, radius)
+        spot = _measure_ball(cv2, patch, camera, centre, radius)
         if spot is not None:
             found.append(spot)
     return tuple(sorted(found, key=lambda spot: -spot.confidence))
 
 
-def _coloured(cv2: Any, hues: Any, colour: Colour) -> Any:
+def _colour_mask(cv2: Any, hues: Any, colour: HueRange) -> Any:
     """Which pixels (h, w) are of a colour, without single ones."""
     low, high = colour.hue - colour.width, colour.hue + colour.width
     least, most = (255.0 * colour.saturation, 255.0 * colour.value), (255.0, 255.0)
@@ -97,8 +97,8 @@ class _Patch:
     origin: tuple[int, int]
 
 
-def _around(
-    cv2: Any, picture: Picture, colour: Colour, centre: tuple[float, float], radius: float
+def _patch_around(
+    cv2: Any, picture: Picture, colour: HueRange, centre: tuple[float, float], radius: float
 ) -> _Patch:
     height, width = picture.shape[:2]
     half = 1.5 * radius + 12.0
@@ -106,31 +106,31 @@ def _around(
     u1, v1 = (min(int(c + half) + 1, most) for c, most in zip(centre, (width, height), strict=True))
     third, hue = np.radians(120.0), np.radians(colour.hue)
     weights = np.array([[np.cos(hue + third), np.cos(hue - third), np.cos(hue)]]) * 2.0 / 3.0
-    soft = cv2.GaussianBlur(picture[v0:v1, u0:u1], (0, 0), SMOOTHED).astype(np.float32)
+    soft = cv2.GaussianBlur(picture[v0:v1, u0:u1], (0, 0), HUE_SMOOTHING).astype(np.float32)
     return _Patch(cv2.transform(soft, weights.astype(np.float32)), (u0, v0))
 
 
-def _measured(
+def _measure_ball(
     cv2: Any, patch: _Patch, camera: Camera, centre: tuple[float, float], radius: float
-) -> Spot | None:
+) -> MarkSpot | None:
     """The ball about a place, measured twice: the second time from where the first found it."""
     spot = None
     for _ in range(2):
-        edge = _edge(cv2, patch, centre, radius)
+        edge = _ball_outline(cv2, patch, centre, radius)
         scale = float(np.mean(camera.lens.focal))
-        cone = cone_of(camera.directions(edge), OFF / scale)
-        spot = None if cone is None else _spot(camera, cone, edge)
+        cone = fit_cone(camera.directions(edge), OUTLINE_TOLERANCE / scale)
+        spot = None if cone is None else _spot_of_cone(camera, cone, edge)
         if spot is None:
             return None
         centre, radius = spot.place, spot.radius
     return spot if spot is not None and spot.confidence >= LEAST_CONFIDENCE else None
 
 
-def _edge(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: float) -> Floats:
+def _ball_outline(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: float) -> Floats:
     """(LINES, 2) pixels of the outline, NaN on lines that cross none."""
     reach = min(4.0 + 0.15 * radius, max(0.7 * radius, 2.5))
-    r = np.arange(max(radius - reach, 0.0), radius + reach + STEP, STEP)
-    angles = np.arange(LINES) * (2.0 * np.pi / LINES)
+    r = np.arange(max(radius - reach, 0.0), radius + reach + OUTLINE_STEP, OUTLINE_STEP)
+    angles = np.arange(OUTLINE_LINES) * (2.0 * np.pi / OUTLINE_LINES)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     at = np.array(centre) + ways[:, None, :] * r[None, :, None]
     u, v = ((at[..., k] - patch.origin[k]).astype(np.float32) for k in (0, 1))
@@ -138,39 +138,41 @@ def _edge(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: float) -
         patch.levels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=-1e4
     ).astype(np.float64)
     values[values < -1e3] = np.nan
-    ends = int(PLATEAU / STEP)
+    ends = int(PLATEAU / OUTLINE_STEP)
     with np.errstate(invalid="ignore"):
         inside, outside = values[:, :ends].mean(axis=1), values[:, -ends:].mean(axis=1)
         half = (inside + outside) / 2.0
         first = np.argmax(values < half[:, None], axis=1)
-        half += _shaded(values, first, inside, reach)
+        half += _shading_offsets(values, first, inside, reach)
         below = values < half[:, None]
         first = np.argmax(below, axis=1)
-        good = below.any(axis=1) & (first > 0) & (inside - outside > CONTRAST)
+        good = below.any(axis=1) & (first > 0) & (inside - outside > LEAST_CONTRAST)
     rows, k = np.flatnonzero(good), first[good]
     before, after = values[rows, k - 1], values[rows, k]
     part = (before - half[rows]) / (before - after)
-    edge = np.full((LINES, 2), np.nan)
-    edge[rows] = np.array(centre) + ways[rows] * (r[k - 1] + part * STEP)[:, None]
+    edge = np.full((OUTLINE_LINES, 2), np.nan)
+    edge[rows] = np.array(centre) + ways[rows] * (r[k - 1] + part * OUTLINE_STEP)[:, None]
     return edge
 
 
-def _shaded(values: Floats, first: Any, inside: Floats, reach: float) -> Floats:
+def _shading_offsets(values: Floats, first: Any, inside: Floats, reach: float) -> Floats:
     """(LINES,) what the level of the outline is higher where light changes across the ball.
 
     The level inside goes on as it does from `FAR` to `NEAR` pixels before the outline; a slope s of
     it, and a blur of sigma b, put the half level off by s b / √(2 π).
     """
-    if reach < FAR:
+    if reach < SHADING_FAR:
         return np.zeros(len(values))
     rows = np.arange(len(values))
-    near, far = (np.clip(first - int(d / STEP), 0, None) for d in (NEAR, FAR))
-    slope = (values[rows, near] - values[rows, far]) / (FAR - NEAR)
-    level = values[rows, near] + slope * NEAR
-    return np.asarray((level - inside) / 2.0 - slope * BLUR / np.sqrt(2.0 * np.pi))
+    near, far = (
+        np.clip(first - int(d / OUTLINE_STEP), 0, None) for d in (SHADING_NEAR, SHADING_FAR)
+    )
+    slope = (values[rows, near] - values[rows, far]) / (SHADING_FAR - SHADING_NEAR)
+    level = values[rows, near] + slope * SHADING_NEAR
+    return np.asarray((level - inside) / 2.0 - slope * OUTLINE_BLUR / np.sqrt(2.0 * np.pi))
 
 
-def _spot(camera: Camera, cone: Cone, edge: Floats) -> Spot | None:
+def _spot_of_cone(camera: Camera, cone: Cone, edge: Floats) -> MarkSpot | None:
     """The place of a cone in the picture."""
     back = rotations.conjugate(np.array(camera.pose.quaternion))
     direction = rotations.rotate(back, cone.direction)
@@ -183,5 +185,5 @@ def _spot(camera: Camera, cone: Cone, edge: Floats) -> Spot | None:
     width, height = camera.lens.size
     most = (width - 1, height - 1)
     at_edge = bool((place < radius + 1.0).any() or (place > np.array(most) - radius - 1.0).any())
-    confidence = float(np.count_nonzero(cone.on)) / LINES
-    return Spot((float(place[0]), float(place[1])), radius, cone.angle, confidence, at_edge)
+    confidence = float(np.count_nonzero(cone.on)) / OUTLINE_LINES
+    return MarkSpot((float(place[0]), float(place[1])), radius, cone.angle, confidence, at_edge)

@@ -16,11 +16,11 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Truths
 
-ROUNDS: Final = 6
+CONE_ROUNDS: Final = 6
 """Of leaving out what does not lie on the cone."""
-LEAST: Final = 8
+FEWEST_RAYS: Final = 8
 """Rays of an outline from which a cone is told."""
-TRIED: Final = 120
+CONE_SAMPLES: Final = 120
 """Cones through three rays each that are tried."""
 
 
@@ -37,7 +37,7 @@ class Cone:
     scatter: float
 
 
-def cone_of(rays: Floats, off: float) -> Cone | None:
+def fit_cone(rays: Floats, off: float) -> Cone | None:
     """The cone that most of some unit rays (n, 3) lie on, or None where they tell none.
 
     off: radians that a ray of it may be off. Where half of a ball is hidden, the others are those
@@ -46,17 +46,17 @@ def cone_of(rays: Floats, off: float) -> Cone | None:
     then made exact by all that do.
     """
     good = np.flatnonzero(np.isfinite(rays).all(axis=1))
-    if len(good) < LEAST:
+    if len(good) < FEWEST_RAYS:
         return None
-    normal = _tried(rays[good], off)
+    normal = _best_sampled_cone(rays[good], off)
     on = np.zeros(len(rays), dtype=bool)
     away: Floats = np.full(len(rays), np.nan)
-    for _ in range(ROUNDS):
+    for _ in range(CONE_ROUNDS):
         if not np.linalg.norm(normal) > 1.0:
             return None
-        away = _off(rays, normal[None])[0]
+        away = _angles_outside(rays, normal[None])[0]
         before, on = on, np.abs(away) <= off
-        if on.sum() < LEAST:
+        if on.sum() < FEWEST_RAYS:
             return None
         if (on == before).all():
             break
@@ -66,23 +66,25 @@ def cone_of(rays: Floats, off: float) -> Cone | None:
     return Cone(normal / length, float(np.arccos(1.0 / length)), np.asarray(on), scatter)
 
 
-def _off(rays: Floats, normals: Floats) -> Floats:
+def _angles_outside(rays: Floats, normals: Floats) -> Floats:
     """(k, n) radians by which rays (n, 3) are outside of cones (k, 3)."""
     lengths = np.linalg.norm(normals, axis=1)[:, None]
     cosines = np.clip(normals @ rays.T / lengths, -1.0, 1.0)
     return np.asarray(np.arccos(cosines) - np.arccos(1.0 / lengths))
 
 
-def _tried(rays: Floats, off: float) -> Floats:
+def _best_sampled_cone(rays: Floats, off: float) -> Floats:
     """The cone through three of some rays (n, 3) that the others are nearest to."""
-    chosen = np.random.default_rng(0).random((TRIED, len(rays))).argpartition(2, axis=1)[:, :3]
+    chosen = (
+        np.random.default_rng(0).random((CONE_SAMPLES, len(rays))).argpartition(2, axis=1)[:, :3]
+    )
     three = rays[chosen]
     with np.errstate(divide="ignore", invalid="ignore"):
         sound = np.abs(np.linalg.det(three)) > 1e-12
-        normals = np.zeros((TRIED, 3))
+        normals = np.zeros((CONE_SAMPLES, 3))
         normals[sound] = np.linalg.solve(three[sound], np.ones((sound.sum(), 3, 1)))[..., 0]
         sound &= np.linalg.norm(normals, axis=1) > 1.0
     if not sound.any():
         return np.zeros(3)
-    missed = np.minimum(_off(rays, normals[sound]) ** 2, off**2).sum(axis=1)
+    missed = np.minimum(_angles_outside(rays, normals[sound]) ** 2, off**2).sum(axis=1)
     return np.asarray(normals[sound][np.argmin(missed)])

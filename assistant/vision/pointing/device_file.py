@@ -26,18 +26,18 @@ from assistant.program.settings_tables import Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.devices import (
-    COLOURS,
     DEVICES,
-    DOWN,
+    HUES,
+    TOOL_DOWN,
     Ball,
-    Colour,
     Device,
+    HueRange,
     Light,
 )
 
-LEAST_APART: Final = 30.0
+LEAST_MARK_DISTANCE: Final = 30.0
 """mm between two marks of a wand: nearer ones hide each other."""
-MOST_BALLS: Final = 8
+MOST_BALLS_OF_DEVICE: Final = 8
 
 
 def device_of(text: str) -> Device:
@@ -54,7 +54,7 @@ def read_device(path: str | FilePath) -> Device:
     """The device of a file; raises Unreadable, or Refused with a finding for each wrong key."""
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)
-    said = top.read(KEYS)
+    said = top.read(DEVICE_KEYS)
     light = top.table("light").read(LIGHT_KEYS)
     entries = top.content.get("balls", [])
     tables = [
@@ -62,26 +62,26 @@ def read_device(path: str | FilePath) -> Device:
         for i, entry in enumerate(entries if isinstance(entries, list) else [])
         if isinstance(entry, dict)
     ]
-    balls = [_ball(table) for table in tables[:MOST_BALLS]]
+    balls = [_read_ball(table) for table in tables[:MOST_BALLS_OF_DEVICE]]
     if has_errors(top.page.findings):
         raise Refused(*top.page.findings, exit_status=2)
     kind = said.get("kind", "wand" if len(balls) > 1 else "ball")
     lights = (Light(light.get("largest", Light().largest)),)
     marks = lights if kind == "light" else tuple(ball for ball in balls if ball is not None)
-    turn = said["orientation"][0] if "orientation" in said else DOWN
+    turn = said["orientation"][0] if "orientation" in said else TOOL_DOWN
     device = Device(kind, marks, turn)
-    if (wrong := _wrong(device, kind, len(tables))) is not None:
+    if (wrong := _device_fault(device, kind, len(tables))) is not None:
         what, cure = wrong
         raise Refused(rules.BAD_DEVICE(path=str(path), what=what, cure=cure), exit_status=2)
     return device
 
 
-def _ball(table: Table) -> Ball | None:
+def _read_ball(table: Table) -> Ball | None:
     said = table.read(BALL_KEYS)
     if "hue" in said:
-        colour, name = Colour(said["hue"], said.get("width", Colour(0.0).width)), "coloured"
+        colour, name = HueRange(said["hue"], said.get("width", HueRange(0.0).width)), "coloured"
     elif "colour" in said:
-        colour, name = COLOURS[said["colour"]], said["colour"]
+        colour, name = HUES[said["colour"]], said["colour"]
     else:
         table.say(rules.BAD_DEVICE, what="has a ball without a colour", cure="write colour or hue")
         return None
@@ -91,11 +91,11 @@ def _ball(table: Table) -> Ball | None:
     return Ball(colour, said["radius"], said.get("position", (0.0, 0.0, 0.0)), name)
 
 
-def _wrong(device: Device, kind: str, given: int) -> tuple[str, str] | None:
+def _device_fault(device: Device, kind: str, given: int) -> tuple[str, str] | None:
     """What no device has, with what to do."""
     count = len(device.marks)
-    if given > MOST_BALLS:
-        return f"has {given} balls", f"write {MOST_BALLS} at most"
+    if given > MOST_BALLS_OF_DEVICE:
+        return f"has {given} balls", f"write {MOST_BALLS_OF_DEVICE} at most"
     if kind == "ball" and count != 1:
         return f"is a ball and has {count} of them", "write [[balls]] once, or kind = `wand`"
     if kind != "wand":
@@ -105,9 +105,12 @@ def _wrong(device: Device, kind: str, given: int) -> tuple[str, str] | None:
     places = device.positions
     for i in range(count):
         for k in range(i):
-            if float(((places[i] - places[k]) ** 2).sum()) < LEAST_APART**2:
-                return "has two balls that are hardly apart", f"put {LEAST_APART:g} mm between them"
-            if _alike(device.marks[i], device.marks[k]):
+            if float(((places[i] - places[k]) ** 2).sum()) < LEAST_MARK_DISTANCE**2:
+                return (
+                    "has two balls that are hardly apart",
+                    f"put {LEAST_MARK_DISTANCE:g} mm between them",
+                )
+            if _hues_overlap(device.marks[i], device.marks[k]):
                 return "has two balls of one colour", "give each a colour of its own"
     line = device.turns_shown == 2 and abs(places[:, :2]).max() > 0.0
     if line:
@@ -115,7 +118,7 @@ def _wrong(device: Device, kind: str, given: int) -> tuple[str, str] | None:
     return None
 
 
-def _alike(one: Ball | Light, other: Ball | Light) -> bool:
+def _hues_overlap(one: Ball | Light, other: Ball | Light) -> bool:
     """Whether colours of two balls overlap."""
     if isinstance(one, Light) or isinstance(other, Light):
         return False
@@ -123,14 +126,14 @@ def _alike(one: Ball | Light, other: Ball | Light) -> bool:
     return min(away, 360.0 - away) < one.colour.width + other.colour.width
 
 
-def _position(value: Any) -> tuple[float, ...]:
+def _read_position(value: Any) -> tuple[float, ...]:
     one = settings_tables.number("mm", least=-2000.0, most=2000.0)
     if not isinstance(value, list) or len(value) != 3:
         raise Wrong(f"is {kind_of(value)} and no place", "write three numbers of mm in brackets")
     return tuple(map(one, value))
 
 
-KEYS: Final[Mapping[str, settings_tables.Read]] = {
+DEVICE_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "kind": settings_tables.choice("ball", "light", "wand"),
     "orientation": settings_tables.quaternion,
     "balls": lambda value: value,
@@ -140,9 +143,9 @@ LIGHT_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "largest": settings_tables.number("mm", least=0.5, most=200.0),
 }
 BALL_KEYS: Final[Mapping[str, settings_tables.Read]] = {
-    "colour": settings_tables.choice(*COLOURS),
+    "colour": settings_tables.choice(*HUES),
     "hue": settings_tables.number("degrees", least=0.0, most=360.0),
     "width": settings_tables.number("degrees", least=1.0, most=60.0),
     "radius": settings_tables.number("mm", least=1.0, most=200.0),
-    "position": _position,
+    "position": _read_position,
 }

@@ -16,12 +16,12 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Quaternion, Vector
 
-DOWN: Final[Quaternion] = (0.0, 1.0, 0.0, 0.0)
+TOOL_DOWN: Final[Quaternion] = (0.0, 1.0, 0.0, 0.0)
 """A tool that points down, its x along that of the world."""
 
 
 @dataclass(frozen=True, slots=True)
-class Colour:
+class HueRange:
     """hue: degrees on the circle of colours, red being 0, green 120 and blue 240. width: degrees
     to both sides. saturation, value: the least of both, 0 to 1.
     """
@@ -32,14 +32,14 @@ class Colour:
     value: float = 0.15
 
 
-COLOURS: Final = {
-    "red": Colour(0.0, 18.0),
-    "orange": Colour(30.0, 11.0),
-    "yellow": Colour(58.0, 16.0),
-    "green": Colour(120.0, 38.0),
-    "cyan": Colour(180.0, 20.0),
-    "blue": Colour(230.0, 30.0),
-    "magenta": Colour(310.0, 30.0),
+HUES: Final = {
+    "red": HueRange(0.0, 18.0),
+    "orange": HueRange(30.0, 11.0),
+    "yellow": HueRange(58.0, 16.0),
+    "green": HueRange(120.0, 38.0),
+    "cyan": HueRange(180.0, 20.0),
+    "blue": HueRange(230.0, 30.0),
+    "magenta": HueRange(310.0, 30.0),
 }
 
 
@@ -50,7 +50,7 @@ class Ball:
     colour_name: as it is told.
     """
 
-    colour: Colour
+    colour: HueRange
     radius: float
     position: Vector = (0.0, 0.0, 0.0)
     colour_name: str = ""
@@ -77,7 +77,7 @@ class Device:
 
     name: str
     marks: tuple[Ball | Light, ...]
-    orientation: Quaternion = field(default=DOWN)
+    orientation: Quaternion = field(default=TOOL_DOWN)
 
     @property
     def positions(self) -> Floats:
@@ -100,7 +100,7 @@ class Device:
 
 def ball(colour: str = "red", radius: float = 20.0) -> Device:
     """A ball whose centre is the place that is shown."""
-    return Device("ball", (Ball(COLOURS[colour], radius, colour_name=colour),))
+    return Device("ball", (Ball(HUES[colour], radius, colour_name=colour),))
 
 
 def light(largest: float = 12.0) -> Device:
@@ -110,7 +110,7 @@ def light(largest: float = 12.0) -> Device:
 def wand() -> Device:
     """Red and green are 200 mm apart on a stick, the tip 40 mm before red; blue is at its side."""
     places = {"red": (0.0, 0.0, -40.0), "green": (0.0, 0.0, -240.0), "blue": (90.0, 0.0, -140.0)}
-    marks = (Ball(COLOURS[name], 15.0, place, name) for name, place in places.items())
+    marks = (Ball(HUES[name], 15.0, place, name) for name, place in places.items())
     return Device("wand", tuple(marks))
 
 

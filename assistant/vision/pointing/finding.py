@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
-from assistant.vision.pointing.balls import balls, hues_of
+from assistant.vision.pointing.balls import find_balls, hues_of
 from assistant.vision.pointing.devices import Ball, Light
-from assistant.vision.pointing.lights import lights
-from assistant.vision.pointing.spots import Spot
+from assistant.vision.pointing.lights import find_lights
+from assistant.vision.pointing.spots import MarkSpot
 
 
-def spots(
+def find_spots(
     picture: Picture, camera: Camera, marks: Sequence[Ball | Light]
-) -> list[tuple[Spot, ...]]:
+) -> list[tuple[MarkSpot, ...]]:
     """What may be each of the marks in a picture, the surest first.
 
     Raises Refused without OpenCV.
@@ -23,8 +23,8 @@ def spots(
     found = []
     for mark in marks:
         if isinstance(mark, Light):
-            found.append(lights(picture))
+            found.append(find_lights(picture))
             continue
         hues = hues_of(picture) if hues is None else hues
-        found.append(balls(picture, hues, camera, mark))
+        found.append(find_balls(picture, hues, camera, mark))
     return found

@@ -10,20 +10,20 @@ from typing import Final
 from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.cameras.capture import Frame, files_of, opened
+from assistant.vision.cameras.capture import Frame, open_frames, picture_names
 from assistant.vision.cameras.pairing import pairing_finding
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.tracking import Moment
 
-RATE: Final = 30.0
+FILE_RATE: Final = 30.0
 """Pictures a second of files, which do not say when they were taken."""
 
 
 @contextmanager
-def moments(
+def open_moments(
     rig: Rig,
     cameras: Sequence[Camera],
-    rate: float = RATE,
+    rate: float = FILE_RATE,
 ) -> Iterator[Iterator[Moment]]:
     """The moments of cameras of a rig, until one of them gives no more pictures.
 
@@ -32,29 +32,29 @@ def moments(
     """
     for camera in cameras:
         if not rig.sources.get(camera.name):
-            raise Refused(rules.NO_SOURCE(camera=camera.name), exit_status=2)
+            raise Refused(rules.NO_PICTURE_SOURCE(camera=camera.name), exit_status=2)
     sources = [rig.sources[camera.name] for camera in cameras]
-    _check_step(rig, cameras, sources)
+    _check_pairing(rig, cameras, sources)
     with ExitStack() as stack:
         frames = [
-            stack.enter_context(opened(camera, source, rig.folder))
+            stack.enter_context(open_frames(camera, source, rig.folder))
             for camera, source in zip(cameras, sources, strict=True)
         ]
-        yield _joined(frames, rate)
+        yield _join_frames(frames, rate)
 
 
-def _check_step(rig: Rig, cameras: Sequence[Camera], sources: Sequence[str]) -> None:
+def _check_pairing(rig: Rig, cameras: Sequence[Camera], sources: Sequence[str]) -> None:
     named = {
         camera.name: files
         for camera, source in zip(cameras, sources, strict=True)
-        if (files := files_of(source, rig.folder))
+        if (files := picture_names(source, rig.folder))
     }
     for (one, names), (other, others) in combinations(named.items(), 2):
         if (finding := pairing_finding(one, names, other, others)) is not None:
             raise Refused(finding, exit_status=2)
 
 
-def _joined(frames: Sequence[Iterator[Frame]], rate: float) -> Iterator[Moment]:
+def _join_frames(frames: Sequence[Iterator[Frame]], rate: float) -> Iterator[Moment]:
     began: float | None = None
     for group in zip(*frames, strict=False):
         first = group[0]

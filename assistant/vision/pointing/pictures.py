@@ -11,11 +11,11 @@ from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.pointing import rules
 
-DARK: Final = 25.0
+DARK_LEVEL: Final = 25.0
 """Grey level that half of a picture which shows something is above."""
-FULL: Final = 252
+SATURATED_LEVEL: Final = 252
 """Grey level from which on a pixel tells no more."""
-MOST_FULL: Final = 0.3
+MOST_SATURATED: Final = 0.3
 """Part of a picture."""
 
 
@@ -23,7 +23,7 @@ def size_finding(camera: Camera, picture: Picture) -> Diagnostic | None:
     width, height = camera.lens.size
     if picture.shape == (height, width, 3):
         return None
-    return rules.OTHER_SIZE(
+    return rules.UNCALIBRATED_SIZE(
         camera=camera.name,
         width=picture.shape[1],
         height=picture.shape[0],
@@ -35,9 +35,9 @@ def size_finding(camera: Camera, picture: Picture) -> Diagnostic | None:
 def brightness_finding(camera: Camera, picture: Picture, *, dark: bool) -> Diagnostic | None:
     """dark: whether a dark picture is wrong; a light is seen best in one."""
     brightest = picture[::2, ::2].max(axis=2)
-    if dark and float(np.median(brightest)) < DARK:
-        return rules.TOO_DARK(camera=camera.name, level=DARK)
-    full = float(np.mean(brightest >= FULL))
-    if full > MOST_FULL:
-        return rules.TOO_BRIGHT(camera=camera.name, percent=100.0 * full)
+    if dark and float(np.median(brightest)) < DARK_LEVEL:
+        return rules.TOO_DARK_PICTURE(camera=camera.name, level=DARK_LEVEL)
+    full = float(np.mean(brightest >= SATURATED_LEVEL))
+    if full > MOST_SATURATED:
+        return rules.TOO_BRIGHT_PICTURE(camera=camera.name, percent=100.0 * full)
     return None

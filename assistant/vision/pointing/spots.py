@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Spot:
+class MarkSpot:
     """place: pixel (u, v) at which the mark's middle is projected. radius: pixels.
 
     angle: radians between its middle and its outline, None of a light. confidence: 0 to 1; of a

@@ -22,13 +22,13 @@ from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.pointing import rules
 from assistant.vision.pointing.devices import Device
-from assistant.vision.pointing.holding import STILL, Held, Still, holds
-from assistant.vision.pointing.locating import USUAL, Limits, Sighting
-from assistant.vision.pointing.tracking import Look
+from assistant.vision.pointing.holding import USUAL_HOLD, HeldPosition, HoldLimits, find_holds
+from assistant.vision.pointing.locating import USUAL_LIMITS, Limits, Sighting
+from assistant.vision.pointing.tracking import Observation
 
-NEAR: Final = 2.0
+SAME_POINT: Final = 2.0
 """mm within which moments are one point of the way."""
-ENDS: Final = 6.0
+HELD_RADIUS: Final = 6.0
 """mm from a place that was held within which moments belong to it."""
 
 
@@ -44,7 +44,7 @@ class Smoothing:
     shortest: float = 20.0
 
 
-EVEN: Final = Smoothing()
+USUAL_SMOOTHING: Final = Smoothing()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +59,8 @@ class Stroke:
     quaternions: Floats
     length: float
     scatter: float
-    first: Held
-    last: Held
+    first: HeldPosition
+    last: HeldPosition
 
     def csv(self) -> str:
         """As a table of waypoints, mm and unit quaternions."""
@@ -73,13 +73,13 @@ class Stroke:
         return text.getvalue()
 
 
-def strokes(
-    looks: Iterable[Look],
+def find_strokes(
+    looks: Iterable[Observation],
     device: Device,
     cameras: Sequence[Camera],
-    limits: Limits = USUAL,
-    still: Still = STILL,
-    smoothing: Smoothing = EVEN,
+    limits: Limits = USUAL_LIMITS,
+    still: HoldLimits = USUAL_HOLD,
+    smoothing: Smoothing = USUAL_SMOOTHING,
     tell: Callable[[Diagnostic], None] = lambda _: None,
 ) -> Iterator[Stroke]:
     """The ways between two holds, the first, the third … of which begin one.
@@ -88,40 +88,43 @@ def strokes(
     """
     seen: list[tuple[float, Sighting]] = []
 
-    def remembered() -> Iterator[Look]:
+    def remembered() -> Iterator[Observation]:
         for look in looks:
             if isinstance(look.seen, Sighting):
                 seen.append((look.seconds, look.seen))
             yield look
 
-    first: Held | None = None
-    for held in holds(remembered(), device, cameras, limits, still, tell):
+    first: HeldPosition | None = None
+    for held in find_holds(remembered(), device, cameras, limits, still, tell):
         if first is None:
             first = held
             continue
         between = [s for t, s in seen if first.ended < t < held.began]
-        yield stroke(first, between, held, smoothing)
+        yield fit_stroke(first, between, held, smoothing)
         first = None
         seen.clear()
 
 
-def stroke(
-    first: Held, between: Sequence[Sighting], last: Held, smoothing: Smoothing = EVEN
+def fit_stroke(
+    first: HeldPosition,
+    between: Sequence[Sighting],
+    last: HeldPosition,
+    smoothing: Smoothing = USUAL_SMOOTHING,
 ) -> Stroke:
     """The way from one held place past sightings to another one; raises Refused."""
     ends = [np.array(held.pose.position) for held in (first, last)]
     points = np.array([s.pose.position for s in between]).reshape(-1, 3)
     turns = np.array([s.pose.quaternion for s in between]).reshape(-1, 4)
-    near = [np.linalg.norm(points - end, axis=1) < ENDS for end in ends]
+    near = [np.linalg.norm(points - end, axis=1) < HELD_RADIUS for end in ends]
     begin = len(points) - int(np.argmax(near[0][::-1])) if near[0].any() else 0
     end = int(np.argmax(near[1])) if near[1].any() else len(points)
     points, turns = points[begin:end], turns[begin:end]
     whole = np.concatenate([ends[:1], points, ends[1:]])
     steps = np.linalg.norm(np.diff(whole, axis=0), axis=1)
     if float(steps.max()) > smoothing.gap:
-        finding = rules.FEW_ON_STROKE(distance=float(steps.max()), most=smoothing.gap)
+        finding = rules.GAP_IN_STROKE(distance=float(steps.max()), most=smoothing.gap)
         raise Refused(finding)
-    nodes, at, weights = _nodes(whole, np.array([1.0, *np.ones(len(points)), 1.0]))
+    nodes, at, weights = _merge_points(whole, np.array([1.0, *np.ones(len(points)), 1.0]))
     nodes[0], nodes[-1] = ends
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
     if along[-1] < smoothing.shortest:
@@ -131,22 +134,22 @@ def stroke(
     turned = np.stack([turns[at == i].mean(axis=0) for i in range(len(nodes))])
     dense = np.linspace(0.0, along[-1], max(2, int(np.ceil(along[-1] / smoothing.step * 4.0)) + 1))
     values = np.concatenate([nodes, turned], axis=1)
-    smooth = _fitted(along, values, weights, dense, smoothing.window)
+    smooth = _fit_local_lines(along, values, weights, dense, smoothing.window)
     smooth[0, :3], smooth[-1, :3] = ends
-    positions, quaternions = _even(smooth[:, :3], smooth[:, 3:], smoothing.step)
-    scatter = _scatter(nodes, positions)
+    positions, quaternions = _resample(smooth[:, :3], smooth[:, 3:], smoothing.step)
+    scatter = _stroke_scatter(nodes, positions)
     length = float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum())
     return Stroke(positions, quaternions, length, scatter, first, last)
 
 
-def _nodes(points: Floats, weights: Floats) -> tuple[Floats, Rows, Floats]:
+def _merge_points(points: Floats, weights: Floats) -> tuple[Floats, Rows, Floats]:
     """Means (k, 3) of points that follow each other within `NEAR`; which of them each point of
     (n,) belongs to; how many belong to each (k,).
     """
     at: Rows = np.zeros(len(points), dtype=np.intp)
     centre, count, number = points[0].copy(), 1, 0
     for i in range(1, len(points)):
-        if np.linalg.norm(points[i] - centre) > NEAR or i == len(points) - 1:
+        if np.linalg.norm(points[i] - centre) > SAME_POINT or i == len(points) - 1:
             number, centre, count = number + 1, points[i].copy(), 1
         else:
             count += 1
@@ -157,7 +160,9 @@ def _nodes(points: Floats, weights: Floats) -> tuple[Floats, Rows, Floats]:
     return np.stack(means, axis=1), at, total
 
 
-def _fitted(along: Floats, values: Floats, weights: Floats, at: Floats, window: float) -> Floats:
+def _fit_local_lines(
+    along: Floats, values: Floats, weights: Floats, at: Floats, window: float
+) -> Floats:
     """Lines through neighbours (k, c) along a way, at places (m,) of it; weights fall to 0."""
     found = np.empty((len(at), values.shape[1]))
     for i, s in enumerate(at):
@@ -173,7 +178,7 @@ def _fitted(along: Floats, values: Floats, weights: Floats, at: Floats, window: 
     return found
 
 
-def _even(positions: Floats, quaternions: Floats, step: float) -> tuple[Floats, Floats]:
+def _resample(positions: Floats, quaternions: Floats, step: float) -> tuple[Floats, Floats]:
     """At even distances along the way, at most `step` apart, with both ends."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(positions, axis=0), axis=1))])
     at = np.linspace(0.0, along[-1], max(2, int(np.ceil(along[-1] / step)) + 1))
@@ -182,7 +187,7 @@ def _even(positions: Floats, quaternions: Floats, step: float) -> tuple[Floats, 
     return p, rotations.canonical(q)
 
 
-def _scatter(nodes: Floats, way: Floats) -> float:
+def _stroke_scatter(nodes: Floats, way: Floats) -> float:
     """mm, root mean square, from nodes (k, 3) to the straight parts between points of a way."""
     a, along = way[:-1], np.diff(way, axis=0)
     part = np.einsum("kmi,mi->km", nodes[:, None] - a, along) / (along**2).sum(axis=1)
@@ -191,7 +196,7 @@ def _scatter(nodes: Floats, way: Floats) -> float:
     return float(np.sqrt(least.mean()))
 
 
-def moved_to(stroke: Stroke, frame: Pose) -> Stroke:
+def stroke_in_frame(stroke: Stroke, frame: Pose) -> Stroke:
     """The same way in a frame whose pose in the world is given."""
     back = frame.inverse()
     turns = rotations.multiply(np.array(back.quaternion), stroke.quaternions)

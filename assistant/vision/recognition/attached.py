@@ -17,17 +17,17 @@ from assistant.base.file_sets import write_all
 from assistant.base.source_text import is_file, read_bytes
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.recognition.objects import Line, Place
-from assistant.vision.recognition.rules import NOT_OURS
-from assistant.vision.recognition.seeing import Found
+from assistant.vision.recognition.rules import FOREIGN_FILE
+from assistant.vision.recognition.seeing import FoundObject
 
-BEGIN: Final = "# Seen by robot-assistant"
+FILE_HEAD: Final = "# Seen by robot-assistant"
 """How files begin that `see` writes, and replaces."""
-DIGITS: Final = 4
+MM_DECIMALS: Final = 4
 """Of mm."""
 
 
 @dataclass(frozen=True, slots=True)
-class Base:
+class OutputFrame:
     """What poses are told in. name: "world", or "base" of a robot; pose: its base in the world."""
 
     name: str = "world"
@@ -37,18 +37,21 @@ class Base:
         return self.pose.inverse() @ pose
 
 
-WORLD: Final = Base()
+WORLD_FRAME: Final = OutputFrame()
 
 
 def targets_text(
-    found: Sequence[Found], base: Base, when: datetime.datetime, robot: str | None = None
+    found: Sequence[FoundObject],
+    base: OutputFrame,
+    when: datetime.datetime,
+    robot: str | None = None,
 ) -> str:
     """Taught targets: a frame for each object, then what is done on one after the other.
 
     Before and behind each place and line is one above it, by so much along the tool. Poses are in
     the frame of the object, so that a build with another sight only changes frames.
     """
-    lines = [f"{BEGIN} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
+    lines = [f"{FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
     lines += ["", f'robot = "{robot}"'] if robot else []
     for one in found:
         pose = base.of(one.pose)
@@ -56,15 +59,15 @@ def targets_text(
         lines += [f"quaternion = {_numbers(pose.quaternion, 9)}"]
     for one in found:
         for name, place in one.object.places.items():
-            lines += _place(f"{one.name}_{name}", place, one.name)
+            lines += _place_lines(f"{one.name}_{name}", place, one.name)
         for name, line in one.object.lines.items():
-            lines += _line(f"{one.name}_{name}", line, one.name)
+            lines += _line_lines(f"{one.name}_{name}", line, one.name)
     return "\n".join(lines) + "\n"
 
 
-def found_text(found: Iterable[Found], base: Base, when: datetime.datetime) -> str:
+def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.datetime) -> str:
     """Where each object is: [found.NAME] with pose, standard deviations, covariance, confidence."""
-    lines = [f"{BEGIN}: where known objects are, in mm."]
+    lines = [f"{FILE_HEAD}: where known objects are, in mm."]
     for one in found:
         pose = base.of(one.pose)
         lines += ["", f"[found.{one.name}]", f'object = "{one.object.name}"']
@@ -77,12 +80,12 @@ def found_text(found: Iterable[Found], base: Base, when: datetime.datetime) -> s
         cameras = ", ".join(f'"{name}"' for name in one.cameras)
         lines += [f"cameras = [{cameras}]"]
         lines += ["covariance = [  # mm along and degrees about x, y and z of the frame"]
-        rows = in_base(one.estimate.covariance, base)
+        rows = covariance_in_frame(one.estimate.covariance, base)
         lines += [f"    [{', '.join(f'{v:.4g}' for v in row)}]," for row in rows] + ["]"]
     return "\n".join(lines) + "\n"
 
 
-def in_base(covariance: Floats, base: Base) -> Floats:
+def covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
     """A covariance (6, 6) along and about the axes of the world, for those of a base."""
     from assistant.base import rotations
 
@@ -91,36 +94,38 @@ def in_base(covariance: Floats, base: Base) -> Floats:
     return np.asarray(both @ covariance @ both.T)
 
 
-def put(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
+def write_seen_files(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
     """Writes files, all or none; raises Refused if one of another origin is there."""
     for path in files:
-        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(BEGIN.encode()):
-            raise Refused(NOT_OURS(path=str(path), name=path.name), exit_status=2)
+        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(FILE_HEAD.encode()):
+            raise Refused(FOREIGN_FILE(path=str(path), name=path.name), exit_status=2)
     return write_all({path: text.encode() for path, text in files.items()})
 
 
-def _place(name: str, place: Place, frame: str) -> Iterator[str]:
+def _place_lines(name: str, place: Place, frame: str) -> Iterator[str]:
     pose = place.pose
-    yield from _target(f"{name}_before", _backed(pose, place.approach), frame, "joint")
-    yield from _target(name, pose, frame, "linear")
-    yield from _target(f"{name}_after", _backed(pose, place.approach), frame, "linear")
+    yield from _target_lines(f"{name}_before", _backed_off(pose, place.approach), frame, "joint")
+    yield from _target_lines(name, pose, frame, "linear")
+    yield from _target_lines(f"{name}_after", _backed_off(pose, place.approach), frame, "linear")
 
 
-def _line(name: str, line: Line, frame: str) -> Iterator[str]:
+def _line_lines(name: str, line: Line, frame: str) -> Iterator[str]:
     poses = [Pose.of(point, np.array(line.quaternion)) for point in line.points]
-    yield from _target(f"{name}_before", _backed(poses[0], line.approach), frame, "joint")
+    yield from _target_lines(f"{name}_before", _backed_off(poses[0], line.approach), frame, "joint")
     for i, pose in enumerate(poses):
         kind = "via" if i in line.vias else "end" if i - 1 in line.vias else "linear"
         speed = line.speed if i else None
-        yield from _target(f"{name}_{i + 1}", pose, frame, kind, speed)
-    yield from _target(f"{name}_after", _backed(poses[-1], line.approach), frame, "linear")
+        yield from _target_lines(f"{name}_{i + 1}", pose, frame, kind, speed)
+    yield from _target_lines(
+        f"{name}_after", _backed_off(poses[-1], line.approach), frame, "linear"
+    )
 
 
-def _backed(pose: Pose, by: float) -> Pose:
+def _backed_off(pose: Pose, by: float) -> Pose:
     return pose.offset(z=-by)
 
 
-def _target(
+def _target_lines(
     name: str, pose: Pose, frame: str, kind: str, speed: float | None = None
 ) -> Iterator[str]:
     assert re.fullmatch(r"\w+", name)
@@ -131,5 +136,5 @@ def _target(
         yield f"speed = {speed:g}"
 
 
-def _numbers(numbers: Iterable[float], digits: int = DIGITS) -> str:
+def _numbers(numbers: Iterable[float], digits: int = MM_DECIMALS) -> str:
     return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"

@@ -17,14 +17,14 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.outlines import on_plane
-from assistant.vision.recognition.photo import Picture, looked_at
+from assistant.vision.recognition.outlines import pixels_on_plane
+from assistant.vision.recognition.photo import Picture, analyse_picture
 
-BLOCK: Final = 5
+BLOCK_SIZE: Final = 5
 """Pixels along the side of what is compared."""
-FEWEST: Final = 300
+FEWEST_FACE_PIXELS: Final = 300
 """Pixels of a face of which the depth is told."""
-SIXTEENTHS: Final = 16.0
+DISPARITY_UNITS: Final = 16.0
 """Disparities are whole numbers of these."""
 
 
@@ -40,7 +40,7 @@ class Depths:
     pixels: Floats
 
 
-def depths(
+def stereo_depths(
     cv: ModuleType,
     cameras: tuple[Camera, Camera],
     pictures: tuple[Picture, Picture],
@@ -76,7 +76,7 @@ def depths(
     flipped = float(p2[1, 3] if vertical else p2[0, 3]) > 0.0
     if flipped:
         straight = [np.ascontiguousarray(one[:, ::-1]) for one in straight]
-    found = matched_rows(cv, straight[0], straight[1], far / farthest, far / nearest)
+    found = match_rows(cv, straight[0], straight[1], far / farthest, far / nearest)
     if flipped:
         found = found[:, ::-1]
     if vertical:
@@ -90,9 +90,7 @@ def depths(
     return Depths(points, np.asarray(found), np.stack(maps, axis=2).astype(np.float64))
 
 
-def matched_rows(
-    cv: ModuleType, left: Picture, right: Picture, least: float, most: float
-) -> Floats:
+def match_rows(cv: ModuleType, left: Picture, right: Picture, least: float, most: float) -> Floats:
     """(h, w) pixels by which things of the left picture (h, w) are farther left in the right one;
     NaN where none is found.
     """
@@ -101,9 +99,9 @@ def matched_rows(
     matcher = cv.StereoSGBM_create(
         minDisparity=first,
         numDisparities=count,
-        blockSize=BLOCK,
-        P1=8 * BLOCK**2,
-        P2=32 * BLOCK**2,
+        blockSize=BLOCK_SIZE,
+        P1=8 * BLOCK_SIZE**2,
+        P2=32 * BLOCK_SIZE**2,
         disp12MaxDiff=1,
         uniquenessRatio=8,
         speckleWindowSize=80,
@@ -113,11 +111,13 @@ def matched_rows(
     # What is nearer than the picture is wide of its left edge would be lost.
     padded = [cv.copyMakeBorder(one, 0, 0, count + max(first, 0), 0, cv.BORDER_REPLICATE)
               for one in (left, right)]  # fmt: skip
-    found = matcher.compute(*padded)[:, count + max(first, 0) :].astype(np.float64) / SIXTEENTHS
+    found = (
+        matcher.compute(*padded)[:, count + max(first, 0) :].astype(np.float64) / DISPARITY_UNITS
+    )
     return np.where(found < first + 0.5, np.nan, found)
 
 
-def heights(found: Depths, plane: Plane) -> Floats:
+def heights_above(found: Depths, plane: Plane) -> Floats:
     """(h, w) mm of what is seen above a plane."""
     local = plane.pose.inverse().moved(found.points.reshape(-1, 3))
     return np.asarray(local[:, 2].reshape(found.points.shape[:2]))
@@ -133,19 +133,19 @@ def face_height(
 
     None where too little of it is the same in both: of what is plain, nothing is.
     """
-    photo = looked_at(cv, cameras[0], pictures[0])
+    photo = analyse_picture(cv, cameras[0], pictures[0])
     if not photo.regions:
         return None
     width, height = cameras[0].lens.size
     grid = np.array([[u, v] for u in np.linspace(0, width, 5) for v in np.linspace(0, height, 5)])
-    floor = on_plane(cameras[0], grid, plane, 0.0)
+    floor = pixels_on_plane(cameras[0], grid, plane, 0.0)
     places = plane.pose.moved(np.column_stack([floor, np.zeros(len(floor))]))
     away = np.linalg.norm(places - np.array(cameras[0].pose.position), axis=1)
     away = away[np.isfinite(away)]
     if not len(away):
         return None
     nearest, farthest = 0.55 * float(away.min()), 1.1 * float(np.percentile(away, 75))
-    found = depths(cv, cameras, pictures, nearest, max(farthest, 1.5 * nearest))
+    found = stereo_depths(cv, cameras, pictures, nearest, max(farthest, 1.5 * nearest))
     mask = np.zeros((height, width), np.uint8)
     largest = photo.regions[int(np.argmax(photo.areas))][0]
     cv.fillPoly(mask, [np.rint(largest).astype(np.int32)], 1)
@@ -153,8 +153,8 @@ def face_height(
     u, v = np.moveaxis(np.rint(found.pixels).astype(np.intp), 2, 0)
     inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
     inside &= mask[np.clip(v, 0, height - 1), np.clip(u, 0, width - 1)] > 0
-    told = heights(found, plane)[inside]
+    told = heights_above(found, plane)[inside]
     told = told[np.isfinite(told)]
-    if len(told) < FEWEST or len(told) < 0.2 * inside.sum():
+    if len(told) < FEWEST_FACE_PIXELS or len(told) < 0.2 * inside.sum():
         return None
     return float(np.median(told))

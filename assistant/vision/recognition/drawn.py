@@ -26,24 +26,24 @@ from assistant.sources.process import NO_PROCESS
 from assistant.vision.recognition.objects import KnownObject, Line, Outline, Place
 from assistant.vision.recognition.photo import signed_area
 from assistant.vision.recognition.rules import (
+    AMBIGUOUS_LAYER,
     BAD_OUTLINE,
     NO_LAYER,
     NO_OUTLINE,
-    SYMMETRIC,
-    WHICH_LAYER,
+    SYMMETRIC_OUTLINE,
 )
 from assistant.vision.recognition.symmetry import symmetry_of
 
-TOLERANCE: Final = 0.02
+CHORD_TOLERANCE: Final = 0.02
 """mm that chords stand for arcs and free curves by, and over which ends are joined."""
-FLAT: Final = 0.01
+LEVEL_TOLERANCE: Final = 0.01
 """mm that an outline may be off a level plane."""
-SMALLEST: Final = 2.0
+SMALLEST_OUTLINE: Final = 2.0
 """mm of the longer side of an outline."""
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class DrawnObject:
     """object: in the frame of the drawing, z 0 in the plane of its outline."""
 
     object: KnownObject
@@ -58,7 +58,7 @@ def read_part(
     lines: Sequence[str] = (),
     height: float = 0.0,
     unit: str | None = None,
-) -> Drawn:
+) -> DrawnObject:
     """The part of a drawing, as it is seen by who looks along -z.
 
     contour: the layer of its outline and holes; without one, the only one with closed contours.
@@ -68,11 +68,11 @@ def read_part(
     given = str(path)
     process = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
     contents = read_contents(FilePath(path), process)
-    chained, joined = chain_curves(contents.curves, TOLERANCE * 2.5, path=given)
+    chained, joined = chain_curves(contents.curves, CHORD_TOLERANCE * 2.5, path=given)
     if has_errors((*contents.findings, *joined)):
         raise Refused(*contents.findings, *joined)
-    ways = _ways(chained, lines, given)
-    outline, level = _outline(_on_layer(chained, contour, lines, given), given)
+    ways = _lines_of_layers(chained, lines, given)
+    outline, level = _outline(_outline_contours(chained, contour, lines, given), given)
     places, found = _places(contents, level, given)
     known = KnownObject(
         *(name, outline, None, height, symmetry_of(outline)),
@@ -80,19 +80,19 @@ def read_part(
         lines={key: _lowered(line, level) for key, line in ways.items()},
         source=f"from {FilePath(path).name}",
     )
-    told = [*contents.findings, *joined, *found, *symmetry_told(known, given)]
-    return Drawn(known, tuple(told))
+    told = [*contents.findings, *joined, *found, *symmetry_findings(known, given)]
+    return DrawnObject(known, tuple(told))
 
 
-def symmetry_told(known: KnownObject, path: str) -> list[Diagnostic]:
+def symmetry_findings(known: KnownObject, path: str) -> list[Diagnostic]:
     """What is said of an outline that can be turned and looks the same."""
     if known.symmetry == 1:
         return []
     how = f"by {360.0 / known.symmetry:g} degrees" if known.symmetry else "by any angle"
-    return [SYMMETRIC(path=path, name=known.name, how=how)]
+    return [SYMMETRIC_OUTLINE(path=path, name=known.name, how=how)]
 
 
-def _on_layer(
+def _outline_contours(
     chained: Sequence[Contour], contour: str | None, lines: Sequence[str], path: str
 ) -> list[Contour]:
     """The closed contours of the outline's layer."""
@@ -104,7 +104,7 @@ def _on_layer(
     names = listed([shown(group[0].layer) for group in layers.values()])
     if contour is None:
         if len(layers) > 1:
-            raise Refused(WHICH_LAYER(path=path, names=names), exit_status=2)
+            raise Refused(AMBIGUOUS_LAYER(path=path, names=names), exit_status=2)
         if not layers:
             raise Refused(NO_OUTLINE(path=path, where="in the drawing", names=names))
         return next(iter(layers.values()))
@@ -121,23 +121,27 @@ def _outline(contours: Sequence[Contour], path: str) -> tuple[Outline, float]:
     rings: list[Floats] = []
     heights: list[float] = []
     for one in contours:
-        pieces = as_pieces(one, TOLERANCE).pieces
+        pieces = as_pieces(one, CHORD_TOLERANCE).pieces
         if not pieces:
-            raise _bad(path, "cannot be followed", "draw it with lines, arcs and splines")
+            raise _bad_outline(path, "cannot be followed", "draw it with lines, arcs and splines")
         heights += [z for piece in pieces for z in (piece.start[2], piece.end[2])]
-        rings.append(polyline(pieces, TOLERANCE, closed=True))
-    if np.ptp(heights) > FLAT:
-        raise _bad(path, f"is not flat: z differs by {np.ptp(heights):.3g} mm", "draw it in one z")
+        rings.append(polyline(pieces, CHORD_TOLERANCE, closed=True))
+    if np.ptp(heights) > LEVEL_TOLERANCE:
+        raise _bad_outline(
+            path, f"is not flat: z differs by {np.ptp(heights):.3g} mm", "draw it in one z"
+        )
     rings.sort(key=lambda ring: -abs(signed_area(ring)))
     outer = Polygon(rings[0])
     if not outer.is_valid:
-        raise _bad(path, "crosses itself", "mend it in the drawing")
-    if max(np.ptp(rings[0], axis=0)) < SMALLEST:
-        raise _bad(path, f"is smaller than {SMALLEST:g} mm", "look at the unit of the drawing")
+        raise _bad_outline(path, "crosses itself", "mend it in the drawing")
+    if max(np.ptp(rings[0], axis=0)) < SMALLEST_OUTLINE:
+        raise _bad_outline(
+            path, f"is smaller than {SMALLEST_OUTLINE:g} mm", "look at the unit of the drawing"
+        )
     for ring in rings[1:]:
         hole = Polygon(ring)
         if not hole.is_valid or not outer.contains(hole):
-            raise _bad(
+            raise _bad_outline(
                 path, "is not the only one: there is another contour beside it",
                 "give each part a drawing, or a layer that --contour names",
             )  # fmt: skip
@@ -146,11 +150,13 @@ def _outline(contours: Sequence[Contour], path: str) -> tuple[Outline, float]:
     return Outline(tuple(turned)), float(np.mean(heights))
 
 
-def _bad(path: str, what: str, cure: str) -> Refused:
+def _bad_outline(path: str, what: str, cure: str) -> Refused:
     return Refused(BAD_OUTLINE(path=path, what=what, cure=cure))
 
 
-def _ways(chained: Sequence[Contour], lines: Sequence[str], path: str) -> dict[str, Line]:
+def _lines_of_layers(
+    chained: Sequence[Contour], lines: Sequence[str], path: str
+) -> dict[str, Line]:
     """Lines by the names of their layers, numbered where a layer has several."""
     found: dict[str, Line] = {}
     taken = TakenNames()
@@ -164,7 +170,7 @@ def _ways(chained: Sequence[Contour], lines: Sequence[str], path: str) -> dict[s
             stem = layer.lower() if len(group) == 1 else f"{layer.lower()}_{number}"
             name = identifier(stem, taken)
             taken.add(name)
-            rows = contour_moves(one, TOLERANCE)
+            rows = contour_moves(one, CHORD_TOLERANCE)
             vias = np.nonzero(rows.kinds == Kind.VIA)[0] + 1
             points = np.vstack([rows.start, rows.positions])
             found[name] = Line(points, frozenset(int(v) for v in vias))

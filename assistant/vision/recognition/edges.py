@@ -10,33 +10,33 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
-from assistant.vision.recognition.estimating import Rows, slopes_of
+from assistant.vision.recognition.estimating import PixelErrors, pixels_and_slopes
 from assistant.vision.recognition.objects import Outline
 from assistant.vision.recognition.photo import Photo
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-STEP: Final = 0.5
+PROFILE_STEP: Final = 0.5
 """Pixels between samples across an edge."""
-LEAST: Final = 5.0
+LEAST_RISE: Final = 5.0
 """Grey levels a pixel that an edge rises by at least."""
-SIGMAS: Final = 5.0
+LEAST_RISE_SIGMAS: Final = 5.0
 """Times the noise that it rises by as well."""
-APART: Final = 3.0
+SAMPLE_SPACING: Final = 3.0
 """Pixels between samples of an outline."""
-CORNERS: Final = 3.0
+CORNER_CLEARANCE: Final = 3.0
 """Pixels from a corner within which no edge is looked for: it is round in the picture."""
-BESIDE: Final = 3.5
+SIDE_DISTANCE: Final = 3.5
 """Pixels from the outline at which it is looked what is on both sides."""
-MOSTLY: Final = 0.7
-BENT: Final = 0.12
+MOSTLY_BACKGROUND: Final = 0.7
+MOST_EDGE_SLOPE: Final = 0.12
 """Pixels that an edge may leave the outline by a pixel along it; more is the edge of another thing
 that crosses there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Samples:
+class OutlineSamples:
     """Places along an outline: points (n, 3) in the object's frame, tangents and normals (n, 3)
     out of the material, ring: (n,) number of its ring.
     """
@@ -50,7 +50,7 @@ class Samples:
         return len(self.points)
 
 
-def sampled(outline: Outline, apart: float, clear: float = 0.0) -> Samples:
+def sample_outline(outline: Outline, apart: float, clear: float = 0.0) -> OutlineSamples:
     """Places every `apart` mm, but for those nearer than `clear` mm to a corner.
 
     Corners of polygons that stand for arcs are none: they turn by less than 25 degrees.
@@ -77,7 +77,7 @@ def sampled(outline: Outline, apart: float, clear: float = 0.0) -> Samples:
     flat = np.concatenate(tangents)
     none = np.zeros((len(flat), 1))
     normals = np.column_stack([flat[:, 1], -flat[:, 0], none])
-    return Samples(
+    return OutlineSamples(
         np.column_stack([np.concatenate(points), none]),
         np.column_stack([flat, none]),
         normals,
@@ -86,7 +86,7 @@ def sampled(outline: Outline, apart: float, clear: float = 0.0) -> Samples:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundEdges:
     """Where edges are: offs (n,) pixels out of the material from the outline, NaN where there is
     none. pixels: (n, 2) of the outline; normals: (n, 2) out of the material there; slopes: (n, 6)
     of the pixels along these normals by the pose.
@@ -98,36 +98,36 @@ class Found:
     slopes: Floats
 
 
-def edges_near(
+def find_edges(
     cv: ModuleType,
     photo: Photo,
-    samples: Samples,
+    samples: OutlineSamples,
     pose: Pose,
     reach: float,
     *,
     along: bool = False,
-) -> Found:
+) -> FoundEdges:
     """The edges nearest to an outline, looked for up to `reach` pixels on both sides.
 
     along: only those that run along the outline.
     """
-    pixels, slopes = slopes_of(photo.camera, pose, samples.points)
+    pixels, slopes = pixels_and_slopes(photo.camera, pose, samples.points)
     eps = 1e-3
     ahead = photo.camera.project(pose.moved(samples.points + eps * samples.tangents)) - pixels
     out = photo.camera.project(pose.moved(samples.points + eps * samples.normals)) - pixels
     normals = np.column_stack([ahead[:, 1], -ahead[:, 0]])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     normals *= np.where((normals * out).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
-    offs = _offs(cv, photo, pixels, normals, reach)
+    offs = _edge_offsets(cv, photo, pixels, normals, reach)
     offs[~photo.camera.within(pixels, reach)] = np.nan
     if along:
-        offs = np.where(_leaves(offs, pixels) > BENT, np.nan, offs)
-    return Found(offs, pixels, normals, np.einsum("nk,nkj->nj", normals, slopes))
+        offs = np.where(_edge_slopes(offs, pixels) > MOST_EDGE_SLOPE, np.nan, offs)
+    return FoundEdges(offs, pixels, normals, np.einsum("nk,nkj->nj", normals, slopes))
 
 
-def of_edges(
-    cv: ModuleType, photo: Photo, samples: Samples, reach: float, height: float = 0.0
-) -> Callable[[Pose], Rows]:
+def measure_edges(
+    cv: ModuleType, photo: Photo, samples: OutlineSamples, reach: float, height: float = 0.0
+) -> Callable[[Pose], PixelErrors]:
     """What a picture measures of an outline; the reach shrinks as the pose is approached.
 
     height: mm that the part goes down from its face. Where the camera sees that side, the edge may
@@ -135,17 +135,19 @@ def of_edges(
     """
     left = [reach, reach, max(reach / 2.0, 2.0)]
 
-    def rows(pose: Pose) -> Rows:
+    def rows(pose: Pose) -> PixelErrors:
         near = left.pop(0) if left else 2.0
-        found = edges_near(cv, photo, samples, pose, near, along=not left)
-        offs = found.offs if left else _clear(photo, found)
-        unsure = 0.5 * np.maximum(_walls(photo, samples, pose, found, height), 0.0)
-        return Rows(-offs, found.slopes, along=True, unsure=unsure)
+        found = find_edges(cv, photo, samples, pose, near, along=not left)
+        offs = found.offs if left else _background_edges(photo, found)
+        unsure = 0.5 * np.maximum(_foot_offsets(photo, samples, pose, found, height), 0.0)
+        return PixelErrors(-offs, found.slopes, along=True, unsure=unsure)
 
     return rows
 
 
-def _walls(photo: Photo, samples: Samples, pose: Pose, found: Found, height: float) -> Floats:
+def _foot_offsets(
+    photo: Photo, samples: OutlineSamples, pose: Pose, found: FoundEdges, height: float
+) -> Floats:
     """(n,) pixels that the foot of a part is seen out of the outline of its face."""
     if height == 0.0:
         return np.zeros(len(samples))
@@ -153,18 +155,18 @@ def _walls(photo: Photo, samples: Samples, pose: Pose, found: Found, height: flo
     return np.asarray(np.nan_to_num(((foot - found.pixels) * found.normals).sum(axis=1)))
 
 
-def _clear(photo: Photo, found: Found) -> Floats:
+def _background_edges(photo: Photo, found: FoundEdges) -> Floats:
     """Offs of edges to the background alone, where these are most: an edge to another thing may be
     that of the thing, which lies upon it.
     """
-    clear = ~photo.is_foreground(found.pixels + BESIDE * found.normals)
+    clear = ~photo.is_foreground(found.pixels + SIDE_DISTANCE * found.normals)
     told = np.isfinite(found.offs)
-    if (told & clear).sum() < MOSTLY * told.sum():
+    if (told & clear).sum() < MOSTLY_BACKGROUND * told.sum():
         return found.offs
     return np.where(clear, found.offs, np.nan)
 
 
-def _leaves(offs: Floats, pixels: Floats) -> Floats:
+def _edge_slopes(offs: Floats, pixels: Floats) -> Floats:
     """(n,) how much an edge leaves the outline a pixel, from the neighbours on both sides of each:
     the smaller change, as beyond a corner or the end of an edge there is another one.
     """
@@ -176,18 +178,20 @@ def _leaves(offs: Floats, pixels: Floats) -> Floats:
     return np.minimum(*changes)
 
 
-def _offs(cv: ModuleType, photo: Photo, pixels: Floats, normals: Floats, reach: float) -> Floats:
+def _edge_offsets(
+    cv: ModuleType, photo: Photo, pixels: Floats, normals: Floats, reach: float
+) -> Floats:
     """The nearest of the strong rises along each normal, by a parabola through its top."""
-    half = int(np.ceil(reach / STEP)) + 3
-    t = np.arange(-half, half + 1) * STEP
+    half = int(np.ceil(reach / PROFILE_STEP)) + 3
+    t = np.arange(-half, half + 1) * PROFILE_STEP
     places = np.nan_to_num(pixels)[:, None, :] + t[None, :, None] * normals[:, None, :]
     grid = places.astype(np.float32)
     values = cv.remap(
         photo.smooth, grid[..., 0], grid[..., 1], cv.INTER_LINEAR, borderMode=cv.BORDER_REPLICATE
     )
-    rise = np.linalg.norm(values[:, 4:] - values[:, :-4], axis=2) / (4 * STEP)
+    rise = np.linalg.norm(values[:, 4:] - values[:, :-4], axis=2) / (4 * PROFILE_STEP)
     t = t[2:-2]
-    least = max(LEAST, SIGMAS * photo.noise / (2.0 * STEP * 4) * 2.0)
+    least = max(LEAST_RISE, LEAST_RISE_SIGMAS * photo.noise / (2.0 * PROFILE_STEP * 4) * 2.0)
     middle = rise[:, 1:-1]
     top = (middle >= rise[:, :-2]) & (middle > rise[:, 2:]) & (middle > least)
     top &= np.abs(t[1:-1]) <= reach
@@ -198,5 +202,5 @@ def _offs(cv: ModuleType, photo: Photo, pixels: Floats, normals: Floats, reach: 
     a, b, c = rise[rows, best], rise[rows, best + 1], rise[rows, best + 2]
     curve = a - 2.0 * b + c
     part = np.where(curve < 0.0, 0.5 * (a - c) / np.minimum(curve, -1e-9), 0.0)
-    offs = t[1:-1][best] + np.clip(part, -1.0, 1.0) * STEP
+    offs = t[1:-1][best] + np.clip(part, -1.0, 1.0) * PROFILE_STEP
     return np.where(value[rows, best] > 0.0, offs, np.nan)

@@ -20,41 +20,41 @@ from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 
-ROUNDS: Final = 12
-CLOSE: Final = 0.02
+FIT_ROUNDS: Final = 12
+CONVERGED_SIGMAS: Final = 0.02
 """Sigmas of a step at which they end."""
-TUKEY: Final = 4.685
+TUKEY_SIGMAS: Final = 4.685
 """Sigmas beyond which a measurement counts nothing: 95 % of the efficiency of least squares for
 Gaussian noise (Huber, Robust Statistics, 1981)."""
-FLOOR: Final = 0.02
+LEAST_PIXEL_SIGMA: Final = 0.02
 """Pixels that no measurement is surer than: of rounding to grey levels and to pixels."""
-COARSE: Final = (2.0, 1.0, 0.5, 0.15)
+SCATTER_FLOORS: Final = (2.0, 1.0, 0.5, 0.15)
 """Pixels, one sigma, that measurements are at least taken to scatter by where they are weighted: in
 the first steps, and in all after them. Else one edge that agrees with itself drives others out."""
-SHIFT: Final = 0.3
+EDGE_SHIFT_SIGMA: Final = 0.3
 """Pixels, one sigma, that all edges of an outline may lie out of the material."""
-SIDE: Final = 0.008
+SIDE_SIGMA: Final = 0.008
 """Pixels, one sigma, that a whole side of an outline is off by what no noise is: the grid of
 pixels, corners, the lens. It is not less for more samples of that side."""
 SIDES: Final = 6.0
-SURE: Final = 0.05
+SURE_ROW_SIGMA: Final = 0.05
 """Pixels, one sigma, that a row counts wholly to which nothing else is unsure."""
-FEWEST: Final = 6
-AGREEING: Final = 0.3
+FEWEST_MEASUREMENTS: Final = 6
+LEAST_AGREEING: Final = 0.3
 """Part of all measurements that have to agree with a pose."""
-OVERLAP: Final = 1.4
+KEYPOINT_OVERLAP: Final = 1.4
 """Rows of keypoints that tell as much as one by itself: what they are told by overlaps, and all are
 off alike where they were learnt (measured on drawn scenes, tests/vision/recognition)."""
-ANY_TURN: Final = 104.0
+ANY_TURN_SIGMA: Final = 104.0
 """Degrees, one sigma, of what may be turned by any angle: 180 / √3."""
-UNKNOWN_HEIGHT: Final = 1e3
+UNKNOWN_HEIGHT_SIGMA: Final = 1e3
 """mm, one sigma, of a plane whose height is left to what is seen."""
-FREE: Final = 1e-9
+FREE_DIRECTION_SHARE: Final = 1e-9
 """Part of the largest eigenvalue below which measurements tell nothing of a direction."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rows:
+class PixelErrors:
     """offs: (n,) pixels; slopes: (n, 6). along: they are of edges out of the material, each beside
     the next. alike: how many of them tell as much as one that has nothing in common with others.
     unsure: (n,) pixels, one sigma, that each may be off beside what all are.
@@ -67,7 +67,7 @@ class Rows:
     unsure: Floats | None = None
 
 
-Measure = Callable[[Pose], Rows]
+Measure = Callable[[Pose], PixelErrors]
 """What a camera measures if an object has a pose."""
 
 
@@ -83,7 +83,7 @@ class Plane:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class PoseEstimate:
     """A pose with what is known of it.
 
     pose: in the world. covariance: (6, 6) of mm along and degrees about the axes of the world, at
@@ -106,40 +106,40 @@ class Estimate:
         return float(np.sqrt(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1]))
 
 
-def fitted(
+def fit_pose(
     pose: Pose,
     measures: Sequence[Measure],
     plane: Plane | None = None,
     height: float = 0.0,
     *,
     any_turn: bool = False,
-) -> Estimate | None:
+) -> PoseEstimate | None:
     """The pose near to one that fits best; None where the measurements do not tell one.
 
     plane: what the object lies on with its face `height` mm above. any_turn: it looks the same
     however it is turned in its face, so that nothing tells how it is.
     """
-    wide = _turn_of(pose) if any_turn else np.zeros((6, 6))
-    weights, scatter = np.zeros(0), FLOOR
-    for number in range(ROUNDS):
-        coarse = COARSE[min(number, len(COARSE) - 1)]
-        found = _step(pose, measures, plane, height, coarse, wide)
+    wide = _any_turn_information(pose) if any_turn else np.zeros((6, 6))
+    weights, scatter = np.zeros(0), LEAST_PIXEL_SIGMA
+    for number in range(FIT_ROUNDS):
+        coarse = SCATTER_FLOORS[min(number, len(SCATTER_FLOORS) - 1)]
+        found = _fit_step(pose, measures, plane, height, coarse, wide)
         if found is None:
             return None
         step, matrix, scatter, weights = found
-        if number == len(COARSE) and float((weights > 0.0).mean()) < AGREEING:
+        if number == len(SCATTER_FLOORS) and float((weights > 0.0).mean()) < LEAST_AGREEING:
             return None
-        pose = moved(pose, step)
-        small = float(step @ matrix @ step) < CLOSE**2
-        if small and number >= len(COARSE):
+        pose = moved_pose(pose, step)
+        small = float(step @ matrix @ step) < CONVERGED_SIGMAS**2
+        if small and number >= len(SCATTER_FLOORS):
             break
     units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])
     covariance = np.asarray(np.linalg.inv(matrix) * np.outer(units, units), dtype=np.float64)
-    return Estimate(pose, covariance, scatter, weights)
+    return PoseEstimate(pose, covariance, scatter, weights)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sized:
+class SizeFit:
     """An object on a plane, located by its seen size instead of the height of the plane.
 
     above: mm that this is above the plane. sigma: mm, one sigma of that and of the plane. shift:
@@ -156,20 +156,20 @@ class Sized:
         return abs(self.above) / self.sigma
 
 
-def sized(
-    on_plane: Estimate,
+def fit_by_size(
+    on_plane: PoseEstimate,
     measures: Sequence[Measure],
     plane: Plane,
     height: float = 0.0,
     *,
     any_turn: bool = False,
-) -> Sized | None:
+) -> SizeFit | None:
     """Locate an object that lies on a plane again with the height of the plane unknown.
 
     None where the measurements do not determine its size.
     """
-    unknown = replace(plane, sigma=UNKNOWN_HEIGHT)
-    found = fitted(on_plane.pose, measures, unknown, height, any_turn=any_turn)
+    unknown = replace(plane, sigma=UNKNOWN_HEIGHT_SIGMA)
+    found = fit_pose(on_plane.pose, measures, unknown, height, any_turn=any_turn)
     if found is None:
         return None
     normal = rotations.rotate(np.array(plane.pose.quaternion), np.array([0.0, 0.0, 1.0]))
@@ -177,7 +177,7 @@ def sized(
     variance = float(normal @ found.covariance[:3, :3] @ normal) + plane.sigma**2
     moved_by = np.subtract(found.pose.position, on_plane.pose.position)
     turned = _turn_between(on_plane.pose, found.pose)
-    return Sized(above, float(np.sqrt(variance)), np.concatenate([moved_by, turned]))
+    return SizeFit(above, float(np.sqrt(variance)), np.concatenate([moved_by, turned]))
 
 
 def _turn_between(one: Pose, other: Pose) -> Floats:
@@ -189,7 +189,7 @@ def _turn_between(one: Pose, other: Pose) -> Floats:
     return np.asarray(np.degrees(2.0 * np.array(axis))) if w > 0.0 else np.zeros(3)
 
 
-def moved(pose: Pose, step: Floats) -> Pose:
+def moved_pose(pose: Pose, step: Floats) -> Pose:
     """The pose after a change, mm along and radians about the axes of the world."""
     angle = float(np.linalg.norm(step[3:]))
     axis = step[3:] / angle if angle > 1e-15 else np.array([0.0, 0.0, 1.0])
@@ -197,7 +197,7 @@ def moved(pose: Pose, step: Floats) -> Pose:
     return Pose.of(np.array(pose.position) + step[:3], rotations.canonical(turn))
 
 
-def slopes_of(camera: Camera, pose: Pose, points: Floats) -> tuple[Floats, Floats]:
+def pixels_and_slopes(camera: Camera, pose: Pose, points: Floats) -> tuple[Floats, Floats]:
     """Pixels (n, 2) of points (n, 3) of an object, and their change (n, 2, 6) by its pose."""
     there = pose.moved(points)
     by_point = camera.slopes(there)
@@ -210,17 +210,17 @@ def slopes_of(camera: Camera, pose: Pose, points: Floats) -> tuple[Floats, Float
     return camera.project(there), np.concatenate([by_point, by_turn], axis=2)
 
 
-def of_points(camera: Camera, points: Floats, pixels: Floats) -> Measure:
+def measure_points(camera: Camera, points: Floats, pixels: Floats) -> Measure:
     """Points (n, 3) of an object that were seen at pixels (n, 2); rows u and v of each in turn."""
 
-    def rows(pose: Pose) -> Rows:
-        at, slopes = slopes_of(camera, pose, points)
-        return Rows((at - pixels).reshape(-1), slopes.reshape(-1, 6), alike=OVERLAP)
+    def rows(pose: Pose) -> PixelErrors:
+        at, slopes = pixels_and_slopes(camera, pose, points)
+        return PixelErrors((at - pixels).reshape(-1), slopes.reshape(-1, 6), alike=KEYPOINT_OVERLAP)
 
     return rows
 
 
-def _step(
+def _fit_step(
     pose: Pose,
     measures: Sequence[Measure],
     plane: Plane | None,
@@ -232,27 +232,27 @@ def _step(
     matrix, vector = known, np.zeros(6)
     weights, squares, total = list[Floats](), 0.0, 0.0
     for measure in measures:
-        told = _known(measure(pose), coarse)
+        told = _normal_equations(measure(pose), coarse)
         matrix, vector = matrix + told.matrix, vector + told.vector
         weights.append(told.weights)
         squares += told.variance * told.weights.sum()
         total += told.weights.sum()
     if plane is not None:
-        by_plane, off = _of_plane(pose, plane, height)
+        by_plane, off = _plane_rows(pose, plane, height)
         matrix, vector = matrix + by_plane.T @ by_plane, vector + by_plane.T @ off
     if not weights or total == 0.0 or not np.isfinite(matrix).all():
         return None
     # Millimetres and radians differ by the size of what is looked at.
     scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values = np.linalg.eigvalsh(matrix * np.outer(scale, scale))
-    if values[0] < FREE * values[-1]:
+    if values[0] < FREE_DIRECTION_SHARE * values[-1]:
         return None
     step = np.asarray(-np.linalg.solve(matrix, vector), dtype=np.float64)
     return step, matrix, float(np.sqrt(squares / total)), np.concatenate(weights)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class _NormalEquations:
     """What rows tell of a change: the normal equations, and the variance of a row in pixels²."""
 
     matrix: Floats
@@ -261,47 +261,49 @@ class _Known:
     variance: float
 
 
-def _known(rows: Rows, coarse: float) -> _Known:
+def _normal_equations(rows: PixelErrors, coarse: float) -> _NormalEquations:
     good = np.isfinite(rows.offs) & np.isfinite(rows.slopes).all(axis=1)
-    if good.sum() < FEWEST:
-        return _Known(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
+    if good.sum() < FEWEST_MEASUREMENTS:
+        return _NormalEquations(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
     offs, slopes = np.where(good, rows.offs, 0.0), np.where(good[:, None], rows.slopes, 0.0)
     middle = float(np.median(offs[good])) if rows.along else 0.0
     centred = np.where(good, offs - middle, 0.0)
     typical = max(1.4826 * float(np.median(np.abs(centred[good]))), coarse)
-    weight = np.where(good, np.maximum(1.0 - (centred / (TUKEY * typical)) ** 2, 0.0) ** 2, 0.0)
+    weight = np.where(
+        good, np.maximum(1.0 - (centred / (TUKEY_SIGMAS * typical)) ** 2, 0.0) ** 2, 0.0
+    )
     if rows.unsure is not None:
-        weight = weight / (1.0 + (rows.unsure / SURE) ** 2)
+        weight = weight / (1.0 + (rows.unsure / SURE_ROW_SIGMA) ** 2)
     count = float((weight > 0.0).sum())
-    if count < FEWEST:
-        return _Known(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
+    if count < FEWEST_MEASUREMENTS:
+        return _NormalEquations(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
     if rows.along:
         centred = np.where(good, offs - float((weight * offs).sum() / weight.sum()), 0.0)
-    variance = float((weight * centred**2).sum() / weight.sum()) / SHRINKS
-    variance = max(variance * count / max(count - 6.0, 1.0), FLOOR**2)
+    variance = float((weight * centred**2).sum() / weight.sum()) / TUKEY_SHRINKAGE
+    variance = max(variance * count / max(count - 6.0, 1.0), LEAST_PIXEL_SIGMA**2)
     scatter = variance
     variance *= rows.alike
     if rows.along:
-        variance *= _together(centred, weight > 0.0)
-        variance += SIDE**2 * count / SIDES
+        variance *= _correlation_factor(centred, weight > 0.0)
+        variance += SIDE_SIGMA**2 * count / SIDES
     matrix = (slopes * weight[:, None]).T @ slopes / variance
     vector = (slopes * weight[:, None]).T @ offs / variance
     if rows.along:
         # All edges may lie a little out of the material or in it, as light and lens have it: an
         # unknown shift, of which `SHIFT` is known before, is taken out of both.
         shift = slopes.T @ weight / variance
-        sure = float(weight.sum()) / variance + 1.0 / SHIFT**2
+        sure = float(weight.sum()) / variance + 1.0 / EDGE_SHIFT_SIGMA**2
         matrix -= np.outer(shift, shift) / sure
         vector -= shift * float(weight @ offs) / variance / sure
-    return _Known(matrix, vector, weight, scatter)
+    return _NormalEquations(matrix, vector, weight, scatter)
 
 
-SHRINKS: Final = 0.828
+TUKEY_SHRINKAGE: Final = 0.828
 """∫ w(x) x² φ / ∫ w(x) φ of Tukey's weights at `TUKEY` sigmas."""
-NEIGHBOURS: Final = 8
+MOST_CORRELATED_NEIGHBOURS: Final = 8
 
 
-def _together(offs: Floats, used: Truths) -> float:
+def _correlation_factor(offs: Floats, used: Truths) -> float:
     """How much surer the mean of rows seems than it is, as neighbours are off alike: one and twice
     the sum of their correlations, up to the first that is not above 0.
     """
@@ -310,7 +312,7 @@ def _together(offs: Floats, used: Truths) -> float:
     if power <= 0.0:
         return 1.0
     more = 1.0
-    for lag in range(1, min(NEIGHBOURS, len(values) - 1) + 1):
+    for lag in range(1, min(MOST_CORRELATED_NEIGHBOURS, len(values) - 1) + 1):
         part = float((values[lag:] * values[:-lag]).sum()) / power
         if part <= 0.05:
             break
@@ -318,15 +320,15 @@ def _together(offs: Floats, used: Truths) -> float:
     return more
 
 
-def _turn_of(pose: Pose) -> Floats:
+def _any_turn_information(pose: Pose) -> Floats:
     """(6, 6) that a turn about the normal of the face is known to `ANY_TURN` degrees only."""
     axis = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
     known = np.zeros((6, 6))
-    known[3:, 3:] = np.outer(axis, axis) / np.radians(ANY_TURN) ** 2
+    known[3:, 3:] = np.outer(axis, axis) / np.radians(ANY_TURN_SIGMA) ** 2
     return known
 
 
-def _of_plane(pose: Pose, plane: Plane, height: float) -> tuple[Floats, Floats]:
+def _plane_rows(pose: Pose, plane: Plane, height: float) -> tuple[Floats, Floats]:
     """Rows (3, 6) of the height and of both tilts, in sigmas, and how many they are off."""
     x, y, z = rotations.to_matrix(np.array(plane.pose.quaternion)).T
     up = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))

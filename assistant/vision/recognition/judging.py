@@ -14,23 +14,23 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import Pose
-from assistant.vision.recognition.edges import BESIDE, Found, Samples, edges_near
+from assistant.vision.recognition.edges import SIDE_DISTANCE, FoundEdges, OutlineSamples, find_edges
 from assistant.vision.recognition.objects import Outline
 from assistant.vision.recognition.photo import Photo
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-NEAR: Final = 1.6
+SUPPORTING_DISTANCE: Final = 1.6
 """Pixels that an edge of the picture is at most from the outline that it supports."""
-UNLIKE: Final = 30.0
+MOST_COLOUR_DIFFERENCE: Final = 30.0
 """Units of L*a*b* from which no two colours are of one plain thing, however mottled."""
-GRID: Final = 28
+INNER_GRID: Final = 28
 """Places along the longer side of an outline at which its inside is looked at."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Judged:
+class OutlineSupport:
     """Parts of the outline, 0 to 1. inside: part of the face that shows its colour; empty: part
     where there is nothing. edges: which samples are supported, with the pixels that they are at.
     """
@@ -40,12 +40,12 @@ class Judged:
     contradicted: float
     inside: float
     empty: float
-    edges: Found
+    edges: FoundEdges
     held: Truths
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Face:
+class FaceAppearance:
     """What a picture shows where a face is said to be. colour: (3,) L*a*b* of most of it, NaN where
     nothing is. close: how far colours of one thing may be from it. alike, empty: parts of the face
     that have that colour, and where nothing is.
@@ -57,7 +57,7 @@ class Face:
     empty: float
 
 
-def face_of(photo: Photo, inner: Floats, pose: Pose) -> Face:
+def face_appearance(photo: Photo, inner: Floats, pose: Pose) -> FaceAppearance:
     """inner: places (n, 3) inside of the outline, see `inner_points`."""
     grid = photo.camera.project(pose.moved(inner))
     there = photo.is_foreground(grid)
@@ -65,27 +65,29 @@ def face_of(photo: Photo, inner: Floats, pose: Pose) -> Face:
     visible = photo.camera.within(grid)
     empty = float((~there & visible).mean())
     if len(colours) < 5:
-        return Face(np.full(3, np.nan), photo.different, 0.0, empty)
+        return FaceAppearance(np.full(3, np.nan), photo.different, 0.0, empty)
     own = np.median(colours, axis=0)
     away = np.linalg.norm(colours - own, axis=1)
     spread = 2.0 * 1.4826 * float(np.median(away))
-    close = min(max(photo.different * 1.25, spread), UNLIKE)
-    return Face(own, close, float((away < close).sum()) / len(inner), empty)
+    close = min(max(photo.different * 1.25, spread), MOST_COLOUR_DIFFERENCE)
+    return FaceAppearance(own, close, float((away < close).sum()) / len(inner), empty)
 
 
-def judge(cv: ModuleType, photo: Photo, inner: Floats, samples: Samples, pose: Pose) -> Judged:
+def judge_outline(
+    cv: ModuleType, photo: Photo, inner: Floats, samples: OutlineSamples, pose: Pose
+) -> OutlineSupport:
     """What a picture says to an outline at a pose of it; inner: as of `face_of`."""
-    found = edges_near(cv, photo, samples, pose, 3.0, along=True)
-    held = np.isfinite(found.offs) & (np.abs(found.offs) <= NEAR)
-    face = face_of(photo, inner, pose)
+    found = find_edges(cv, photo, samples, pose, 3.0, along=True)
+    held = np.isfinite(found.offs) & (np.abs(found.offs) <= SUPPORTING_DISTANCE)
+    face = face_appearance(photo, inner, pose)
     own, close = face.colour, face.close
-    inside, outside = (found.pixels + side * BESIDE * found.normals for side in (-1.0, 1.0))
-    like_in = _like(photo, inside, own, close) & photo.is_foreground(inside)
-    like_out = _like(photo, outside, own, close) & photo.is_foreground(outside)
+    inside, outside = (found.pixels + side * SIDE_DISTANCE * found.normals for side in (-1.0, 1.0))
+    like_in = _shows_own_colour(photo, inside, own, close) & photo.is_foreground(inside)
+    like_out = _shows_own_colour(photo, outside, own, close) & photo.is_foreground(outside)
     nothing = ~photo.is_foreground(inside) & photo.camera.within(inside)
     wrong = (~held & like_in & like_out) | nothing
     held &= like_in
-    return Judged(
+    return OutlineSupport(
         supported=float(held.mean()),
         hidden=float((~held & ~wrong).mean()),
         contradicted=float(wrong.mean()),
@@ -96,7 +98,7 @@ def judge(cv: ModuleType, photo: Photo, inner: Floats, samples: Samples, pose: P
     )
 
 
-def inner_points(outline: Outline, count: int = GRID) -> Floats:
+def inner_points(outline: Outline, count: int = INNER_GRID) -> Floats:
     """(n, 3) places inside of an outline, on a grid of which none is near to its edge."""
     low, high = outline.rings[0].min(axis=0), outline.rings[0].max(axis=0)
     step = float((high - low).max()) / count
@@ -105,15 +107,15 @@ def inner_points(outline: Outline, count: int = GRID) -> Floats:
     inside = np.zeros(len(places), dtype=np.bool_)
     edge = np.full(len(places), np.inf)
     for ring in outline.rings:
-        inside ^= within(ring, places)
-        edge = np.minimum(edge, to_ring(ring, places))
+        inside ^= points_in_ring(ring, places)
+        edge = np.minimum(edge, distances_to_ring(ring, places))
     kept = places[inside & (edge > step)]
     if len(kept) < 12:
         kept = places[inside]
     return np.column_stack([kept, np.zeros(len(kept))])
 
 
-def within(ring: Floats, points: Floats) -> Truths:
+def points_in_ring(ring: Floats, points: Floats) -> Truths:
     """(n,) which points (n, 2) a polygon goes round, by the crossings of a line from each."""
     inside = np.zeros(len(points), dtype=np.bool_)
     for (ax, ay), (bx, by) in zip(ring, np.roll(ring, -1, axis=0), strict=True):
@@ -124,7 +126,7 @@ def within(ring: Floats, points: Floats) -> Truths:
     return inside
 
 
-def to_ring(ring: Floats, points: Floats) -> Floats:
+def distances_to_ring(ring: Floats, points: Floats) -> Floats:
     """(n,) distances of points (n, 2) to the sides of a polygon."""
     least = np.full(len(points), np.inf)
     for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True):
@@ -135,6 +137,6 @@ def to_ring(ring: Floats, points: Floats) -> Floats:
     return least
 
 
-def _like(photo: Photo, pixels: Floats, own: Floats, close: float) -> Truths:
+def _shows_own_colour(photo: Photo, pixels: Floats, own: Floats, close: float) -> Truths:
     with np.errstate(invalid="ignore"):
         return np.asarray(np.linalg.norm(photo.colours(pixels) - own, axis=1) < close)

@@ -19,15 +19,15 @@ from assistant.base.arrays import Floats, Rows
 if TYPE_CHECKING:
     from types import ModuleType
 
-MOST: Final = 4000
+MOST_KEYPOINTS: Final = 4000
 """Keypoints of a picture in which objects are looked for."""
-MOST_LEARNT: Final = 700
+MOST_LEARNT_KEYPOINTS: Final = 700
 """Keypoints of one look at a face that is learnt."""
-RATIO: Final = 0.82
+NEAREST_RATIO: Final = 0.82
 """Distance to the nearest descriptor by that to the nearest one of another place, at most."""
-FARTHEST: Final = 180.0
+FARTHEST_DESCRIPTOR: Final = 180.0
 """Distance of descriptors that are of one thing: of 512 between those that share nothing."""
-TILTS: Final = ((1.0, 0.0), (1.6, 0.0), (1.6, 45.0), (1.6, 90.0), (1.6, 135.0))
+LEARNT_TILTS: Final = ((1.0, 0.0), (1.6, 0.0), (1.6, 45.0), (1.6, 90.0), (1.6, 135.0))
 """How much a face is shortened by being looked at from aside, and along which direction."""
 
 Grey = NDArray[np.uint8]
@@ -46,7 +46,9 @@ class Keypoints:
         return len(self.pixels)
 
 
-def keypoints(cv: ModuleType, grey: Grey, most: int = MOST, mask: Grey | None = None) -> Keypoints:
+def find_keypoints(
+    cv: ModuleType, grey: Grey, most: int = MOST_KEYPOINTS, mask: Grey | None = None
+) -> Keypoints:
     """Of a picture (h, w) of grey levels; mask: where they are looked for."""
     points, found = cv.SIFT_create(
         nfeatures=most, contrastThreshold=0.02, enable_precise_upscale=True
@@ -61,10 +63,10 @@ def keypoints(cv: ModuleType, grey: Grey, most: int = MOST, mask: Grey | None = 
     )
 
 
-def of_face(cv: ModuleType, grey: Grey) -> Keypoints:
+def face_keypoints(cv: ModuleType, grey: Grey) -> Keypoints:
     """Keypoints of a flat face, also as they are when it is looked at from aside; pixels of it."""
-    looks = [_back(keypoints(cv, one, MOST_LEARNT, mask), turned) for one, mask, turned in
-             _from_aside(cv, grey)]  # fmt: skip
+    looks = [_to_face_pixels(find_keypoints(cv, one, MOST_LEARNT_KEYPOINTS, mask), turned) for one, mask, turned in
+             _tilted_faces(cv, grey)]  # fmt: skip
     return Keypoints(
         np.concatenate([one.pixels for one in looks]),
         np.concatenate([one.descriptors for one in looks]),
@@ -72,10 +74,10 @@ def of_face(cv: ModuleType, grey: Grey) -> Keypoints:
     )
 
 
-def _from_aside(cv: ModuleType, grey: Grey) -> Iterator[tuple[Grey, Grey | None, Floats]]:
+def _tilted_faces(cv: ModuleType, grey: Grey) -> Iterator[tuple[Grey, Grey | None, Floats]]:
     """The face as it looks from aside, where it is in that picture, and the map (2, 3) to it."""
     height, width = grey.shape
-    for tilt, along in TILTS:
+    for tilt, along in LEARNT_TILTS:
         if tilt == 1.0:
             yield grey, None, np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
             continue
@@ -94,13 +96,13 @@ def _from_aside(cv: ModuleType, grey: Grey) -> Iterator[tuple[Grey, Grey | None,
         yield seen, cv.erode(mask, np.ones((5, 5), np.uint8)), whole
 
 
-def _back(found: Keypoints, map: Floats) -> Keypoints:
+def _to_face_pixels(found: Keypoints, map: Floats) -> Keypoints:
     """Pixels in the face itself."""
     pixels = np.linalg.solve(map[:, :2], (found.pixels - map[:, 2]).T).T
     return Keypoints(np.asarray(pixels, dtype=np.float64), found.descriptors, found.sizes)
 
 
-def matched(
+def match_keypoints(
     cv: ModuleType, seen: Keypoints, known: Descriptors, owners: Rows, places: Floats
 ) -> tuple[Rows, Rows]:
     """Rows of `seen` and the rows of `known` that look like them.
@@ -111,7 +113,7 @@ def matched(
     """
     if not len(seen) or len(known) < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    nearest = min(2 * len(TILTS), len(known))
+    nearest = min(2 * len(LEARNT_TILTS), len(known))
     matcher = cv.FlannBasedMatcher({"algorithm": 1, "trees": 4}, {"checks": 160})
     cv.setRNGSeed(1)
     found = matcher.knnMatch(seen.descriptors.astype(np.float32), known.astype(np.float32), nearest)
@@ -123,5 +125,5 @@ def matched(
     rival = (owners[at] != owners[best][:, None]) | (away > 0.03 * spread[owners[best]][:, None])
     second = np.where(rival, gap, np.inf).min(axis=1)
     second = np.where(np.isfinite(second), second, gap[:, -1] * 1.02)
-    good = (gap[:, 0] < RATIO * second) & (gap[:, 0] < FARTHEST)
+    good = (gap[:, 0] < NEAREST_RATIO * second) & (gap[:, 0] < FARTHEST_DESCRIPTOR)
     return np.nonzero(good)[0], best[good]

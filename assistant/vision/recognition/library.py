@@ -39,8 +39,8 @@ from assistant.program.settings_tables import Read, Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.tables.npy_files import read_npz
 from assistant.vision.recognition.objects import (
-    APPROACH,
-    DOWN,
+    TOOL_INTO_FACE,
+    USUAL_APPROACH,
     KnownObject,
     Line,
     Outline,
@@ -48,21 +48,21 @@ from assistant.vision.recognition.objects import (
     Texture,
 )
 from assistant.vision.recognition.rules import (
-    BAD_NAME,
+    BAD_OBJECT_NAME,
     EMPTY_LIBRARY,
-    IS_THERE,
-    NO_LIBRARY,
     NO_OBJECT,
-    OTHER_VERSION,
+    NO_OBJECT_LIBRARY,
+    OBJECT_EXISTS,
+    OTHER_LIBRARY_VERSION,
 )
 from assistant.vision.recognition.symmetry import symmetry_of
 
 VERSION: Final = 1
-KIND: Final = "known object"
-INDEX: Final = "library.toml"
+ARCHIVE_KIND: Final = "known object"
+INDEX_FILE: Final = "library.toml"
 MOST_OBJECTS: Final = 1000
 MOST_POINTS: Final = 100_000
-LARGEST: Final = 1e5
+LARGEST_OBJECT: Final = 1e5
 """mm of an object."""
 
 
@@ -88,10 +88,14 @@ def read_library(folder: str | FilePath) -> Library:
 
 def names_in(folder: FilePath) -> list[str]:
     """The objects of a library by the names of their files; raises Refused for too many."""
-    names = sorted(one.stem for one in folder.glob("*.toml") if one.name != INDEX and is_file(one))
+    names = sorted(
+        one.stem for one in folder.glob("*.toml") if one.name != INDEX_FILE and is_file(one)
+    )
     if len(names) > MOST_OBJECTS:
         reason = f"it has more than {MOST_OBJECTS} objects"
-        raise Refused(NO_LIBRARY(path=str(folder), name=folder, reason=reason), exit_status=2)
+        raise Refused(
+            NO_OBJECT_LIBRARY(path=str(folder), name=folder, reason=reason), exit_status=2
+        )
     for name in names:
         check_name(name, str(folder))
     return names
@@ -99,8 +103,8 @@ def names_in(folder: FilePath) -> list[str]:
 
 def check_name(name: str, path: str | None = None) -> None:
     """Raises Refused for what cannot name an object."""
-    if IDENTIFIER.fullmatch(name) is None or name.lower() == FilePath(INDEX).stem:
-        raise Refused(BAD_NAME(path=path, name=settings_tables.shown(name)), exit_status=2)
+    if IDENTIFIER.fullmatch(name) is None or name.lower() == FilePath(INDEX_FILE).stem:
+        raise Refused(BAD_OBJECT_NAME(path=path, name=settings_tables.shown(name)), exit_status=2)
 
 
 def add_objects(
@@ -115,17 +119,17 @@ def add_objects(
     if is_folder(place) and any(place.iterdir()):
         _check_version(place)
         there = {name.lower() for name in names_in(place)}
-    files = {INDEX: f"version = {VERSION}\n".encode()}
+    files = {INDEX_FILE: f"version = {VERSION}\n".encode()}
     for one in objects:
         check_name(one.name)
         if one.name.lower() in there and not again:
-            raise Refused(IS_THERE(path=str(folder), name=one.name), exit_status=2)
-        files[f"{one.name}.toml"] = text_of(one).encode()
+            raise Refused(OBJECT_EXISTS(path=str(folder), name=one.name), exit_status=2)
+        files[f"{one.name}.toml"] = object_toml(one).encode()
         files[f"{one.name}.npz"] = _archive(one)
     return write_files(files, place)
 
 
-def text_of(one: KnownObject) -> str:
+def object_toml(one: KnownObject) -> str:
     """What people may change of an object, as TOML."""
     lines = [f"# {one.source}"] if one.source.isprintable() and one.source else []
     lines += [f"height = {_number(one.height)}  # mm of its face above what it lies on"]
@@ -153,18 +157,22 @@ def _numbers(numbers: Iterable[float], digits: int = 4) -> str:
 
 
 def _check_version(folder: FilePath) -> None:
-    index, name = folder / INDEX, str(folder)
+    index, name = folder / INDEX_FILE, str(folder)
     if not is_folder(folder):
-        raise Unreadable(NO_LIBRARY(path=name, name=folder, reason="there is no such folder"))
+        raise Unreadable(
+            NO_OBJECT_LIBRARY(path=name, name=folder, reason="there is no such folder")
+        )
     if not is_file(index):
-        raise Unreadable(NO_LIBRARY(path=name, name=folder, reason=f"it has no {INDEX}"))
+        raise Unreadable(
+            NO_OBJECT_LIBRARY(path=name, name=folder, reason=f"it has no {INDEX_FILE}")
+        )
     top = read_toml(decode(read_bytes(index, most=SETTINGS_FILE), str(index), ENCODINGS))
     version = top.content.get("version")
     if isinstance(version, bool) or not isinstance(version, int):
-        reason = f"{INDEX} says no version"
-        raise Unreadable(NO_LIBRARY(path=str(index), name=folder, reason=reason))
+        reason = f"{INDEX_FILE} says no version"
+        raise Unreadable(NO_OBJECT_LIBRARY(path=str(index), name=folder, reason=reason))
     if version != VERSION:
-        found = OTHER_VERSION(path=str(index), version=version, known=VERSION)
+        found = OTHER_LIBRARY_VERSION(path=str(index), version=version, known=VERSION)
         raise Refused(found, exit_status=2)
 
 
@@ -173,11 +181,11 @@ def _read_object(folder: FilePath, name: str) -> tuple[KnownObject, list[Diagnos
     source = decode(read_bytes(path, allow_empty=True, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)
     found = top.read({"height": HEIGHT, "places": _as_it_is, "lines": _as_it_is})
-    places = {n: _place(t) for n, t in top.table("places").named()}
-    lines = {n: _line(t) for n, t in top.table("lines").named()}
+    places = {n: _read_place(t) for n, t in top.table("places").named()}
+    lines = {n: _read_line(t) for n, t in top.table("lines").named()}
     if has_errors(top.page.findings):
         raise Refused(*top.page.findings, exit_status=2)
-    outline, texture = _features(folder / f"{name}.npz")
+    outline, texture = _read_features(folder / f"{name}.npz")
     one = KnownObject(
         *(name, outline, texture, found.get("height", 0.0)),
         symmetry=1 if outline is None or texture is not None else symmetry_of(outline),
@@ -188,7 +196,7 @@ def _read_object(folder: FilePath, name: str) -> tuple[KnownObject, list[Diagnos
     return one, top.page.findings
 
 
-HEIGHT: Final = settings_tables.number("mm", least=0.0, most=LARGEST)
+HEIGHT: Final = settings_tables.number("mm", least=0.0, most=LARGEST_OBJECT)
 
 
 def _as_it_is(value: Any) -> Any:
@@ -199,7 +207,7 @@ def _points(value: Any) -> Floats:
     cure = "write points of two or three numbers in brackets"
     if not isinstance(value, list) or len(value) < 2 or len(value) > MOST_POINTS:
         raise Wrong("is no list of two points and more", cure)
-    one = settings_tables.number("mm", least=-LARGEST, most=LARGEST)
+    one = settings_tables.number("mm", least=-LARGEST_OBJECT, most=LARGEST_OBJECT)
     read = []
     for point in value:
         if not isinstance(point, list) or len(point) not in (2, 3):
@@ -208,54 +216,59 @@ def _points(value: Any) -> Floats:
     return np.array(read)
 
 
-def _whole(value: Any) -> frozenset[int]:
+def _via_numbers(value: Any) -> frozenset[int]:
     if not isinstance(value, list):
         raise Wrong(f"is {kind_of(value)}", "write the numbers of points in brackets")
     return frozenset(settings_tables.whole(0, MOST_POINTS)(v) for v in value)
 
 
-TURN: Final[Mapping[str, Read]] = {
+TURN_KEYS: Final[Mapping[str, Read]] = {
     "quaternion": lambda value: settings_tables.quaternion(value)[0],
     "euler_zyx": settings_tables.euler_zyx,
-    "approach": settings_tables.number("mm", least=0.0, most=LARGEST),
+    "approach": settings_tables.number("mm", least=0.0, most=LARGEST_OBJECT),
 }
-PLACE: Final[Mapping[str, Read]] = {"position": settings_tables.position, **TURN}
-LINE: Final[Mapping[str, Read]] = {
+PLACE_KEYS: Final[Mapping[str, Read]] = {"position": settings_tables.position, **TURN_KEYS}
+LINE_KEYS: Final[Mapping[str, Read]] = {
     "points": _points,
-    "vias": _whole,
+    "vias": _via_numbers,
     "speed": settings_tables.number("mm/s", above=0.0),
-    **TURN,
+    **TURN_KEYS,
 }
 
 
-def _place(table: Table) -> Place:
-    found = table.read(PLACE)
-    pose = Pose(found.get("position", (0.0, 0.0, 0.0)), _turn(table, found))
-    return Place(pose, found.get("approach", APPROACH))
+def _read_place(table: Table) -> Place:
+    found = table.read(PLACE_KEYS)
+    pose = Pose(found.get("position", (0.0, 0.0, 0.0)), _read_turn(table, found))
+    return Place(pose, found.get("approach", USUAL_APPROACH))
 
 
-def _turn(table: Table, found: Mapping[str, Any]) -> tuple[float, float, float, float]:
+def _read_turn(table: Table, found: Mapping[str, Any]) -> tuple[float, float, float, float]:
     if "quaternion" in found and "euler_zyx" in found:
         table.say(NO_OBJECT, "euler_zyx", reason="it gives an orientation twice")
-    turn: tuple[float, float, float, float] = found.get("quaternion", found.get("euler_zyx", DOWN))
+    turn: tuple[float, float, float, float] = found.get(
+        "quaternion", found.get("euler_zyx", TOOL_INTO_FACE)
+    )
     return turn
 
 
-def _line(table: Table) -> Line:
-    found = table.read(LINE)
+def _read_line(table: Table) -> Line:
+    found = table.read(LINE_KEYS)
     points, vias = found.get("points", np.zeros((2, 3))), found.get("vias", frozenset())
     if "points" not in table.content:
         table.say(NO_OBJECT, reason=f"the line `{table.path[-1]}` has no points")
     # An arc has an end, and none begins in the middle of another.
     if any(not 0 < via < len(points) - 1 or via + 1 in vias for via in vias):
         table.say(NO_OBJECT, "vias", reason="arcs pass through points between their ends only")
-    rest = _turn(table, found), found.get("approach", APPROACH), found.get("speed")
+    rest = _read_turn(table, found), found.get("approach", USUAL_APPROACH), found.get("speed")
     return Line(points, vias, *rest)
 
 
 def _archive(one: KnownObject) -> bytes:
     buffer = io.BytesIO()
-    columns: dict[str, Any] = {"kind": np.array(KIND), "version": np.array([float(VERSION)])}
+    columns: dict[str, Any] = {
+        "kind": np.array(ARCHIVE_KIND),
+        "version": np.array([float(VERSION)]),
+    }
     if one.outline is not None:
         columns["outline"] = one.outline.points
         columns["rings"] = np.array([len(ring) for ring in one.outline.rings], dtype=np.int64)
@@ -269,14 +282,14 @@ def _archive(one: KnownObject) -> bytes:
     return buffer.getvalue()
 
 
-def _features(path: FilePath) -> tuple[Outline | None, Texture | None]:
+def _read_features(path: FilePath) -> tuple[Outline | None, Texture | None]:
     arrays, texts = read_npz(read_bytes(path), str(path))
-    reason = "" if texts.get("kind") == KIND else "the archive says to be something else"
+    reason = "" if texts.get("kind") == ARCHIVE_KIND else "the archive says to be something else"
     version = arrays.get("version", np.zeros(0))
     if not reason and version.shape == (1,) and version[0] != VERSION:
-        told = OTHER_VERSION(path=str(path), version=f"{version[0]:g}", known=VERSION)
+        told = OTHER_LIBRARY_VERSION(path=str(path), version=f"{version[0]:g}", known=VERSION)
         raise Refused(told, exit_status=2)
-    reason = reason or _fault(arrays)
+    reason = reason or _archive_fault(arrays)
     if reason:
         raise Unreadable(NO_OBJECT(path=str(path), reason=reason))
     outline = texture = None
@@ -294,7 +307,7 @@ def _features(path: FilePath) -> tuple[Outline | None, Texture | None]:
     return outline, texture
 
 
-def _fault(arrays: Mapping[str, Floats]) -> str:
+def _archive_fault(arrays: Mapping[str, Floats]) -> str:
     """What keeps columns from being an object, nothing if they are one."""
     if not all(np.isfinite(one).all() and one.size <= 2e8 for one in arrays.values()):
         return "it holds what is no number"
@@ -308,7 +321,7 @@ def _fault(arrays: Mapping[str, Floats]) -> str:
             return "its rings are no numbers of points"
         if rings.sum() != len(outline):
             return "its rings and its outline differ in length"
-        if np.abs(outline).max() > LARGEST or np.ptp(outline, axis=0).min() < 1e-3:
+        if np.abs(outline).max() > LARGEST_OBJECT or np.ptp(outline, axis=0).min() < 1e-3:
             return "its outline has no area"
     if "points" in arrays:
         points, descriptors = arrays["points"], arrays.get("descriptors", np.zeros(0))
@@ -316,7 +329,11 @@ def _fault(arrays: Mapping[str, Floats]) -> str:
             return "its keypoints are no places"
         if descriptors.shape != (len(points), 128):
             return "its descriptors are not one for each keypoint"
-        if (descriptors < 0).any() or (descriptors > 255).any() or np.abs(points).max() > LARGEST:
+        if (
+            (descriptors < 0).any()
+            or (descriptors > 255).any()
+            or np.abs(points).max() > LARGEST_OBJECT
+        ):
             return "its descriptors or places are out of range"
     if "picture" in arrays:
         picture, size = arrays["picture"], arrays.get("size", np.zeros(0))

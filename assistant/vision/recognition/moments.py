@@ -12,13 +12,13 @@ from assistant.base.arrays import Floats
 if TYPE_CHECKING:
     from types import ModuleType
 
-ROUND: Final = 0.03
+ROUND_DIFFERENCE: Final = 0.03
 """Difference of the two radii of gyration, as a part of the larger, below which no direction is
 told by them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moments:
+class ContourMoments:
     """Of a shape in a plane. area: mm²; middle: (2,) mm; radii: of gyration along both main axes,
     the longer one first; turn: radians of that axis, in [0, π); hu: the seven invariants of Hu
     (1962), which neither place, turn nor size change.
@@ -32,9 +32,9 @@ class Moments:
 
     @property
     def round(self) -> bool:
-        return self.radii[0] - self.radii[1] < ROUND * self.radii[0]
+        return self.radii[0] - self.radii[1] < ROUND_DIFFERENCE * self.radii[0]
 
-    def like(self, other: Moments, part: float = 0.06) -> bool:
+    def like(self, other: ContourMoments, part: float = 0.06) -> bool:
         """Whether size and stretch differ by that part at most."""
         if abs(self.area - other.area) > 2.0 * part * other.area:
             return False
@@ -42,7 +42,7 @@ class Moments:
         return all(abs(one - two) <= part * two for one, two in pairs)
 
 
-def moments(cv: ModuleType, rings: tuple[Floats, ...]) -> Moments | None:
+def contour_moments(cv: ModuleType, rings: tuple[Floats, ...]) -> ContourMoments | None:
     """Of closed polygons (n, 2), the first about the shape, the others about its holes.
 
     By Green's formula over the polygons; None of a shape without area.
@@ -65,12 +65,12 @@ def moments(cv: ModuleType, rings: tuple[Floats, ...]) -> Moments | None:
     (low, high), axes = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]))
     turn = float(np.arctan2(axes[1, 1], axes[0, 1]) % np.pi)
     radii = (float(np.sqrt(max(high, 0.0))), float(np.sqrt(max(low, 0.0))))
-    central = _central(total, x, y)
+    central = _central_moments(total, x, y)
     hu = np.asarray(cv.HuMoments({**total, **central})).ravel()
-    return Moments(area, origin + np.array([x, y]), radii, turn, hu)
+    return ContourMoments(area, origin + np.array([x, y]), radii, turn, hu)
 
 
-def _central(m: dict[str, float], x: float, y: float) -> dict[str, float]:
+def _central_moments(m: dict[str, float], x: float, y: float) -> dict[str, float]:
     """Central and normalised moments up to the third order, as OpenCV names them."""
     mu = {
         "mu20": m["m20"] - x * m["m10"],

@@ -15,9 +15,9 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 
-DOWN: Final = (0.0, 1.0, 0.0, 0.0)
+TOOL_INTO_FACE: Final = (0.0, 1.0, 0.0, 0.0)
 """A tool that points into the face, its x axis along that of the object."""
-APPROACH: Final = 30.0
+USUAL_APPROACH: Final = 30.0
 """mm that a tool comes from and goes to, where an object does not say."""
 
 
@@ -63,7 +63,7 @@ class Place:
     """A location on an object. pose: of the tool in the object's frame; approach: mm before it."""
 
     pose: Pose
-    approach: float = APPROACH
+    approach: float = USUAL_APPROACH
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +76,8 @@ class Line:
 
     points: Floats
     vias: frozenset[int] = frozenset()
-    quaternion: tuple[float, float, float, float] = DOWN
-    approach: float = APPROACH
+    quaternion: tuple[float, float, float, float] = TOOL_INTO_FACE
+    approach: float = USUAL_APPROACH
     speed: float | None = None
 
 

@@ -11,27 +11,35 @@ from assistant.base.arrays import Floats
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.objects import Line
 from assistant.vision.recognition.photo import Picture
-from assistant.vision.recognition.seeing import Found, Sight, centre_of, rim_of
+from assistant.vision.recognition.seeing import FoundObject, Recognition, face_centre, object_rim
 
-FOUND: Final = (80, 220, 80)
-AXES: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
+OUTLINE_COLOUR: Final = (80, 220, 80)
+AXIS_COLOURS: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
 """Of x, y and z; blue, green, red."""
-LINES: Final = (220, 50, 200)
-LENGTH: Final = 20.0
+LINE_COLOUR: Final = (220, 50, 200)
+AXIS_LENGTH: Final = 20.0
 """mm of an axis."""
-SHIFT: Final = 4
+SUBPIXEL_BITS: Final = 4
 
 
-def with_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Sight) -> Picture:
+def draw_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Recognition) -> Picture:
     """Outlines, axes, names and lines; unknown things are left as they are."""
     drawn = picture.copy()
     for one in sight.found:
-        for ring in _rings(one):
-            _polygon(cv, drawn, camera.project(one.pose.moved(ring)), FOUND, closed=True)
+        for ring in _outline_rings(one):
+            _draw_polygon(
+                cv, drawn, camera.project(one.pose.moved(ring)), OUTLINE_COLOUR, closed=True
+            )
         for line in one.object.lines.values():
-            _polygon(cv, drawn, camera.project(one.pose.moved(_way(line))), LINES, closed=False)
-        _axes(cv, drawn, camera, one)
-        at = camera.project(one.pose.moved(centre_of(one.object)[None]))[0]
+            _draw_polygon(
+                cv,
+                drawn,
+                camera.project(one.pose.moved(_line_points(line))),
+                LINE_COLOUR,
+                closed=False,
+            )
+        _draw_axes(cv, drawn, camera, one)
+        at = camera.project(one.pose.moved(face_centre(one.object)[None]))[0]
         if np.isfinite(at).all():
             u, v = (int(value) for value in at)
             text = f"{one.name} {one.confidence:.2f}"
@@ -40,14 +48,14 @@ def with_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Sight) -
     return np.asarray(drawn)
 
 
-def _rings(one: Found) -> list[Floats]:
+def _outline_rings(one: FoundObject) -> list[Floats]:
     if one.object.outline is None:
-        return [rim_of(one.object)]
+        return [object_rim(one.object)]
     rings = one.object.outline.rings
     return [np.column_stack([ring, np.zeros(len(ring))]) for ring in rings]
 
 
-def _way(line: Line) -> Floats:
+def _line_points(line: Line) -> Floats:
     """Points along a line, its arcs by chords."""
     points = [line.points[:1]]
     for i in range(1, len(line.points)):
@@ -63,14 +71,14 @@ def _way(line: Line) -> Floats:
     return np.concatenate(points)
 
 
-def _axes(cv: ModuleType, drawn: Picture, camera: Camera, one: Found) -> None:
-    tips = np.vstack([np.zeros(3), LENGTH * np.eye(3)])
+def _draw_axes(cv: ModuleType, drawn: Picture, camera: Camera, one: FoundObject) -> None:
+    tips = np.vstack([np.zeros(3), AXIS_LENGTH * np.eye(3)])
     seen = camera.project(one.pose.moved(tips))
-    for number, colour in enumerate(AXES, 1):
-        _polygon(cv, drawn, seen[[0, number]], colour, closed=False)
+    for number, colour in enumerate(AXIS_COLOURS, 1):
+        _draw_polygon(cv, drawn, seen[[0, number]], colour, closed=False)
 
 
-def _polygon(
+def _draw_polygon(
     cv: ModuleType,
     drawn: Picture,
     pixels: Floats,
@@ -79,5 +87,5 @@ def _polygon(
     closed: bool,
 ) -> None:
     if np.isfinite(pixels).all():
-        whole = np.rint(pixels * (1 << SHIFT)).astype(np.int32)
-        cv.polylines(drawn, [whole], closed, colour, 2, cv.LINE_AA, SHIFT)
+        whole = np.rint(pixels * (1 << SUBPIXEL_BITS)).astype(np.int32)
+        cv.polylines(drawn, [whole], closed, colour, 2, cv.LINE_AA, SUBPIXEL_BITS)

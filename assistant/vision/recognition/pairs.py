@@ -15,28 +15,28 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints, evenly_spaced
-from assistant.vision.recognition.edges import sampled
+from assistant.vision.recognition.edges import sample_outline
 from assistant.vision.recognition.objects import Outline
 
-POINTS: Final = 96
+PAIRED_POINTS: Final = 96
 """Of an outline that pairs are made of."""
-FIRST: Final = 28
+VOTING_POINTS: Final = 28
 """Points of a seen contour that vote."""
-SECOND: Final = 120
+PARTNER_POINTS: Final = 120
 """Points of a seen contour that they are paired with."""
-DISTANCES: Final = 24
+DISTANCE_STEPS: Final = 24
 """Steps of distances up to the largest of an outline."""
-ANGLES: Final = 24
+ANGLE_STEPS: Final = 24
 """Steps of a full turn."""
-KEPT: Final = 4
+MOST_CANDIDATES: Final = 4
 """Poses of an outline in a contour that are looked at closer."""
-ROUNDS: Final = 10
-BEGUN: Final = 0.3
+CONTOUR_FIT_ROUNDS: Final = 10
+LEAST_NEAR_CONTOUR: Final = 0.3
 """Part of an outline that lies near to a contour where a pose that is voted for is worth more."""
 
 
 @dataclass(frozen=True, slots=True)
-class Flat:
+class PlanePose:
     """A pose in a plane: a turn in radians about its normal, then a move in mm."""
 
     turn: float
@@ -61,7 +61,7 @@ class Contour:
     normals: Floats
 
 
-def contour_of(rings: tuple[Floats, ...], count: int = SECOND) -> Contour:
+def sample_contour(rings: tuple[Floats, ...], count: int = PARTNER_POINTS) -> Contour:
     """Points evenly spaced on closed rings (n, 2), material to their left."""
     lengths = [np.linalg.norm(np.roll(r, -1, axis=0) - r, axis=1) for r in rings]
     total = sum(float(one.sum()) for one in lengths)
@@ -72,21 +72,21 @@ def contour_of(rings: tuple[Floats, ...], count: int = SECOND) -> Contour:
         at = np.arange(here) * ends[-1] / here
         closed = np.vstack([ring, ring[:1]])
         reach = ends[-1] / here
-        place = _at(closed, ends, at)
-        ahead = _at(closed, ends, at + reach) - _at(closed, ends, at - reach)
+        place = _points_along(closed, ends, at)
+        ahead = _points_along(closed, ends, at + reach) - _points_along(closed, ends, at - reach)
         ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)
         points.append(place)
         normals.append(np.column_stack([ahead[:, 1], -ahead[:, 0]]))
     return Contour(np.concatenate(points), np.concatenate(normals))
 
 
-def _at(closed: Floats, ends: Floats, at: Floats) -> Floats:
+def _points_along(closed: Floats, ends: Floats, at: Floats) -> Floats:
     at = np.mod(at, ends[-1])
     return np.column_stack([np.interp(at, ends, closed[:, 0]), np.interp(at, ends, closed[:, 1])])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pairs:
+class PairTable:
     """The table of an outline. firsts: of each cell in turn the first points of its pairs, from
     starts[cell] on, counts[cell] of them.
     """
@@ -98,34 +98,34 @@ class Pairs:
     counts: Ints
 
     @staticmethod
-    def of(outline: Outline) -> Pairs:
+    def of(outline: Outline) -> PairTable:
         perimeter = sum(
             float(np.linalg.norm(np.roll(r, -1, axis=0) - r, axis=1).sum()) for r in outline.rings
         )
-        samples = sampled(outline, perimeter / POINTS)
+        samples = sample_outline(outline, perimeter / PAIRED_POINTS)
         contour = Contour(samples.points[:, :2], samples.normals[:, :2])
         count = len(contour.points)
         gaps = np.linalg.norm(contour.points[:, None] - contour.points[None], axis=2)
         largest = float(gaps.max()) * 1.0001
         first, second = np.nonzero(gaps > 0.04 * largest)
-        cells, _ = _cells(contour, contour, first, second, largest)
+        cells, _ = _table_cells(contour, contour, first, second, largest)
         order = np.argsort(cells, kind="stable")
-        counts = np.bincount(cells, minlength=DISTANCES * ANGLES * ANGLES)
+        counts = np.bincount(cells, minlength=DISTANCE_STEPS * ANGLE_STEPS * ANGLE_STEPS)
         assert count
         starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        return Pairs(contour, largest, first[order], starts, counts)
+        return PairTable(contour, largest, first[order], starts, counts)
 
-    def poses(self, seen: Contour, kept: int = KEPT) -> list[Flat]:
+    def poses(self, seen: Contour, kept: int = MOST_CANDIDATES) -> list[PlanePose]:
         """Poses that the most pairs of a seen contour vote for, the best first."""
         count = len(seen.points)
-        firsts = evenly_spaced(count, FIRST)
+        firsts = evenly_spaced(count, VOTING_POINTS)
         one, other = (a.ravel() for a in np.meshgrid(firsts, np.arange(count), indexing="ij"))
         gap = np.linalg.norm(seen.points[one] - seen.points[other], axis=1)
         near = (gap > 0.04 * self.largest) & (gap < self.largest)
         one, other = one[near], other[near]
         if not len(one):
             return []
-        cells, inside = _cells(seen, seen, one, other, self.largest)
+        cells, inside = _table_cells(seen, seen, one, other, self.largest)
         cells, one = cells[inside], one[inside]
         many = self.counts[cells]
         rows = np.repeat(np.arange(len(cells)), many)
@@ -135,7 +135,7 @@ class Pairs:
         votes = np.bincount(one[rows] * model + voted, minlength=count * model)
         return self._best(seen, votes.reshape(count, model), kept)
 
-    def _best(self, seen: Contour, votes: Ints, kept: int) -> list[Flat]:
+    def _best(self, seen: Contour, votes: Ints, kept: int) -> list[PlanePose]:
         """The poses with most votes, those that are nearly the same counted together."""
         flat = votes.ravel()
         most = np.argpartition(flat, -min(12 * kept, len(flat)))[-12 * kept :]
@@ -154,7 +154,7 @@ class Pairs:
         centre = place + np.column_stack(
             [c * middle[0] - s * middle[1], s * middle[0] + c * middle[1]]
         )
-        found: list[tuple[float, Flat]] = []
+        found: list[tuple[float, PlanePose]] = []
         left = weight > 0.0
         while left.any() and len(found) < kept:
             best = int(np.argmax(np.where(left, weight, -1.0)))
@@ -162,11 +162,11 @@ class Pairs:
             gap = np.linalg.norm(centre - centre[best], axis=1)
             same = left & (turn < 0.25) & (gap < 0.08 * self.largest)
             total = float(weight[same].sum())
-            found.append((total, Flat(float(angles[best]), *map(float, place[best]))))
+            found.append((total, PlanePose(float(angles[best]), *map(float, place[best]))))
             left &= ~same
         return [pose for _, pose in sorted(found, key=lambda one: -one[0])]
 
-    def settled(self, seen: Contour, pose: Flat) -> tuple[Flat, float]:
+    def settled(self, seen: Contour, pose: PlanePose) -> tuple[PlanePose, float]:
         """A pose brought onto the seen contour, and the part of the outline that lies on it.
 
         Nearest points whose normals agree, those farther than a shrinking gap left out
@@ -175,8 +175,8 @@ class Pairs:
         gap, share = 0.1 * self.largest, 0.0
         middle = self.contour.points.mean(axis=0)
         squares = (seen.points**2).sum(axis=1)
-        for number in range(ROUNDS):
-            some = slice(None, None, 1 if number >= ROUNDS - 3 else 3)
+        for number in range(CONTOUR_FIT_ROUNDS):
+            some = slice(None, None, 1 if number >= CONTOUR_FIT_ROUNDS - 3 else 3)
             points = pose.moved(self.contour.points[some])
             normals = self.contour.normals[some] @ pose.matrix.T
             away = squares - 2.0 * points @ seen.points.T + (points**2).sum(axis=1)[:, None]
@@ -184,7 +184,7 @@ class Pairs:
             near = away.argmin(axis=1)
             good = away[np.arange(len(near)), near] < gap**2
             share = float(good.mean())
-            if good.sum() < 8 or (share < BEGUN and number == 0):
+            if good.sum() < 8 or (share < LEAST_NEAR_CONTOUR and number == 0):
                 return pose, 0.0
             # Distances along the normals of what is seen: points slide along edges freely.
             across = seen.normals[near[good]]
@@ -194,30 +194,30 @@ class Pairs:
             rows = np.column_stack([across, by_turn])
             damped = rows.T @ rows + np.diag([1e-6, 1e-6, 1e-6 * self.largest**2]) * len(rows)
             step = -np.linalg.solve(damped, rows.T @ off)
-            pose = _turned(pose, middle, step)
+            pose = _turned_pose(pose, middle, step)
             gap = max(gap * 0.75, 0.02 * self.largest)
         return pose, share
 
 
-def _turned(pose: Flat, middle: Floats, step: Floats) -> Flat:
+def _turned_pose(pose: PlanePose, middle: Floats, step: Floats) -> PlanePose:
     """Turned about where the middle is, and moved."""
     centre = pose.moved(middle[None])[0] + step[:2]
-    turned = Flat(pose.turn + float(step[2]), 0.0, 0.0)
+    turned = PlanePose(pose.turn + float(step[2]), 0.0, 0.0)
     x, y = centre - turned.moved(middle[None])[0]
-    return Flat(turned.turn, float(x), float(y))
+    return PlanePose(turned.turn, float(x), float(y))
 
 
-def _cells(
+def _table_cells(
     one: Contour, other: Contour, first: Ints, second: Ints, largest: float
 ) -> tuple[Ints, Floats]:
     """Cells of pairs, and which of them lie within the table."""
     line = other.points[second] - one.points[first]
     gap = np.linalg.norm(line, axis=1)
     heading = np.arctan2(line[:, 1], line[:, 0])
-    step = (gap / largest * DISTANCES).astype(np.int64)
+    step = (gap / largest * DISTANCE_STEPS).astype(np.int64)
     cells = step
     for normals in (one.normals[first], other.normals[second]):
         angle = np.arctan2(normals[:, 1], normals[:, 0]) - heading
-        part = np.mod(np.rint(angle / (2.0 * np.pi) * ANGLES), ANGLES).astype(np.int64)
-        cells = cells * ANGLES + part
-    return np.where(step < DISTANCES, cells, 0), step < DISTANCES
+        part = np.mod(np.rint(angle / (2.0 * np.pi) * ANGLE_STEPS), ANGLE_STEPS).astype(np.int64)
+        cells = cells * ANGLE_STEPS + part
+    return np.where(step < DISTANCE_STEPS, cells, 0), step < DISTANCE_STEPS

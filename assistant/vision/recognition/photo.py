@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 Picture = NDArray[np.uint8]
 """(h, w, 3), blue, green, red."""
 
-DIFFERENT: Final = 8.0
+LEAST_COLOUR_DIFFERENCE: Final = 8.0
 """Units of CIE L*a*b* that colours differ by to be two, beside what noise does."""
-SIGMAS: Final = 4.0
+NOISE_SIGMAS: Final = 4.0
 """Times the noise of the smoothed picture that they differ by as well."""
-LEAST_AREA: Final = 120
+LEAST_REGION_AREA: Final = 120
 """Pixels of a region; smaller ones are left out."""
-SMOOTHED: Final = 1.2
+PICTURE_SMOOTHING: Final = 1.2
 """Pixels, sigma, by which the picture is smoothed before colours are compared."""
-COARSE: Final = 4
+BACKGROUND_STRIDE: Final = 4
 """Every so many pixels along and across tell the background."""
-ROUNDS: Final = 6
+BACKGROUND_ROUNDS: Final = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,17 +71,17 @@ class Photo:
         return np.clip(whole[:, 0], 0, width - 1), np.clip(whole[:, 1], 0, height - 1), inside
 
 
-def looked_at(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
+def analyse_picture(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
     """Everything about a picture that does not depend on what is looked for."""
-    noise = noise_of(cv, picture)
+    noise = picture_noise(cv, picture)
     exact = picture.astype(np.float32)
     smooth = cv.GaussianBlur(exact, (0, 0), 0.7)
-    lab = _lab(cv, cv.GaussianBlur(cv.medianBlur(picture, 3), (0, 0), SMOOTHED))
+    lab = _lab(cv, cv.GaussianBlur(cv.medianBlur(picture, 3), (0, 0), PICTURE_SMOOTHING))
     # Noise of L*, which follows grey levels by 100 / 255, after smoothing by a Gaussian.
-    rest = noise * 100.0 / 255.0 / (2.0 * np.sqrt(np.pi) * SMOOTHED)
-    different = DIFFERENT + SIGMAS * rest
-    away = np.linalg.norm(lab - background(lab), axis=2)
-    foreground = _cleaned(cv, away > different)
+    rest = noise * 100.0 / 255.0 / (2.0 * np.sqrt(np.pi) * PICTURE_SMOOTHING)
+    different = LEAST_COLOUR_DIFFERENCE + NOISE_SIGMAS * rest
+    away = np.linalg.norm(lab - fit_background(lab), axis=2)
+    foreground = _without_specks(cv, away > different)
     found, areas, pieces = _regions(cv, lab, foreground, rest)
     return Photo(
         *(camera, picture, smooth, lab, noise, different, foreground),
@@ -89,7 +89,7 @@ def looked_at(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
     )
 
 
-def noise_of(cv: ModuleType, picture: Picture) -> float:
+def picture_noise(cv: ModuleType, picture: Picture) -> float:
     """Grey levels, one sigma, of white noise in a picture, robustly.
 
     By the mask that knows no planes (Immerkær, Fast noise variance estimation, 1996).
@@ -100,21 +100,26 @@ def noise_of(cv: ModuleType, picture: Picture) -> float:
     return float(1.4826 * np.median(found) / 6.0)
 
 
-def background(lab: Singles) -> Singles:
+def fit_background(lab: Singles) -> Singles:
     """(h, w, 3) the colour of the background everywhere: a cubic in the places of pixels that
     fits most of those that are near to the commonest colour.
     """
     height, width = lab.shape[:2]
     rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
-    terms = _terms(columns / width - 0.5, rows / height - 0.5)
-    some = terms[::COARSE, ::COARSE].reshape(-1, terms.shape[2])
-    colours = lab[::COARSE, ::COARSE].reshape(-1, 3)
-    near = np.linalg.norm(colours - _commonest(colours), axis=1) < 3.0 * DIFFERENT
+    terms = _cubic_terms(columns / width - 0.5, rows / height - 0.5)
+    some = terms[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].reshape(-1, terms.shape[2])
+    colours = lab[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].reshape(-1, 3)
+    near = (
+        np.linalg.norm(colours - _commonest_colour(colours), axis=1) < 3.0 * LEAST_COLOUR_DIFFERENCE
+    )
     fit = np.zeros((some.shape[1], 3), np.float32)
     fit[0] = np.median(colours[near], axis=0)
-    for i in range(ROUNDS):
+    for i in range(BACKGROUND_ROUNDS):
         away = np.linalg.norm(colours - some @ fit, axis=1)
-        near = away < max(DIFFERENT, 3.0 * DIFFERENT * (1.0 - i / (ROUNDS - 2)))
+        near = away < max(
+            LEAST_COLOUR_DIFFERENCE,
+            3.0 * LEAST_COLOUR_DIFFERENCE * (1.0 - i / (BACKGROUND_ROUNDS - 2)),
+        )
         if near.sum() < 10 * some.shape[1]:
             break
         rows = some[near].astype(np.float64)
@@ -124,13 +129,13 @@ def background(lab: Singles) -> Singles:
     return np.asarray(terms @ fit)
 
 
-def _terms(x: Singles, y: Singles) -> Singles:
+def _cubic_terms(x: Singles, y: Singles) -> Singles:
     second = x * x, x * y, y * y
     third = x * second[0], x * second[1], x * second[2], y * second[2]
     return np.stack([np.ones_like(x), x, y, *second, *third], axis=2)
 
 
-def _commonest(colours: Singles) -> Singles:
+def _commonest_colour(colours: Singles) -> Singles:
     """The middle of the fullest of cells of ten units, and its neighbours."""
     cells = np.floor(colours / 10.0).astype(np.int64) + 20
     keys = (cells[:, 0] * 64 + cells[:, 1]) * 64 + cells[:, 2]
@@ -142,7 +147,7 @@ def _lab(cv: ModuleType, picture: Picture) -> Singles:
     return np.asarray(cv.cvtColor(picture.astype(np.float32) / 255.0, cv.COLOR_BGR2Lab))
 
 
-def _cleaned(cv: ModuleType, mask: Truths) -> Truths:
+def _without_specks(cv: ModuleType, mask: Truths) -> Truths:
     """Without specks and pinholes."""
     disc = cv.getStructuringElement(cv.MORPH_ELLIPSE, (3, 3))
     opened = cv.morphologyEx(mask.astype(np.uint8), cv.MORPH_OPEN, disc)
@@ -154,11 +159,11 @@ def _regions(
 ) -> tuple[tuple[tuple[Floats, ...], ...], tuple[int, ...], int]:
     """Boundaries and areas: of each piece of foreground, and of its parts of one colour."""
     count, pieces, stats, _ = cv.connectedComponentsWithStats(foreground.astype(np.uint8))
-    whole = [i for i in range(1, count) if stats[i, cv.CC_STAT_AREA] >= LEAST_AREA]
-    parts = _parts(cv, lab, foreground, rest)
+    whole = [i for i in range(1, count) if stats[i, cv.CC_STAT_AREA] >= LEAST_REGION_AREA]
+    parts = _parts_of_one_colour(cv, lab, foreground, rest)
     found: list[tuple[Floats, ...]] = []
     areas: list[int] = []
-    for labels, kept, alone in ((pieces, whole, False), (parts, _large(parts), True)):
+    for labels, kept, alone in ((pieces, whole, False), (parts, _large_regions(parts), True)):
         boxes = _boxes(labels)
         for i in kept:
             rows, columns = boxes[i]
@@ -173,13 +178,13 @@ def _regions(
     return tuple(found), tuple(areas), len(whole)
 
 
-def _parts(cv: ModuleType, lab: Singles, foreground: Truths, rest: float) -> Any:
+def _parts_of_one_colour(cv: ModuleType, lab: Singles, foreground: Truths, rest: float) -> Any:
     """(h, w) numbers of parts of one colour, grown from where nothing changes; 0 for others."""
     slope = np.hypot(cv.Sobel(lab, -1, 1, 0, ksize=3), cv.Sobel(lab, -1, 0, 1, ksize=3)).max(axis=2)
-    calm = foreground & (slope / 8.0 < 1.5 + SIGMAS * rest / 2.0)
+    calm = foreground & (slope / 8.0 < 1.5 + NOISE_SIGMAS * rest / 2.0)
     calm = cv.erode(calm.astype(np.uint8), np.ones((3, 3), np.uint8))
     count, cores, stats, _ = cv.connectedComponentsWithStats(calm, connectivity=4)
-    small = stats[:, cv.CC_STAT_AREA] < LEAST_AREA / 4
+    small = stats[:, cv.CC_STAT_AREA] < LEAST_REGION_AREA / 4
     cores[small[cores]] = 0
     cores[calm == 0] = 0
     markers = np.where(foreground, cores, count).astype(np.int32)
@@ -193,8 +198,8 @@ def _parts(cv: ModuleType, lab: Singles, foreground: Truths, rest: float) -> Any
     return grown
 
 
-def _large(labels: Any) -> list[int]:
-    return [i for i, n in enumerate(np.bincount(labels.ravel())) if i and n >= LEAST_AREA]
+def _large_regions(labels: Any) -> list[int]:
+    return [i for i, n in enumerate(np.bincount(labels.ravel())) if i and n >= LEAST_REGION_AREA]
 
 
 def _boxes(labels: Any) -> list[tuple[slice, slice]]:
@@ -215,7 +220,7 @@ def _boundaries(cv: ModuleType, mask: Truths, corner: tuple[int, int]) -> tuple[
     rings, _ = cv.findContours(padded, cv.RETR_CCOMP, cv.CHAIN_APPROX_NONE)
     found = [ring[:, 0].astype(np.float64) - 1.0 + corner for ring in rings if len(ring) >= 24]
     found.sort(key=lambda ring: -abs(signed_area(ring)))
-    return tuple(map(_smoothed, found))
+    return tuple(map(_smooth_ring, found))
 
 
 def signed_area(ring: Floats) -> float:
@@ -224,7 +229,7 @@ def signed_area(ring: Floats) -> float:
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
 
-def _smoothed(ring: Floats) -> Floats:
+def _smooth_ring(ring: Floats) -> Floats:
     kernel = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
     shifts = (np.roll(ring, k - 2, axis=0) * w for k, w in enumerate(kernel))
     return np.asarray(sum(shifts))

@@ -14,61 +14,61 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.recognition.edges import of_edges
+from assistant.vision.recognition.edges import measure_edges
 from assistant.vision.recognition.estimating import (
-    Estimate,
     Measure,
+    PixelErrors,
     Plane,
-    Rows,
-    Sized,
-    fitted,
-    of_points,
-    sized,
+    PoseEstimate,
+    SizeFit,
+    fit_by_size,
+    fit_pose,
+    measure_points,
 )
 from assistant.vision.recognition.library import Library
 from assistant.vision.recognition.objects import KnownObject
 from assistant.vision.recognition.outlines import (
     OutlineFound,
-    Shape,
-    on_plane,
-    outlines_in,
+    OutlineShape,
+    find_outlines,
+    pixels_on_plane,
 )
-from assistant.vision.recognition.photo import Photo, Picture, looked_at, signed_area
+from assistant.vision.recognition.photo import Photo, Picture, analyse_picture, signed_area
 from assistant.vision.recognition.rules import (
-    DISAGREE,
-    NO_PLANE,
-    NOT_LYING,
-    OTHER_SIZE,
-    TILTED,
-    TURNED,
-    UNKNOWN,
+    AMBIGUOUS_TILT,
+    AMBIGUOUS_TURN,
+    CONTRADICTED_SIZE,
+    NOT_ON_PLANE,
+    PLANE_NOT_SEEN,
+    POSES_DISAGREE,
+    UNKNOWN_OBJECT,
 )
-from assistant.vision.recognition.symmetry import middle_of
-from assistant.vision.recognition.textures import Marks, lies, textures_in
+from assistant.vision.recognition.symmetry import outline_centre
+from assistant.vision.recognition.textures import TextureIndex, find_textures, lies_on_plane
 
-LEVEL: Final = Plane()
+LEVEL_PLANE: Final = Plane()
 """x and y of the world."""
-TOGETHER: Final = 0.5
+SAME_OBJECT_SHARE: Final = 0.5
 """Part of the shorter side of an object: what two cameras put nearer together is one, as two of a
 kind would lie in each other."""
-SIGMAS: Final = 4.0
+SAME_OBJECT_SIGMAS: Final = 4.0
 """Added to that, of how sure both are."""
-DOUBTED: Final = 6.0
+DISAGREEING_SIGMAS: Final = 6.0
 """Sigmas, and mm below, from which cameras disagree."""
-LEAST_DOUBTED: Final = 0.5
-SURE: Final = 0.6
+DISAGREEING_MM: Final = 0.5
+SURE_CONFIDENCE: Final = 0.6
 """Part of an object that is seen, and agrees, from which nobody doubts that it is this one."""
-COVERED: Final = 0.3
+COVERED_SHARE: Final = 0.3
 """Part of a thing that known objects cover from which it is not unknown."""
-CONTRADICTS: Final = (4.0, 0.5)
+CONTRADICTING_SIZE: Final = (4.0, 0.5)
 """Sigmas, and percent of its size, by which an object on the plane looks larger or smaller than it
 is: from there on its pose is wrong, or it is another object."""
-LEAST_UNKNOWN: Final = 0.1
+LEAST_UNKNOWN_AREA: Final = 0.1
 """Part of the area of the smallest known object below which a thing is not worth a word."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundObject:
     """An object that was found. name: NAME, NAME_2 … where several are there. estimate: its pose in
     the world with what is known of it. confidence: 0 to 1, that it is this object. cameras: that
     see it. rim: (n, 2) pixels about it in the picture of the first of them. larger: percent by
@@ -77,7 +77,7 @@ class Found:
 
     name: str
     object: KnownObject
-    estimate: Estimate
+    estimate: PoseEstimate
     confidence: float
     cameras: tuple[str, ...]
     rim: Floats
@@ -89,7 +89,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True)
-class Unknown:
+class UnknownThing:
     """A thing that is no known object: where its middle is on the plane, and mm across."""
 
     x: float
@@ -98,20 +98,20 @@ class Unknown:
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class Recognition:
     """What pictures show. findings: errors are of what must not be acted on."""
 
-    found: tuple[Found, ...]
-    unknown: tuple[Unknown, ...]
+    found: tuple[FoundObject, ...]
+    unknown: tuple[UnknownThing, ...]
     findings: tuple[Diagnostic, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _One:
+class _CameraObject:
     """An object as one camera sees it."""
 
     object: KnownObject
-    estimate: Estimate
+    estimate: PoseEstimate
     confidence: float
     camera: str
     measure: Measure
@@ -127,59 +127,62 @@ class Recogniser:
         self.cv: Final = cv
         objects = tuple(library.objects.values())
         self.shapes: Final = tuple(
-            Shape.of(cv, one) for one in objects if one.outline is not None and one.texture is None
+            OutlineShape.of(cv, one)
+            for one in objects
+            if one.outline is not None and one.texture is None
         )
-        self.marks: Final = Marks.of(objects)
+        self.marks: Final = TextureIndex.of(objects)
 
     def see(
         self,
         pictures: Mapping[str, Picture],
         cameras: Mapping[str, Camera],
-        plane: Plane = LEVEL,
-    ) -> Sight:
+        plane: Plane = LEVEL_PLANE,
+    ) -> Recognition:
         """Objects in one picture of each of some cameras, which stand in the world.
 
         Those with outlines lie on the plane; those with textures may be anywhere. Raises Refused
         where a camera does not see the plane.
         """
         photos = {
-            name: looked_at(self.cv, cameras[name], picture) for name, picture in pictures.items()
+            name: analyse_picture(self.cv, cameras[name], picture)
+            for name, picture in pictures.items()
         }
         for name in photos:
-            check_sees(cameras[name], plane)
+            check_plane_seen(cameras[name], plane)
         ones = [one for photo in photos.values() for one in self._in_photo(photo, plane)]
-        groups = _grouped(ones)
+        groups = _group_by_object(ones)
         findings: list[Diagnostic] = []
-        joined = [_joined(group, findings) for group in groups]
+        joined = [_join_cameras(group, findings) for group in groups]
         kept = sorted((one for one in joined if one is not None), key=lambda f: -f[1].confidence)
-        found = _named(kept, photos)
+        found = _numbered_objects(kept, photos)
         for one, (_, group) in zip(found, kept, strict=True):
-            findings += _doubts(one, group.one, plane)
+            findings += _doubt_findings(one, group.one, plane)
         unknown = self._unknown(photos, found, plane)
-        findings += [UNKNOWN(x=one.x, y=one.y, size=one.size) for one in unknown]
-        return Sight(tuple(found), tuple(unknown), tuple(findings))
+        findings += [UNKNOWN_OBJECT(x=one.x, y=one.y, size=one.size) for one in unknown]
+        return Recognition(tuple(found), tuple(unknown), tuple(findings))
 
-    def _in_photo(self, photo: Photo, plane: Plane) -> list[_One]:
+    def _in_photo(self, photo: Photo, plane: Plane) -> list[_CameraObject]:
         cv, name = self.cv, photo.camera.name
-        found: list[_One] = []
+        found: list[_CameraObject] = []
         faces: list[Floats] = []
-        textures = [] if self.marks is None else textures_in(cv, photo, self.marks, plane)
+        textures = [] if self.marks is None else find_textures(cv, photo, self.marks, plane)
         for texture in textures:
-            measure = of_points(photo.camera, texture.points, texture.pixels)
+            measure = measure_points(photo.camera, texture.points, texture.pixels)
             found.append(
-                _One(
+                _CameraObject(
                     *(texture.object, texture.estimate, texture.confidence, name, measure),
                     plane if texture.lying else None,
                     texture.lying,
                     texture.doubtful,
                 )
             )
-            face = photo.camera.project(texture.estimate.pose.moved(rim_of(texture.object)))
+            face = photo.camera.project(texture.estimate.pose.moved(object_rim(texture.object)))
             faces += [face] if np.isfinite(face).all() else []
-        for outline in outlines_in(cv, photo, self.shapes, plane, faces):
-            measure = _of_outline(cv, photo, outline)
+        for outline in find_outlines(cv, photo, self.shapes, plane, faces):
+            measure = _outline_measure(cv, photo, outline)
             found.append(
-                _One(
+                _CameraObject(
                     *(outline.object, outline.estimate, outline.confidence, name, measure),
                     plane,
                     lying=True,
@@ -189,14 +192,14 @@ class Recogniser:
         return found
 
     def _unknown(
-        self, photos: Mapping[str, Photo], found: Sequence[Found], plane: Plane
-    ) -> list[Unknown]:
+        self, photos: Mapping[str, Photo], found: Sequence[FoundObject], plane: Plane
+    ) -> list[UnknownThing]:
         """Things of the first picture that known objects do not cover."""
         photo = next(iter(photos.values()))
         height, width = photo.foreground.shape
         covered = np.zeros((height, width), np.uint8)
         for one in found:
-            rim = photo.camera.project(one.pose.moved(rim_of(one.object)))
+            rim = photo.camera.project(one.pose.moved(object_rim(one.object)))
             if np.isfinite(rim).all():
                 self.cv.fillPoly(covered, [np.rint(rim).astype(np.int32)], 1)
         sizes = [s.moments.area for s in self.shapes] + [
@@ -204,8 +207,8 @@ class Recogniser:
             for o in (self.marks.objects if self.marks else ())
             if o.texture is not None and o.texture.size is not None
         ]
-        least = LEAST_UNKNOWN * min(sizes, default=100.0)
-        things: list[Unknown] = []
+        least = LEAST_UNKNOWN_AREA * min(sizes, default=100.0)
+        things: list[UnknownThing] = []
         pieces = self.cv.connectedComponents(photo.foreground.astype(np.uint8))[1]
         for rings in photo.regions[: photo.pieces]:
             u, v = np.rint(rings[0][0]).astype(int)
@@ -214,27 +217,27 @@ class Recogniser:
             if number == 0:
                 continue
             mask = pieces == number
-            if covered[mask].mean() > COVERED:
+            if covered[mask].mean() > COVERED_SHARE:
                 continue
-            flat = on_plane(photo.camera, rings[0], plane, 0.0)
+            flat = pixels_on_plane(photo.camera, rings[0], plane, 0.0)
             if not np.isfinite(flat).all() or abs(signed_area(flat)) < least:
                 continue
             x, y = (flat.min(axis=0) + flat.max(axis=0)) / 2.0
-            things.append(Unknown(float(x), float(y), float(np.ptp(flat, axis=0).max())))
+            things.append(UnknownThing(float(x), float(y), float(np.ptp(flat, axis=0).max())))
         return things
 
 
-def check_sees(camera: Camera, plane: Plane) -> None:
+def check_plane_seen(camera: Camera, plane: Plane) -> None:
     """Raises Refused where the plane is behind a camera, or seen from below."""
     width, height = camera.lens.size
     grid = np.array([[u, v] for u in (0.25, 0.5, 0.75) for v in (0.25, 0.5, 0.75)])
-    seen = on_plane(camera, grid * [width, height], plane, 0.0)
+    seen = pixels_on_plane(camera, grid * [width, height], plane, 0.0)
     above = plane.pose.inverse().moved(np.array([camera.pose.position]))[0, 2]
     if not np.isfinite(seen).all(axis=1).any() or above <= 0.0:
-        raise Refused(NO_PLANE(camera=camera.name), exit_status=2)
+        raise Refused(PLANE_NOT_SEEN(camera=camera.name), exit_status=2)
 
 
-def rim_of(known: KnownObject) -> Floats:
+def object_rim(known: KnownObject) -> Floats:
     """(n, 3) points about an object in its frame."""
     if known.outline is not None:
         ring = known.outline.rings[0]
@@ -248,34 +251,34 @@ def rim_of(known: KnownObject) -> Floats:
     return np.array([[a, b, top], [c, b, top], [c, e, top], [a, e, top]])
 
 
-def centre_of(known: KnownObject) -> Floats:
+def face_centre(known: KnownObject) -> Floats:
     """(3,) the middle of its face, in its frame."""
     if known.outline is not None:
-        return np.array([*middle_of(known.outline), 0.0])
-    return np.asarray(rim_of(known).mean(axis=0))
+        return np.array([*outline_centre(known.outline), 0.0])
+    return np.asarray(object_rim(known).mean(axis=0))
 
 
-def _of_outline(cv: ModuleType, photo: Photo, found: OutlineFound) -> Measure:
+def _outline_measure(cv: ModuleType, photo: Photo, found: OutlineFound) -> Measure:
     """The edges near to where they were found, for whoever fits them with others."""
 
-    def rows(pose: Pose) -> Rows:
-        return of_edges(cv, photo, found.samples, 2.0, found.object.height)(pose)
+    def rows(pose: Pose) -> PixelErrors:
+        return measure_edges(cv, photo, found.samples, 2.0, found.object.height)(pose)
 
     return rows
 
 
-def _grouped(ones: Sequence[_One]) -> list[list[_One]]:
+def _group_by_object(ones: Sequence[_CameraObject]) -> list[list[_CameraObject]]:
     """What several cameras see of one object; one camera sees an object once."""
-    groups: list[list[_One]] = []
+    groups: list[list[_CameraObject]] = []
     for one in sorted(ones, key=lambda one: -one.confidence):
         for group in groups:
             first = group[0]
             if first.object is not one.object:
                 continue
-            away = np.linalg.norm(_middle(one) - _middle(first))
+            away = np.linalg.norm(_object_position(one) - _object_position(first))
             sure = np.hypot(one.estimate.sigma_mm, first.estimate.sigma_mm)
-            size = float(np.ptp(rim_of(one.object)[:, :2], axis=0).min())
-            if away < TOGETHER * size + SIGMAS * sure:
+            size = float(np.ptp(object_rim(one.object)[:, :2], axis=0).min())
+            if away < SAME_OBJECT_SHARE * size + SAME_OBJECT_SIGMAS * sure:
                 if all(other.camera != one.camera for other in group):
                     group.append(one)
                 break
@@ -284,19 +287,21 @@ def _grouped(ones: Sequence[_One]) -> list[list[_One]]:
     return groups
 
 
-def _middle(one: _One) -> Floats:
-    return np.asarray(one.estimate.pose.moved(centre_of(one.object)[None])[0])
+def _object_position(one: _CameraObject) -> Floats:
+    return np.asarray(one.estimate.pose.moved(face_centre(one.object)[None])[0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Joined:
-    one: _One
+class _JoinedObject:
+    one: _CameraObject
     cameras: tuple[str, ...]
     confidence: float
-    size: Sized | None
+    size: SizeFit | None
 
 
-def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate, _Joined] | None:
+def _join_cameras(
+    group: Sequence[_CameraObject], findings: list[Diagnostic]
+) -> tuple[PoseEstimate, _JoinedObject] | None:
     """One pose of what several cameras see; with a finding where they do not agree."""
     best = group[0]
     estimate, cameras = best.estimate, tuple(one.camera for one in group)
@@ -305,24 +310,26 @@ def _joined(group: Sequence[_One], findings: list[Diagnostic]) -> tuple[Estimate
     measures, height = [one.measure for one in group], best.object.height
     any_turn = best.object.symmetry == 0
     if len(group) > 1:
-        together = fitted(estimate.pose, measures, plane, height, any_turn=any_turn)
+        together = fit_pose(estimate.pose, measures, plane, height, any_turn=any_turn)
         if together is not None:
             estimate = together
         for one in group[1:]:
-            off = _middle(one) - _middle(best)
+            off = _object_position(one) - _object_position(best)
             covariance = (one.estimate.covariance + best.estimate.covariance)[:3, :3]
             sigmas = float(np.sqrt(off @ np.linalg.solve(covariance, off)))
             mm = float(np.linalg.norm(off))
-            if sigmas > DOUBTED and mm > LEAST_DOUBTED:
-                findings.append(DISAGREE(name=best.object.name, mm=mm, sigmas=sigmas))
+            if sigmas > DISAGREEING_SIGMAS and mm > DISAGREEING_MM:
+                findings.append(POSES_DISAGREE(name=best.object.name, mm=mm, sigmas=sigmas))
         best = replace(best, doubtful=False)
     size = None
     if plane is not None:
-        size = sized(estimate, measures, plane, height, any_turn=any_turn)
-    return estimate, _Joined(best, cameras, confidence, size)
+        size = fit_by_size(estimate, measures, plane, height, any_turn=any_turn)
+    return estimate, _JoinedObject(best, cameras, confidence, size)
 
 
-def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]) -> list[Found]:
+def _numbered_objects(
+    kept: Sequence[tuple[PoseEstimate, _JoinedObject]], photos: Mapping[str, Photo]
+) -> list[FoundObject]:
     counts: dict[str, int] = {}
     found = []
     for estimate, joined in kept:
@@ -330,36 +337,36 @@ def _named(kept: Sequence[tuple[Estimate, _Joined]], photos: Mapping[str, Photo]
         counts[known.name] = counts.get(known.name, 0) + 1
         number = counts[known.name]
         name = known.name if number == 1 else f"{known.name}_{number}"
-        settled = replace(estimate, pose=_settled(estimate.pose, known))
+        settled = replace(estimate, pose=_with_least_turn(estimate.pose, known))
         photo = photos[joined.cameras[0]]
-        rim = photo.camera.project(settled.pose.moved(rim_of(known)))
-        confidence, larger = min(joined.confidence / SURE, 1.0), None
+        rim = photo.camera.project(settled.pose.moved(object_rim(known)))
+        confidence, larger = min(joined.confidence / SURE_CONFIDENCE, 1.0), None
         if joined.size is not None:
-            larger = _larger(joined.size, settled.pose, photo.camera)
+            larger = _percent_larger(joined.size, settled.pose, photo.camera)
         if joined.size is not None and larger is not None:
             # Either the plane is elsewhere or the object has another size: both are possible.
             shift = joined.size.shift
             wider = settled.covariance + np.outer(shift, shift)
             settled = replace(settled, covariance=wider)
-            confidence *= CONTRADICTS[0] / joined.size.sigmas
-        found.append(Found(name, known, settled, confidence, joined.cameras, rim, larger))
+            confidence *= CONTRADICTING_SIZE[0] / joined.size.sigmas
+        found.append(FoundObject(name, known, settled, confidence, joined.cameras, rim, larger))
     return found
 
 
-def _larger(size: Sized, pose: Pose, camera: Camera) -> float | None:
+def _percent_larger(size: SizeFit, pose: Pose, camera: Camera) -> float | None:
     """Percent by which an object looks larger than on the plane; None where that may be noise."""
     away = float(np.linalg.norm(np.subtract(camera.pose.position, pose.position)))
     nearer = float(np.linalg.norm(camera.pose.position - (pose.position + size.shift[:3])))
     percent = 100.0 * (away / nearer - 1.0)
-    wrong = size.sigmas > CONTRADICTS[0] and abs(percent) > CONTRADICTS[1]
+    wrong = size.sigmas > CONTRADICTING_SIZE[0] and abs(percent) > CONTRADICTING_SIZE[1]
     return percent if wrong else None
 
 
-def _settled(pose: Pose, known: KnownObject) -> Pose:
+def _with_least_turn(pose: Pose, known: KnownObject) -> Pose:
     """Of the ways that an object can be turned and look the same, the one with the least turn."""
     if known.symmetry == 1 or known.outline is None:
         return pose
-    middle = np.array([*middle_of(known.outline), 0.0])
+    middle = np.array([*outline_centre(known.outline), 0.0])
     ahead = rotations.rotate(np.array(pose.quaternion), np.array([1.0, 0.0, 0.0]))
     turn = float(np.degrees(np.arctan2(ahead[1], ahead[0])))
     if known.symmetry == 0:
@@ -373,17 +380,17 @@ def _settled(pose: Pose, known: KnownObject) -> Pose:
     return pose @ Pose.of(moved, about)
 
 
-def _doubts(found: Found, one: _One, plane: Plane) -> list[Diagnostic]:
+def _doubt_findings(found: FoundObject, one: _CameraObject, plane: Plane) -> list[Diagnostic]:
     if found.larger is not None:
         mm, percent = found.estimate.sigma_mm, abs(found.larger)
         how = "larger" if found.larger > 0.0 else "smaller"
-        return [OTHER_SIZE(name=found.name, percent=percent, how=how, mm=mm)]
+        return [CONTRADICTED_SIZE(name=found.name, percent=percent, how=how, mm=mm)]
     if one.doubtful:
-        return [(TURNED if one.object.texture is None else TILTED)(name=found.name)]
-    if one.lying or lies(found.estimate, plane, found.object.height):
+        return [(AMBIGUOUS_TURN if one.object.texture is None else AMBIGUOUS_TILT)(name=found.name)]
+    if one.lying or lies_on_plane(found.estimate, plane, found.object.height):
         return []
     local = plane.pose.inverse() @ found.pose
     up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))
     tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))
     above = local.position[2] - found.object.height
-    return [NOT_LYING(name=found.name, mm=above, degrees=tilt)]
+    return [NOT_ON_PLANE(name=found.name, mm=above, degrees=tilt)]

@@ -15,28 +15,38 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.judging import to_ring, within
-from assistant.vision.recognition.keypoints import Keypoints, keypoints, matched, of_face
+from assistant.vision.recognition.judging import distances_to_ring, points_in_ring
+from assistant.vision.recognition.keypoints import (
+    Keypoints,
+    face_keypoints,
+    find_keypoints,
+    match_keypoints,
+)
 from assistant.vision.recognition.objects import KnownObject, Outline, Texture
-from assistant.vision.recognition.outlines import on_plane
-from assistant.vision.recognition.photo import Picture, looked_at, signed_area
-from assistant.vision.recognition.rules import ALIKE, NO_TEXTURE, NOTHING_SHOWN, OTHER_VIEW
+from assistant.vision.recognition.outlines import pixels_on_plane
+from assistant.vision.recognition.photo import Picture, analyse_picture, signed_area
+from assistant.vision.recognition.rules import (
+    NO_TEXTURE,
+    NOTHING_IN_PICTURE,
+    REPEATED_VIEWS,
+    UNRELATED_VIEW,
+)
 from assistant.vision.recognition.symmetry import symmetry_of
 
-LARGEST: Final = 400
+LARGEST_FACE: Final = 400
 """Pixels of the longer side of a face that is kept."""
 FEWEST_MARKS: Final = 40
-AGREE: Final = 15
+FEWEST_AGREEING: Final = 15
 """Keypoints of another view that agree with the first one."""
-SAME: Final = 1.0
+SAME_PICTURE_LEVELS: Final = 1.0
 """Grey levels that two views differ by, on average, if they are one picture."""
-RIM: Final = 0.04
+RIM_SHARE: Final = 0.04
 """Part of the length of a thing from its edge within which marks are of what it lies on, too."""
 MOST_MARKS: Final = 6000
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class ObjectView:
     """A picture with the name that messages use. camera: that took it, None of a picture of the
     face alone.
     """
@@ -47,38 +57,38 @@ class View:
 
 
 @dataclass(frozen=True, slots=True)
-class Learnt:
+class LearntObject:
     object: KnownObject
     findings: tuple[Diagnostic, ...]
 
 
 def learn_face(
-    cv: ModuleType, name: str, views: Sequence[View], width: float, height: float = 0.0
-) -> Learnt:
+    cv: ModuleType, name: str, views: Sequence[ObjectView], width: float, height: float = 0.0
+) -> LearntObject:
     """A flat thing by pictures of its face: the first one is filled by it, `width` mm wide.
 
     Others show it as it may be seen, and add what they show of the same face. Its frame is in the
     middle of the face, x to the right of the first picture and y up. Raises Refused.
     """
     first, path = views[0].picture, views[0].name
-    grey = _scaled(cv, cv.cvtColor(first, cv.COLOR_BGR2GRAY))
+    grey = _scaled_face(cv, cv.cvtColor(first, cv.COLOR_BGR2GRAY))
     tall = width * first.shape[0] / first.shape[1]
-    marks = of_face(cv, grey)
+    marks = face_keypoints(cv, grey)
     if len(marks) < FEWEST_MARKS:
         raise Refused(NO_TEXTURE(path=path, count=len(marks), least=FEWEST_MARKS))
     texture = Texture(
-        _on_face(marks.pixels, grey, width, tall), marks.descriptors, grey, (width, tall)
+        _positions_on_face(marks.pixels, grey, width, tall), marks.descriptors, grey, (width, tall)
     )
-    findings = _alike(views)
+    findings = _repeated_views(views)
     for view in views[1:]:
         texture = _with_view(cv, texture, view)
     source = f"shown by {len(views)} view{'s' * (len(views) > 1)}"
-    return Learnt(KnownObject(name, None, texture, height, source=source), findings)
+    return LearntObject(KnownObject(name, None, texture, height, source=source), findings)
 
 
 def learn_lying(
-    cv: ModuleType, name: str, views: Sequence[View], plane: Plane, height: float = 0.0
-) -> Learnt:
+    cv: ModuleType, name: str, views: Sequence[ObjectView], plane: Plane, height: float = 0.0
+) -> LearntObject:
     """A thing that lies alone on a plane in front of calibrated cameras, its face `height` above.
 
     Outline and marks come from the first picture, more marks from the others. Its frame is in the
@@ -86,14 +96,14 @@ def learn_lying(
     """
     view = views[0]
     assert view.camera is not None
-    photo = looked_at(cv, view.camera, view.picture)
+    photo = analyse_picture(cv, view.camera, view.picture)
     if not photo.regions:
-        raise Refused(NOTHING_SHOWN(path=view.name))
+        raise Refused(NOTHING_IN_PICTURE(path=view.name))
     largest = photo.regions[int(np.argmax(photo.areas))]
-    rings = [on_plane(view.camera, ring, plane, height) for ring in largest]
+    rings = [pixels_on_plane(view.camera, ring, plane, height) for ring in largest]
     rings = [ring for ring in rings if np.isfinite(ring).all()]
     if not rings:
-        raise Refused(NOTHING_SHOWN(path=view.name))
+        raise Refused(NOTHING_IN_PICTURE(path=view.name))
     if signed_area(rings[0]) < 0.0:
         rings = [ring[::-1] for ring in rings]
     (x, y), (wide, tall), turn = cv.minAreaRect(rings[0].astype(np.float32))
@@ -102,42 +112,44 @@ def learn_lying(
     angle = np.radians(turn)
     back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     inside = [(ring - [x, y]) @ back.T for ring in rings]
-    outline = Outline(tuple(_simple(cv, ring, 0.4 * wide / LARGEST) for ring in inside))
+    outline = Outline(
+        tuple(_simplified_ring(cv, ring, 0.4 * wide / LARGEST_FACE) for ring in inside)
+    )
     pose = plane.pose @ Pose.of(
         np.array([x, y, height]), rotations.canonical(rotations.about((0.0, 0.0, 1.0), turn))
     )
-    grey = _straight(cv, view.camera, view.picture, pose, wide, tall)
-    marks = of_face(cv, grey)
+    grey = _rectified_face(cv, view.camera, view.picture, pose, wide, tall)
+    marks = face_keypoints(cv, grey)
     texture = None
-    places = _on_face(marks.pixels, grey, wide, tall)
-    own = _inside(outline, places, RIM * wide)
+    places = _positions_on_face(marks.pixels, grey, wide, tall)
+    own = _well_inside(outline, places, RIM_SHARE * wide)
     if own.sum() >= FEWEST_MARKS:
         texture = Texture(places[own], marks.descriptors[own], grey, (wide, tall))
         for other in views[1:]:
             texture = _with_view(cv, texture, other)
     known = KnownObject(name, outline, texture, height, symmetry_of(outline))
     source = f"shown by {len(views)} view{'s' * (len(views) > 1)} on the plane"
-    return Learnt(replace(known, source=source), _alike(views))
+    return LearntObject(replace(known, source=source), _repeated_views(views))
 
 
-def _inside(outline: Outline, places: Floats, clear: float) -> Truths:
+def _well_inside(outline: Outline, places: Floats, clear: float) -> Truths:
     """(n,) which places are inside of an outline, so far from its edge: marks there are of it."""
     flat = places[:, :2]
     found = np.zeros(len(flat), dtype=np.bool_)
     for ring in outline.rings:
-        found ^= within(ring, flat)
-    away = np.min([to_ring(ring, flat) for ring in outline.rings], axis=0)
+        found ^= points_in_ring(ring, flat)
+    away = np.min([distances_to_ring(ring, flat) for ring in outline.rings], axis=0)
     return np.asarray(found & (away > clear))
 
 
-def _scaled(cv: ModuleType, grey: Picture) -> Picture:
-    part = LARGEST / max(grey.shape)
+def _scaled_face(cv: ModuleType, grey: Picture) -> Picture:
+    part = LARGEST_FACE / max(grey.shape)
     if part >= 1.0:
         return grey
     return np.asarray(cv.resize(grey, None, fx=part, fy=part, interpolation=cv.INTER_AREA))
 
 
-def _on_face(pixels: Floats, grey: Picture, wide: float, tall: float) -> Floats:
+def _positions_on_face(pixels: Floats, grey: Picture, wide: float, tall: float) -> Floats:
     """(n, 3) mm from the middle of a face of pixels (n, 2) of its picture."""
     height, width = grey.shape[:2]
     x = ((pixels[:, 0] + 0.5) / width - 0.5) * wide
@@ -145,28 +157,31 @@ def _on_face(pixels: Floats, grey: Picture, wide: float, tall: float) -> Floats:
     return np.column_stack([x, y, np.zeros(len(pixels))])
 
 
-def _alike(views: Sequence[View]) -> tuple[Diagnostic, ...]:
+def _repeated_views(views: Sequence[ObjectView]) -> tuple[Diagnostic, ...]:
     """A warning where all views are one picture."""
     first = views[0].picture.astype(np.int16)
     others = [view.picture for view in views[1:]]
-    same = [one.shape == first.shape and np.abs(one - first).mean() < SAME for one in others]
-    return (ALIKE(path=views[0].name),) if others and all(same) else ()
+    same = [
+        one.shape == first.shape and np.abs(one - first).mean() < SAME_PICTURE_LEVELS
+        for one in others
+    ]
+    return (REPEATED_VIEWS(path=views[0].name),) if others and all(same) else ()
 
 
-def _with_view(cv: ModuleType, texture: Texture, view: View) -> Texture:
+def _with_view(cv: ModuleType, texture: Texture, view: ObjectView) -> Texture:
     """With the marks of another picture of the same face, through the map between both."""
-    seen = keypoints(cv, cv.cvtColor(view.picture, cv.COLOR_BGR2GRAY))
+    seen = find_keypoints(cv, cv.cvtColor(view.picture, cv.COLOR_BGR2GRAY))
     owners = np.zeros(len(texture.points), np.intp)
-    here, there = matched(cv, seen, texture.descriptors, owners, texture.points)
+    here, there = match_keypoints(cv, seen, texture.descriptors, owners, texture.points)
     map, good = None, None
-    if len(here) >= AGREE:
+    if len(here) >= FEWEST_AGREEING:
         cv.setRNGSeed(1)
         map, good = cv.findHomography(
-            seen.pixels[here], texture.points[there, :2], cv.RANSAC, _limit(texture)
+            seen.pixels[here], texture.points[there, :2], cv.RANSAC, _most_keypoint_error(texture)
         )
     agreed = 0 if good is None else int(good.sum())
-    if map is None or agreed < AGREE:
-        raise Refused(OTHER_VIEW(path=view.name, count=agreed))
+    if map is None or agreed < FEWEST_AGREEING:
+        raise Refused(UNRELATED_VIEW(path=view.name, count=agreed))
     places = cv.perspectiveTransform(seen.pixels[None], map)[0]
     assert texture.size is not None
     on = (np.abs(places) < np.array(texture.size) / 2.0).all(axis=1) & np.isfinite(places).all(
@@ -182,27 +197,27 @@ def _with_view(cv: ModuleType, texture: Texture, view: View) -> Texture:
     )
 
 
-def _limit(texture: Texture) -> float:
+def _most_keypoint_error(texture: Texture) -> float:
     """Mm that a mark may be off: one in a hundred of the face."""
     assert texture.size is not None
     return 0.01 * max(texture.size)
 
 
-def _simple(cv: ModuleType, ring: Floats, off: float) -> Floats:
+def _simplified_ring(cv: ModuleType, ring: Floats, off: float) -> Floats:
     """The polygon with fewer corners, `off` mm off it at most."""
     made = cv.approxPolyDP(ring.astype(np.float32)[:, None], off, True)
     return np.asarray(made[:, 0], dtype=np.float64)
 
 
-def _straight(
+def _rectified_face(
     cv: ModuleType, camera: Camera, picture: Picture, pose: Pose, wide: float, tall: float
 ) -> Picture:
     """The face as it is from straight above, in grey levels."""
-    step = max(wide, tall) / LARGEST
+    step = max(wide, tall) / LARGEST_FACE
     width, height = max(round(wide / step), 16), max(round(tall / step), 16)
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     pixels = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
-    places = _on_face(pixels, np.zeros((height, width), np.uint8), wide, tall)
+    places = _positions_on_face(pixels, np.zeros((height, width), np.uint8), wide, tall)
     seen = camera.project(pose.moved(places)).astype(np.float32).reshape(height, width, 2)
     grey = cv.cvtColor(picture, cv.COLOR_BGR2GRAY)
     return np.asarray(cv.remap(grey, seen[..., 0], seen[..., 1], cv.INTER_CUBIC))

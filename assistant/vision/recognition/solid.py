@@ -12,23 +12,25 @@ from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.triangulating import triangulate
 from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.keypoints import Descriptors, Keypoints, keypoints
+from assistant.vision.recognition.keypoints import Descriptors, Keypoints, find_keypoints
 from assistant.vision.recognition.objects import KnownObject, Texture
-from assistant.vision.recognition.photo import looked_at
-from assistant.vision.recognition.rules import NO_PAIR, NO_TEXTURE
-from assistant.vision.recognition.shown import FEWEST_MARKS, Learnt, View
+from assistant.vision.recognition.photo import analyse_picture
+from assistant.vision.recognition.rules import NO_TEXTURE, NOT_TWO_CAMERAS
+from assistant.vision.recognition.shown import FEWEST_MARKS, LearntObject, ObjectView
 
-RATIO: Final = 0.85
+MUTUAL_RATIO: Final = 0.85
 """Distance to the nearest descriptor by that to the next one, at most."""
-LEFT: Final = 1.0
+MOST_KEYPOINT_RESIDUAL: Final = 1.0
 """Pixels that a mark may leave in both pictures."""
-SUREST: Final = 1.5
+MOST_POSITION_SIGMA: Final = 1.5
 """mm, one sigma, that the place of a mark may be unsure by."""
-BELOW: Final = 2.0
+MOST_BELOW_PLANE: Final = 2.0
 """mm that a mark may seem to be below the plane."""
 
 
-def learn_solid(cv: ModuleType, name: str, views: Sequence[View], plane: Plane) -> Learnt:
+def learn_solid(
+    cv: ModuleType, name: str, views: Sequence[ObjectView], plane: Plane
+) -> LearntObject:
     """A thing that lies alone on a plane, by pictures of one moment of two cameras.
 
     Its frame is on the plane, below the middle of its marks, turned as the plane is. Raises Refused
@@ -37,16 +39,16 @@ def learn_solid(cv: ModuleType, name: str, views: Sequence[View], plane: Plane) 
     one = views[0]
     other = next((v for v in views if v.camera is not None and v.camera != one.camera), None)
     if one.camera is None or other is None or other.camera is None:
-        raise Refused(NO_PAIR(path=one.name), exit_status=2)
-    seen = [_of_thing(cv, view) for view in (one, other)]
-    first, second = _mutual(cv, seen[0].descriptors, seen[1].descriptors)
+        raise Refused(NOT_TWO_CAMERAS(path=one.name), exit_status=2)
+    seen = [_foreground_keypoints(cv, view) for view in (one, other)]
+    first, second = _mutual_matches(cv, seen[0].descriptors, seen[1].descriptors)
     pixels = [seen[0].pixels[first], seen[1].pixels[second]]
     located = triangulate([one.camera, other.camera], pixels, 0.3)
     local = plane.pose.inverse().moved(np.nan_to_num(located.points))
     with np.errstate(invalid="ignore"):
-        good = (located.residuals < LEFT) & (local[:, 2] > -BELOW)
+        good = (located.residuals < MOST_KEYPOINT_RESIDUAL) & (local[:, 2] > -MOST_BELOW_PLANE)
         sure = np.linalg.eigvalsh(np.nan_to_num(located.covariances, nan=1e6))[:, -1]
-        good &= sure < SUREST**2
+        good &= sure < MOST_POSITION_SIGMA**2
     if good.sum() < FEWEST_MARKS:
         raise Refused(NO_TEXTURE(path=one.name, count=int(good.sum()), least=FEWEST_MARKS))
     middle = np.median(local[good], axis=0)
@@ -54,18 +56,18 @@ def learn_solid(cv: ModuleType, name: str, views: Sequence[View], plane: Plane) 
     descriptors = [seen[0].descriptors[first[good]], seen[1].descriptors[second[good]]]
     texture = Texture(np.concatenate([points, points]), np.concatenate(descriptors))
     source = "shown to two cameras as a solid"
-    return Learnt(KnownObject(name, None, texture, 0.0, source=source), ())
+    return LearntObject(KnownObject(name, None, texture, 0.0, source=source), ())
 
 
-def _of_thing(cv: ModuleType, view: View) -> Keypoints:
+def _foreground_keypoints(cv: ModuleType, view: ObjectView) -> Keypoints:
     """Keypoints of what differs from the background."""
     assert view.camera is not None
-    photo = looked_at(cv, view.camera, view.picture)
+    photo = analyse_picture(cv, view.camera, view.picture)
     mask = cv.dilate(photo.foreground.astype(np.uint8), np.ones((7, 7), np.uint8)) * 255
-    return keypoints(cv, cv.cvtColor(view.picture, cv.COLOR_BGR2GRAY), mask=mask)
+    return find_keypoints(cv, cv.cvtColor(view.picture, cv.COLOR_BGR2GRAY), mask=mask)
 
 
-def _mutual(cv: ModuleType, one: Descriptors, other: Descriptors) -> tuple[Rows, Rows]:
+def _mutual_matches(cv: ModuleType, one: Descriptors, other: Descriptors) -> tuple[Rows, Rows]:
     """Rows of descriptors that are each other's nearest, and clearly so."""
     if len(one) < 2 or len(other) < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
@@ -75,7 +77,7 @@ def _mutual(cv: ModuleType, one: Descriptors, other: Descriptors) -> tuple[Rows,
     pairs = [
         (m.queryIdx, m.trainIdx)
         for m, n in there
-        if m.distance < RATIO * n.distance and back[m.trainIdx] == m.queryIdx
+        if m.distance < MUTUAL_RATIO * n.distance and back[m.trainIdx] == m.queryIdx
     ]
     rows = np.array(pairs, dtype=np.intp).reshape(-1, 2)
     return rows[:, 0], rows[:, 1]

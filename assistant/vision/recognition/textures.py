@@ -12,36 +12,36 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.recognition.estimating import Estimate, Plane, fitted, of_points
-from assistant.vision.recognition.judging import within
-from assistant.vision.recognition.keypoints import Keypoints, keypoints, matched
+from assistant.vision.recognition.estimating import Plane, PoseEstimate, fit_pose, measure_points
+from assistant.vision.recognition.judging import points_in_ring
+from assistant.vision.recognition.keypoints import Keypoints, find_keypoints, match_keypoints
 from assistant.vision.recognition.objects import KnownObject, Texture
 from assistant.vision.recognition.photo import Photo
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-FEWEST: Final = 9
+FEWEST_KEYPOINTS: Final = 9
 """Keypoints that agree on a pose."""
-AGREE: Final = 4.0
+MOST_REPROJECTION_ERROR: Final = 4.0
 """Pixels that a keypoint may be off the pose that others agree on."""
-TRIES: Final = 2000
-CELLS: Final = 6
+RANSAC_ROUNDS: Final = 2000
+FACE_CELLS: Final = 6
 """A face is compared with the picture in so many cells along each side."""
-ALIKE: Final = 0.6
+LEAST_CORRELATION: Final = 0.6
 """Correlation of a cell of the face with the picture from which it is the same."""
-PLAIN: Final = 4.0
+PLAIN_CELL_SIGMA: Final = 4.0
 """Grey levels, one sigma, below which a cell has no texture to compare."""
-LEAST: Final = 0.45
+LEAST_MATCHING_CELLS: Final = 0.45
 """Part of the cells that have to be the same."""
-PLENTY: Final = 30.0
+SURE_KEYPOINTS: Final = 30.0
 """Keypoints that agree on the pose of what is not flat, from which nobody doubts it."""
 MOST_OF_KIND: Final = 6
 """Objects of one kind that are looked for in a picture."""
-LIES: Final = 4.0
+LYING_SIGMAS: Final = 4.0
 """Sigmas that an object on the plane may seem to be off it, beside mm and degrees of `OFF`."""
-OFF: Final = (2.0, 2.0)
-FLIPPED: Final = 1.5
+LYING_TOLERANCE: Final = (2.0, 2.0)
+FLIPPED_RATIO: Final = 1.5
 """How many times worse the other pose of a flat face has to fit, that looks nearly the same."""
 
 
@@ -53,7 +53,7 @@ class TextureFound:
     """
 
     object: KnownObject
-    estimate: Estimate
+    estimate: PoseEstimate
     confidence: float
     points: Floats
     pixels: Floats
@@ -62,7 +62,7 @@ class TextureFound:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Marks:
+class TextureIndex:
     """The keypoints of all objects with textures, to be looked for together."""
 
     objects: tuple[KnownObject, ...]
@@ -71,12 +71,12 @@ class Marks:
     owners: Rows
 
     @staticmethod
-    def of(objects: Sequence[KnownObject]) -> Marks | None:
+    def of(objects: Sequence[KnownObject]) -> TextureIndex | None:
         textured = tuple(one for one in objects if one.texture is not None)
         if not textured:
             return None
         textures = [one.texture for one in textured if one.texture is not None]
-        return Marks(
+        return TextureIndex(
             textured,
             np.concatenate([one.descriptors for one in textures]),
             np.concatenate([one.points for one in textures]),
@@ -84,20 +84,20 @@ class Marks:
         )
 
 
-def textures_in(
-    cv: ModuleType, photo: Photo, marks: Marks, plane: Plane | None
+def find_textures(
+    cv: ModuleType, photo: Photo, marks: TextureIndex, plane: Plane | None
 ) -> list[TextureFound]:
     """Objects whose textures a picture shows; several of one kind one after the other."""
-    seen = keypoints(cv, cv.cvtColor(photo.picture, cv.COLOR_BGR2GRAY))
-    here, there = matched(cv, seen, marks.descriptors, marks.owners, marks.points)
+    seen = find_keypoints(cv, cv.cvtColor(photo.picture, cv.COLOR_BGR2GRAY))
+    here, there = match_keypoints(cv, seen, marks.descriptors, marks.owners, marks.points)
     found: list[TextureFound] = []
     for number, known in enumerate(marks.objects):
         rows = np.nonzero(marks.owners[there] == number)[0]
-        found += _of_object(cv, photo, known, seen, here[rows], marks.points[there[rows]], plane)
+        found += _find_object(cv, photo, known, seen, here[rows], marks.points[there[rows]], plane)
     return found
 
 
-def _of_object(
+def _find_object(
     cv: ModuleType,
     photo: Photo,
     known: KnownObject,
@@ -108,19 +108,19 @@ def _of_object(
 ) -> Iterator[TextureFound]:
     left, before = np.ones(len(here), dtype=np.bool_), list[TextureFound]()
     for _ in range(MOST_OF_KIND):
-        if left.sum() < FEWEST:
+        if left.sum() < FEWEST_KEYPOINTS:
             return
         pixels = seen.pixels[here[left]]
-        agreed = _agreed(cv, photo.camera, points[left], pixels, known)
+        agreed = _consensus_pose(cv, photo.camera, points[left], pixels, known)
         if agreed is None:
             return
         pose, good = agreed
         rows = np.nonzero(left)[0]
-        found = _looked_at(cv, photo, known, pose, points[left][good], pixels[good], plane)
+        found = _refine_pose(cv, photo, known, pose, points[left][good], pixels[good], plane)
         # Those that nearly agree are of the same thing, and must not make a second one of it.
         near = np.linalg.norm(photo.camera.project(pose.moved(points[left])) - pixels, axis=1)
         left[rows[good]] = False
-        left[rows[near < 4.0 * AGREE]] = False
+        left[rows[near < 4.0 * MOST_REPROJECTION_ERROR]] = False
         if found is not None and not _on_another(photo.camera, found, before):
             before.append(found)
             yield found
@@ -138,39 +138,44 @@ def _on_another(camera: Camera, found: TextureFound, before: Sequence[TextureFou
     corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
     middle = camera.project(np.array([found.estimate.pose.position]))
     rims = (camera.project(one.estimate.pose.moved(corners)) for one in before)
-    return any(bool(within(rim, middle)[0]) for rim in rims)
+    return any(bool(points_in_ring(rim, middle)[0]) for rim in rims)
 
 
-def _agreed(
+def _consensus_pose(
     cv: ModuleType, camera: Camera, points: Floats, pixels: Floats, known: KnownObject
 ) -> tuple[Pose, Truths] | None:
     """The pose that most keypoints agree on, and which do."""
     assert known.texture is not None
     straight = camera.lens.tangents(pixels)
     good = np.isfinite(straight).all(axis=1)
-    if good.sum() < FEWEST:
+    if good.sum() < FEWEST_KEYPOINTS:
         return None
     rows = np.nonzero(good)[0]
-    limit = AGREE / float(np.mean(camera.lens.focal))
+    limit = MOST_REPROJECTION_ERROR / float(np.mean(camera.lens.focal))
     flat = known.texture.flat
     cv.setRNGSeed(1)
     if flat:
         _, mask = cv.findHomography(
-            points[rows, :2], straight[rows], cv.RANSAC, limit, maxIters=TRIES, confidence=0.999
+            points[rows, :2],
+            straight[rows],
+            cv.RANSAC,
+            limit,
+            maxIters=RANSAC_ROUNDS,
+            confidence=0.999,
         )
         inliers = None if mask is None else np.nonzero(mask.ravel())[0]
     else:
         done, _, _, inliers = cv.solvePnPRansac(
             *(points[rows], straight[rows], np.eye(3), None),
-            iterationsCount=TRIES,
+            iterationsCount=RANSAC_ROUNDS,
             reprojectionError=limit,
             flags=cv.SOLVEPNP_EPNP,
         )
         inliers = inliers.ravel() if done and inliers is not None else None
-    if inliers is None or len(np.unique(points[rows[inliers]].round(3), axis=0)) < FEWEST:
+    if inliers is None or len(np.unique(points[rows[inliers]].round(3), axis=0)) < FEWEST_KEYPOINTS:
         return None
     chosen = rows[inliers]
-    poses = _poses(cv, camera, points[chosen], straight[chosen], flat)
+    poses = _perspective_poses(cv, camera, points[chosen], straight[chosen], flat)
     if not poses:
         return None
     mask = np.zeros(len(points), dtype=np.bool_)
@@ -178,7 +183,7 @@ def _agreed(
     return poses[0][0], mask
 
 
-def _poses(
+def _perspective_poses(
     cv: ModuleType, camera: Camera, points: Floats, straight: Floats, flat: bool
 ) -> list[tuple[Pose, float]]:
     """Poses in the world by perspective, the one that fits best first, with how many tangents it
@@ -196,7 +201,7 @@ def _poses(
     return sorted(found[:count], key=lambda one: one[1])
 
 
-def _looked_at(
+def _refine_pose(
     cv: ModuleType,
     photo: Photo,
     known: KnownObject,
@@ -208,57 +213,62 @@ def _looked_at(
     """The pose made exact, on the plane if it agrees with that, where the face is really there."""
     texture = known.texture
     assert texture is not None
-    measure = of_points(photo.camera, points, pixels)
-    free = fitted(pose, [measure])
+    measure = measure_points(photo.camera, points, pixels)
+    free = fit_pose(pose, [measure])
     doubtful, lying = False, False
     if texture.flat:
-        poses = _poses(cv, photo.camera, points, photo.camera.lens.tangents(pixels), True)
-        others = [fitted(one, [measure]) for one, _ in poses[1:]]
+        poses = _perspective_poses(
+            cv, photo.camera, points, photo.camera.lens.tangents(pixels), True
+        )
+        others = [fit_pose(one, [measure]) for one, _ in poses[1:]]
         doubtful = any(
             other is not None
             and free is not None
-            and other.scatter < FLIPPED * free.scatter
-            and _turn(other.pose, free.pose) > 3.0
+            and other.scatter < FLIPPED_RATIO * free.scatter
+            and _angle_between(other.pose, free.pose) > 3.0
             for other in others
         )
         if plane is not None:
             for start in (free, *others):
-                if start is not None and lies(start, plane, known.height):
-                    laid = fitted(start.pose, [measure], plane, known.height)
+                if start is not None and lies_on_plane(start, plane, known.height):
+                    laid = fit_pose(start.pose, [measure], plane, known.height)
                     if laid is not None:
                         free, lying, doubtful = laid, True, False
                         break
     if free is None:
         return None
     if texture.flat:
-        confidence = alike(cv, photo, texture, free.pose)
+        confidence = face_similarity(cv, photo, texture, free.pose)
     else:
-        confidence = min(1.0, len(points) / PLENTY)
-    if confidence < LEAST or _from_behind(photo.camera, texture, free.pose):
+        confidence = min(1.0, len(points) / SURE_KEYPOINTS)
+    if confidence < LEAST_MATCHING_CELLS or _seen_from_behind(photo.camera, texture, free.pose):
         return None
     return TextureFound(known, free, confidence, points, pixels, lying, doubtful)
 
 
-def _turn(one: Pose, other: Pose) -> float:
+def _angle_between(one: Pose, other: Pose) -> float:
     return float(rotations.angle_between(np.array(one.quaternion), np.array(other.quaternion)))
 
 
-def _from_behind(camera: Camera, texture: Texture, pose: Pose) -> bool:
+def _seen_from_behind(camera: Camera, texture: Texture, pose: Pose) -> bool:
     """Whether a flat face would be seen through its back."""
     out = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
     return texture.flat and float(out @ (np.array(camera.pose.position) - pose.position)) <= 0.0
 
 
-def lies(found: Estimate, plane: Plane, height: float) -> bool:
+def lies_on_plane(found: PoseEstimate, plane: Plane, height: float) -> bool:
     """Whether a pose that was found without the plane may be one on it."""
     local = plane.pose.inverse() @ found.pose
     up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))
     tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))
     off = abs(local.position[2] - height)
-    return off <= OFF[0] + LIES * found.sigma_mm and tilt <= OFF[1] + LIES * found.sigma_deg
+    return (
+        off <= LYING_TOLERANCE[0] + LYING_SIGMAS * found.sigma_mm
+        and tilt <= LYING_TOLERANCE[1] + LYING_SIGMAS * found.sigma_deg
+    )
 
 
-def alike(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
+def face_similarity(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
     """Part of a flat face, 0 to 1, that looks in the picture as it was shown.
 
     The picture is drawn as the face would be seen from straight above; correlations of cells do not
@@ -280,13 +290,13 @@ def alike(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
     coarser = max(width / max(float(sides[0]), 1.0), height / max(float(sides[1]), 1.0), 1.0)
     blurred = cv.GaussianBlur(face.astype(np.float32), (0, 0), 0.8 * coarser)
     same, cells = 0, 0
-    for rows in np.array_split(np.arange(height), CELLS):
-        for columns in np.array_split(np.arange(width), CELLS):
+    for rows in np.array_split(np.arange(height), FACE_CELLS):
+        for columns in np.array_split(np.arange(width), FACE_CELLS):
             part = np.ix_(rows, columns)
             a, b = blurred[part].ravel(), seen[part].ravel()
-            if a.std() < PLAIN:
+            if a.std() < PLAIN_CELL_SIGMA:
                 continue
             cells += 1
-            if inside[part].all() and b.std() > 0.25 * PLAIN:
-                same += float(np.corrcoef(a, b)[0, 1]) > ALIKE
+            if inside[part].all() and b.std() > 0.25 * PLAIN_CELL_SIGMA:
+                same += float(np.corrcoef(a, b)[0, 1]) > LEAST_CORRELATION
     return same / cells if cells else 0.0

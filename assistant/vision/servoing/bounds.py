@@ -58,12 +58,12 @@ class Bounds:
             value = getattr(self, name)
             if not least <= value <= most:
                 reason = f"it is a number from {least:g} to {most:g}"
-                finding = rules.NO_SETTING(name=name, value=value, reason=reason)
+                finding = rules.BAD_SETTING(name=name, value=value, reason=reason)
                 raise Refused(finding, exit_status=2)
         if self.box is not None and not (np.array(self.box[0]) < np.array(self.box[1])).all():
             reason = "its least corner is not below its greatest in x, y and z"
             raise Refused(
-                rules.NO_SETTING(name="box", value=self.box, reason=reason), exit_status=2
+                rules.BAD_SETTING(name="box", value=self.box, reason=reason), exit_status=2
             )
 
 

@@ -16,21 +16,21 @@ from assistant.vision.cameras.triangulating import triangulate
 from assistant.vision.opencv import opencv
 from assistant.vision.servoing.interaction import cross
 
-ROUNDS: Final = 12
-SMALL: Final = 1e-7
+POSE_ROUNDS: Final = 12
+CONVERGED_STEP: Final = 1e-7
 """mm (and mm at the size of the thing) of a step from which on it is found."""
-FLAT: Final = 1e-6
+FLATNESS: Final = 1e-6
 """Part of its size by which a thing may be uneven and still be flat."""
-ONE_PLACE: Final = 3
+FEWEST_FOR_POSE: Final = 3
 """Fewest points that tell a pose; fewer ones tell a place."""
-FEW: Final = 4
+FEWEST_FOR_ONE_CAMERA: Final = 4
 """Fewest points by which one camera alone tells a pose."""
-RANK: Final = 1e-4
+LEAST_RANK_SHARE: Final = 1e-4
 """Part of the best told direction from which on another one is told at all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class TargetPose:
     """pose: of the thing in the base. residual: pixels, root mean square. other: a second pose that
     a flat thing before one camera fits nearly as well, with its residual; None if there is none.
     """
@@ -40,12 +40,12 @@ class Estimate:
     other: tuple[Pose, float] | None = None
 
 
-def estimated(
+def estimate_pose(
     cameras: Sequence[Camera],
     pixels: Mapping[str, Floats],
     points: Floats,
     guess: Pose | None = None,
-) -> Estimate | None:
+) -> TargetPose | None:
     """The pose of a thing in the base, in which the cameras stand; None if it is not told.
 
     pixels: camera → (n, 2), NaN for points that it does not see. guess: where it was before; its
@@ -55,28 +55,30 @@ def estimated(
     seen = [one for one in seen if one[2].any()]
     other = None
     if guess is None:
-        starts = _starts(seen, points)
+        starts = _start_poses(seen, points)
         if not starts:
             return None
-        found = [one for start in starts if (one := _least(seen, points, start)) is not None]
+        found = [
+            one for start in starts if (one := _least_squares(seen, points, start)) is not None
+        ]
         found.sort(key=lambda one: one.residual)
         if len(found) > 1:
             other = (found[1].pose, found[1].residual)
-        return Estimate(found[0].pose, found[0].residual, other) if found else None
+        return TargetPose(found[0].pose, found[0].residual, other) if found else None
     told = sum(int(good.sum()) for _, _, good in seen)
-    if told * 2 < (3 if len(points) < ONE_PLACE else 6):
+    if told * 2 < (3 if len(points) < FEWEST_FOR_POSE else 6):
         return None
-    return _least(seen, points, guess)
+    return _least_squares(seen, points, guess)
 
 
-Seen = Sequence[tuple[Camera, Floats, Truths]]
+SeenPoints = Sequence[tuple[Camera, Floats, Truths]]
 
 
-def _least(seen: Seen, points: Floats, start: Pose) -> Estimate | None:
+def _least_squares(seen: SeenPoints, points: Floats, start: Pose) -> TargetPose | None:
     """Gauss and Newton from a start; turns are scaled by the size of the thing."""
-    pose, size = start, _size(points)
+    pose, size = start, _target_size(points)
     residuals = np.zeros(0)
-    for _ in range(ROUNDS):
+    for _ in range(POSE_ROUNDS):
         placed = pose.moved(points)
         around = placed - np.array(pose.position)
         rows, offs = [], []
@@ -88,36 +90,36 @@ def _least(seen: Seen, points: Floats, start: Pose) -> Estimate | None:
         residuals = np.concatenate(offs)
         if not np.isfinite(residuals).all():
             return None
-        step = np.linalg.lstsq(np.concatenate(rows), residuals, rcond=RANK)[0]
+        step = np.linalg.lstsq(np.concatenate(rows), residuals, rcond=LEAST_RANK_SHARE)[0]
         turn = step[3:] / size
         angle = float(np.linalg.norm(turn))
         by = rotations.about(turn / angle if angle > 0.0 else (1.0, 0.0, 0.0), np.degrees(angle))
         quaternion = rotations.multiply(by, np.array(pose.quaternion))
         pose = Pose.of(np.array(pose.position) + step[:3], quaternion)
-        if float(np.abs(step).max()) < SMALL:
+        if float(np.abs(step).max()) < CONVERGED_STEP:
             break
-    return Estimate(pose, float(np.sqrt((residuals**2).mean() * 2.0)))
+    return TargetPose(pose, float(np.sqrt((residuals**2).mean() * 2.0)))
 
 
-def _size(points: Floats) -> float:
+def _target_size(points: Floats) -> float:
     away = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
     return away if away > 0.0 else 1.0
 
 
-def _starts(seen: Seen, points: Floats) -> list[Pose]:
+def _start_poses(seen: SeenPoints, points: Floats) -> list[Pose]:
     both = [one for one in seen if one[2].all()]
     if len(both) > 1:
-        return [_joined([c for c, _, _ in both], [p for _, p, _ in both], points)]
-    if len(both) == 1 and len(points) >= FEW:
-        return _of_one(both[0][0], both[0][1], points)
+        return [_triangulated_pose([c for c, _, _ in both], [p for _, p, _ in both], points)]
+    if len(both) == 1 and len(points) >= FEWEST_FOR_ONE_CAMERA:
+        return _poses_of_one_camera(both[0][0], both[0][1], points)
     return []
 
 
-def _joined(cameras: Sequence[Camera], pixels: Sequence[Floats], points: Floats) -> Pose:
+def _triangulated_pose(cameras: Sequence[Camera], pixels: Sequence[Floats], points: Floats) -> Pose:
     """Each point by all cameras, then the turn that fits them best (Kabsch, 1976)."""
     placed = triangulate(cameras, pixels, 1.0).points
     middle, away = placed.mean(axis=0), points.mean(axis=0)
-    if len(points) < ONE_PLACE:
+    if len(points) < FEWEST_FOR_POSE:
         return Pose.of(middle - away, np.array([1.0, 0.0, 0.0, 0.0]))
     left, _, right = np.linalg.svd((placed - middle).T @ (points - away))
     sign = np.diag([1.0, 1.0, np.linalg.det(left @ right)])
@@ -125,19 +127,23 @@ def _joined(cameras: Sequence[Camera], pixels: Sequence[Floats], points: Floats)
     return Pose.of(middle - turn @ away, rotations.from_matrix(turn))
 
 
-def _of_one(camera: Camera, pixels: Floats, points: Floats) -> list[Pose]:
+def _poses_of_one_camera(camera: Camera, pixels: Floats, points: Floats) -> list[Pose]:
     """Both poses of a flat thing, or the one of another, by OpenCV (IPPE and SQPNP)."""
     cv = opencv()
-    flat = np.linalg.matrix_rank(points - points.mean(axis=0), tol=FLAT * _size(points)) < 3
+    flat = (
+        np.linalg.matrix_rank(points - points.mean(axis=0), tol=FLATNESS * _target_size(points)) < 3
+    )
     method = cv.SOLVEPNP_IPPE if flat else cv.SOLVEPNP_SQPNP
     tangents = camera.lens.tangents(pixels)
     try:
         found = cv.solvePnPGeneric(points, tangents, np.eye(3), None, flags=method)
     except cv.error:
         return []
-    return [camera.pose @ _pose(cv, r, t) for r, t in zip(found[1], found[2], strict=True)]
+    return [
+        camera.pose @ _pose_of_opencv(cv, r, t) for r, t in zip(found[1], found[2], strict=True)
+    ]
 
 
-def _pose(cv: Any, turn: Any, place: Any) -> Pose:
+def _pose_of_opencv(cv: Any, turn: Any, place: Any) -> Pose:
     matrix, _ = cv.Rodrigues(turn)
     return Pose.of(np.ravel(place), rotations.from_matrix(np.asarray(matrix)))

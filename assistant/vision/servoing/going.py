@@ -10,15 +10,15 @@ from assistant.controllers.setpoint_streams import Carrier
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.servoing.bounds import Guard
-from assistant.vision.servoing.law import Sight
-from assistant.vision.servoing.loop import Eyes, Served, Settings, servo
-from assistant.vision.servoing.pose_based import Felt, PoseToHand
+from assistant.vision.servoing.law import TargetSighting
+from assistant.vision.servoing.loop import Eyes, ServoResult, ServoSettings, servo
+from assistant.vision.servoing.pose_based import JointsToGoal, PoseToHand
 from assistant.vision.servoing.synthetic import Clock
-from assistant.vision.servoing.things import Thing
+from assistant.vision.servoing.things import VisualTarget
 
-EACH: Final = 1.0 / 30.0
+JOINT_PERIOD: Final = 1.0 / 30.0
 """Seconds from look to look at the joints."""
-CLOSE: Final = Settings(distance=0.1, turn=0.1, gain=4.0, share=0.6)
+JOINT_SETTINGS: Final = ServoSettings(distance=0.1, turn=0.1, gain=4.0, share=0.6)
 """For joints, which have no noise to speak of."""
 
 
@@ -26,13 +26,13 @@ def lead_to(
     goal: Pose,
     carrier: Carrier,
     guard: Guard,
-    settings: Settings | None = None,
+    settings: ServoSettings | None = None,
     *,
     eyes: Eyes | None = None,
-    mark: tuple[Thing, Pose] | None = None,
+    mark: tuple[VisualTarget, Pose] | None = None,
     clock: Clock | None = None,
     progress: Callable[[float], None] | None = None,
-) -> Served:
+) -> ServoResult:
     """Leads the tip of the guard to a pose in the base; joints and pose that it reached.
 
     The way is a straight line, if nothing bars it; nobody looks whether something stands there.
@@ -44,21 +44,23 @@ def lead_to(
     clock = clock or Clock()
     flange = goal @ guard.tip.inverse()
     if eyes is None or mark is None:
-        eyes, law = Feeling(clock), Felt(flange, guard.tip)
-        return servo(eyes, law, carrier, guard, settings or CLOSE, clock=clock, progress=progress)
+        eyes, law = NoCameras(clock), JointsToGoal(flange, guard.tip)
+        return servo(
+            eyes, law, carrier, guard, settings or JOINT_SETTINGS, clock=clock, progress=progress
+        )
     seen = PoseToHand(mark[0], mark[1], flange, tip=guard.tip)
     return servo(eyes, seen, carrier, guard, settings, clock=clock, progress=progress)
 
 
 @dataclass(slots=True)
-class Feeling:
+class NoCameras:
     """Eyes that see nothing, at moments in which the joints are looked at."""
 
     clock: Clock = field(default_factory=Clock)
     cameras: Sequence[Camera] = ()
     _number: int = -1
 
-    def look(self, after: float, patience: float) -> Sight:  # noqa: ARG002 - one always comes
-        self.clock.wait(max(after + EACH - self.clock(), 0.0))
+    def look(self, after: float, patience: float) -> TargetSighting:  # noqa: ARG002 - one always comes
+        self.clock.wait(max(after + JOINT_PERIOD - self.clock(), 0.0))
         self._number += 1
-        return Sight(self.clock(), self._number)
+        return TargetSighting(self.clock(), self._number)

@@ -11,7 +11,7 @@ from assistant.base.arrays import Floats
 from assistant.vision.servoing.synthetic import Clock
 
 
-class Ticks(Clock):
+class SteppedClock(Clock):
     """A clock that only waiting moves on."""
 
     __slots__ = ("now",)
@@ -27,7 +27,7 @@ class Ticks(Clock):
         self.now += max(0.0, seconds)
 
 
-class Ideal:
+class IdealArm:
     """A `Carrier`. at: (a,) where it was told to be last. speeds: (a,) that steps may have. clock:
     by which it gets there in the time of a step, None for at once.
 

@@ -16,23 +16,23 @@ import numpy as np
 from assistant.base.arrays import Floats, Truths, all_of
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.servoing.estimating import Estimate
+from assistant.vision.servoing.estimating import TargetPose
 from assistant.vision.servoing.interaction import carried_twist, interaction_matrix
-from assistant.vision.servoing.law import Moment, Task
-from assistant.vision.servoing.things import Thing
-from assistant.vision.servoing.tracked import Tracked, left
+from assistant.vision.servoing.law import ServoMoment, ServoTask
+from assistant.vision.servoing.things import VisualTarget
+from assistant.vision.servoing.tracked import PoseTracker, pose_difference
 
-SIX: Final = 6
+TOOL_FREEDOMS: Final = 6
 """Directions in which a tool moves; a point in a picture tells two."""
-EDGE: Final = 60.0
+EDGE_ZONE: Final = 60.0
 """Pixels from the edge of a picture from which on it is looked whether a point will leave it."""
-SAFE: Final = 15.0
+LEAST_EDGE_DISTANCE: Final = 15.0
 """Pixels from the edge that it must keep."""
-AHEAD: Final = 0.4
+LOOKED_AHEAD_SHARE: Final = 0.4
 """Part of the error of whose way that is looked at."""
-SHRUNK: Final = 0.8
+SHRUNK_SHARE: Final = 0.8
 """How far what is seen is from the middle, and how large, once it has gone towards that."""
-FEW: Final = 4
+FEWEST_VISIBLE_POINTS: Final = 4
 """Points of which none may be hidden."""
 
 
@@ -43,22 +43,24 @@ class ImageInHand:
     target: what is seen. goal: the flange in the frame of the target.
     """
 
-    target: Thing
+    target: VisualTarget
     goal: Pose
-    tracked: Tracked = field(default_factory=Tracked)
+    tracked: PoseTracker = field(default_factory=PoseTracker)
 
-    def task(self, moment: Moment) -> Task | str:
+    def task(self, moment: ServoMoment) -> ServoTask | str:
         (camera,) = moment.cameras
-        if not _enough(all_of(np.isfinite(moment.sight.target[camera.name]))):
+        if not _enough_points(all_of(np.isfinite(moment.sight.target[camera.name]))):
             return "the target is not seen"
         now = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
-        return now if isinstance(now, str) else in_image(moment, self.target, self.goal, now)
+        return now if isinstance(now, str) else image_task(moment, self.target, self.goal, now)
 
     def forget(self) -> None:
         self.tracked.forget()
 
 
-def in_image(moment: Moment, target: Thing, goal: Pose, now: Estimate | None) -> Task:
+def image_task(
+    moment: ServoMoment, target: VisualTarget, goal: Pose, now: TargetPose | None
+) -> ServoTask:
     """What is wrong in the picture of a camera in the hand.
 
     now: where the target is, None where its few points do not tell how far it is: about as far as
@@ -72,17 +74,17 @@ def in_image(moment: Moment, target: Thing, goal: Pose, now: Estimate | None) ->
     depths, rest = wanted[:, 2], (np.nan, np.nan)
     if now is not None:
         depths = camera.seen_by(now.pose.moved(target.points))[good, 2]
-        rest = left(moment.flange, now.pose @ goal)
+        rest = pose_difference(moment.flange, now.pose @ goal)
     tangents, goals = camera.lens.tangents(pixels[good]), wanted[:, :2] / wanted[:, 2:]
-    error, slopes = (tangents - goals).ravel(), _mean(tangents, depths, goals, wanted[:, 2])
-    if not camera.within(pixels[good], EDGE).all():
-        slopes, error = _kept_in(camera, tangents, depths, slopes, error)
+    error, slopes = (tangents - goals).ravel(), _mean_slopes(tangents, depths, goals, wanted[:, 2])
+    if not camera.within(pixels[good], EDGE_ZONE).all():
+        slopes, error = _keep_in_picture(camera, tangents, depths, slopes, error)
     slopes = slopes @ carried_twist(camera.pose, moment.flange)
-    off = float(np.sqrt(_squares(camera, tangents, goals).mean()))
-    return Task(error, slopes, min(SIX, 2 * len(goals)), off, *rest)
+    off = float(np.sqrt(_pixel_squares(camera, tangents, goals).mean()))
+    return ServoTask(error, slopes, min(TOOL_FREEDOMS, 2 * len(goals)), off, *rest)
 
 
-def _kept_in(
+def _keep_in_picture(
     camera: Camera, tangents: Floats, depths: Floats, mean: Floats, error: Floats
 ) -> tuple[Floats, Floats]:
     """Slopes and errors that keep points in the picture that are near to its edge.
@@ -92,10 +94,12 @@ def _kept_in(
     does not either, all of them go towards the middle of the picture, and shrink.
     """
     here = interaction_matrix(tangents, depths)
-    middle = ((1.0 - SHRUNK) * tangents).ravel()
+    middle = ((1.0 - SHRUNK_SHARE) * tangents).ravel()
     for slopes, wrong in ((mean, error), (here, error), (here, middle)):
-        step = -AHEAD * np.linalg.lstsq(slopes, wrong, rcond=1e-6)[0]
-        if camera.within(camera.lens.pixels(tangents + (here @ step).reshape(-1, 2)), SAFE).all():
+        step = -LOOKED_AHEAD_SHARE * np.linalg.lstsq(slopes, wrong, rcond=1e-6)[0]
+        if camera.within(
+            camera.lens.pixels(tangents + (here @ step).reshape(-1, 2)), LEAST_EDGE_DISTANCE
+        ).all():
             return slopes, wrong
     return here, middle
 
@@ -108,13 +112,13 @@ class ImageToHand:
     the base, or in the frame of the target, which is seen by the same cameras.
     """
 
-    mark: Thing
+    mark: VisualTarget
     mount: Pose
     goal: Pose
-    target: Thing | None = None
-    tracked: Tracked = field(default_factory=Tracked)
+    target: VisualTarget | None = None
+    tracked: PoseTracker = field(default_factory=PoseTracker)
 
-    def task(self, moment: Moment) -> Task | str:
+    def task(self, moment: ServoMoment) -> ServoTask | str:
         goal = self.goal
         if self.target is not None:
             at = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
@@ -133,41 +137,43 @@ class ImageToHand:
         errors, slopes, squares = zip(*parts, strict=True)
         error, off = np.concatenate(errors), float(np.sqrt(np.concatenate(squares).mean()))
         # One point in any number of cameras tells a place, two tell all but one turn.
-        rank = min(len(error), (3, 5)[len(points) - 1] if len(points) < 3 else SIX)
-        return Task(error, np.concatenate(slopes), rank, off)
+        rank = min(len(error), (3, 5)[len(points) - 1] if len(points) < 3 else TOOL_FREEDOMS)
+        return ServoTask(error, np.concatenate(slopes), rank, off)
 
     def _of(
-        self, camera: Camera, moment: Moment, placed: Floats, wanted: Floats
+        self, camera: Camera, moment: ServoMoment, placed: Floats, wanted: Floats
     ) -> tuple[Floats, Floats, Floats] | None:
         pixels = moment.sight.mark.get(camera.name)
         if pixels is None:
             return None
         good = all_of(np.isfinite(pixels))
-        if not _enough(good):
+        if not _enough_points(good):
             return None
         tangents = camera.lens.tangents(pixels[good])
         there, depths = camera.seen_by(wanted)[good], camera.seen_by(placed)[good, 2]
         goals = there[:, :2] / there[:, 2:]
         # What moves are the points: as they have it, the camera moves the other way.
-        slopes = -_mean(tangents, depths, goals, there[:, 2])
+        slopes = -_mean_slopes(tangents, depths, goals, there[:, 2])
         slopes = slopes @ carried_twist(camera.pose, moment.flange)
-        return (tangents - goals).ravel(), slopes, _squares(camera, tangents, goals)
+        return (tangents - goals).ravel(), slopes, _pixel_squares(camera, tangents, goals)
 
     def forget(self) -> None:
         self.tracked.forget()
 
 
-def _mean(tangents: Floats, depths: Floats, goals: Floats, goal_depths: Floats) -> Floats:
+def _mean_slopes(tangents: Floats, depths: Floats, goals: Floats, goal_depths: Floats) -> Floats:
     here, there = interaction_matrix(tangents, depths), interaction_matrix(goals, goal_depths)
     return (here + there) / 2.0
 
 
-def _enough(good: Truths) -> bool:
+def _enough_points(good: Truths) -> bool:
     """Of a few points all must be seen; of many, one may be hidden."""
-    return bool(good.all()) or (len(good) > FEW and int(good.sum()) >= FEW)
+    return bool(good.all()) or (
+        len(good) > FEWEST_VISIBLE_POINTS and int(good.sum()) >= FEWEST_VISIBLE_POINTS
+    )
 
 
-def _squares(camera: Camera, tangents: Floats, goals: Floats) -> Floats:
+def _pixel_squares(camera: Camera, tangents: Floats, goals: Floats) -> Floats:
     """(n,) of the pixels between places, by the lens without distortion."""
     off = (tangents - goals) * np.array(camera.lens.focal)
     return np.asarray((off**2).sum(axis=1))

@@ -21,7 +21,7 @@ ARM_LENGTH: Final = 100.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class TargetSighting:
     """What was seen at one moment. seconds: when the pictures were taken, of the clock of the loop;
     those of several cameras have the time of the oldest. number: of the picture.
 
@@ -36,16 +36,16 @@ class Sight:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
+class ServoMoment:
     """A sight, with the cameras where they stand in the base then, and the flange there."""
 
     cameras: Sequence[Camera]
-    sight: Sight
+    sight: TargetSighting
     flange: Pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
+class ServoTask:
     """error: (m,) what is to become 0. slopes: (m, 6) its change by the twist of the flange, of its
     point in the axes of the base, mm/s and rad/s. rank: how many of the six it tells.
 
@@ -81,10 +81,10 @@ class Task:
         return float(values[0] / values[self.rank - 1])
 
 
-class Law(Protocol):
+class ControlLaw(Protocol):
     """Made for one servoing: it may remember what it saw before."""
 
-    def task(self, moment: Moment) -> Task | str:
+    def task(self, moment: ServoMoment) -> ServoTask | str:
         """What is to be done, or in words why that cannot be told: then it counts as not seen."""
 
     def forget(self) -> None:

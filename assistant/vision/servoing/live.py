@@ -14,21 +14,21 @@ from typing import Self
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.capture import Frame, opened
+from assistant.vision.cameras.capture import Frame, open_frames
 from assistant.vision.servoing import rules
-from assistant.vision.servoing.law import Sight
-from assistant.vision.servoing.things import Thing
+from assistant.vision.servoing.law import TargetSighting
+from assistant.vision.servoing.things import VisualTarget
 
 
 @dataclass(frozen=True, slots=True)
-class Looked:
+class SoughtTargets:
     """What is looked for. target, mark: None for what is not."""
 
-    target: Thing | None = None
-    mark: Thing | None = None
+    target: VisualTarget | None = None
+    mark: VisualTarget | None = None
 
 
-class Live:
+class LiveEyes:
     """A context manager. sources: where the pictures of each camera come from, see `opened`.
 
     folder: in which relative files stand.
@@ -38,15 +38,15 @@ class Live:
         self,
         cameras: Sequence[Camera],
         sources: Mapping[str, str],
-        looked: Looked,
+        looked: SoughtTargets,
         folder: FilePath = FilePath(),
     ) -> None:
         self.cameras = tuple(cameras)
         self._looked = looked
         for camera in cameras:
             if not sources.get(camera.name):
-                raise Refused(rules.NO_SOURCE(camera=camera.name), exit_status=2)
-        self._readers = [Reader(camera, sources[camera.name], folder) for camera in cameras]
+                raise Refused(rules.NO_SERVO_SOURCE(camera=camera.name), exit_status=2)
+        self._readers = [CameraReader(camera, sources[camera.name], folder) for camera in cameras]
         self._open = ExitStack()
         self._number = -1
 
@@ -65,7 +65,7 @@ class Live:
     ) -> None:
         self._open.__exit__(kind, error, trace)
 
-    def look(self, after: float, patience: float) -> Sight | None:
+    def look(self, after: float, patience: float) -> TargetSighting | None:
         """The newest picture of each camera; raises Refused where one gives no more."""
         end = time.monotonic() + patience
         frames = []
@@ -77,14 +77,14 @@ class Live:
         self._number += 1
         seconds = min(frame.seconds for frame in frames)
         looked = self._looked
-        return Sight(
+        return TargetSighting(
             seconds,
             self._number,
             self._found(frames, looked.target),
             self._found(frames, looked.mark),
         )
 
-    def _found(self, frames: Sequence[Frame], thing: Thing | None) -> Mapping[str, Floats]:
+    def _found(self, frames: Sequence[Frame], thing: VisualTarget | None) -> Mapping[str, Floats]:
         if thing is None:
             return {}
         return {
@@ -93,7 +93,7 @@ class Live:
         }
 
 
-class Reader:
+class CameraReader:
     """The newest frame of a camera, and how it ended."""
 
     def __init__(self, camera: Camera, source: str, folder: FilePath) -> None:
@@ -105,7 +105,7 @@ class Reader:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        with opened(self._camera, self._source, self._folder) as frames:
+        with open_frames(self._camera, self._source, self._folder) as frames:
             thread = threading.Thread(target=self._read, args=(frames,), daemon=True)
             thread.start()
             try:
@@ -142,7 +142,9 @@ class Reader:
         except Refused as refused:
             failure = refused
         finally:  # nobody waits for ever, whatever it was
-            ended = Refused(rules.ENDED(camera=self._camera.name, number=number), exit_status=2)
+            ended = Refused(
+                rules.PICTURES_ENDED(camera=self._camera.name, number=number), exit_status=2
+            )
             with self._news:
                 self._failure = failure or ended
                 self._news.notify_all()

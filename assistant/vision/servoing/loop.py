@@ -24,25 +24,25 @@ from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.servoing import rules
 from assistant.vision.servoing.bounds import Guard
 from assistant.vision.servoing.interaction import flange_of, jacobian
-from assistant.vision.servoing.law import Law, Moment, Sight, Task
-from assistant.vision.servoing.past import Past
+from assistant.vision.servoing.law import ControlLaw, ServoMoment, ServoTask, TargetSighting
+from assistant.vision.servoing.past import JointHistory
 
-LOST_AFTER: Final = 2
+PICTURES_TO_LOSE: Final = 2
 """Pictures in a row without a sight; at the first one the arm is brought to rest, at this one it is
 over."""
 DAMPING: Final = 1e-3
 """Part of the best direction by which others are damped, so that none asks for endless speed."""
-WORSE: Final = 2.0
+GROWN_ERROR: Final = 2.0
 """How many times its first value an error may have."""
-GROWING: Final = 5
+GROWING_PICTURES: Final = 5
 """Pictures in a row with such an error."""
-BARRED: Final = 15
+BARRED_PICTURES: Final = 15
 """Pictures in a row in which a limit lets nothing be done."""
-HARDLY: Final = 0.02
+BARRED_SHARE: Final = 0.02
 """Part of what is wanted that is as good as nothing."""
-SHORTEST: Final = 0.004
+SHORTEST_STEP: Final = 0.004
 """Seconds of a step at least."""
-LONGEST: Final = 1.0
+LONGEST_STEP: Final = 1.0
 """Seconds of a step at most, however long a picture was waited for."""
 
 
@@ -52,14 +52,14 @@ class Eyes(Protocol):
     @property
     def cameras(self) -> Sequence[Camera]: ...
 
-    def look(self, after: float, patience: float) -> Sight | None:
+    def look(self, after: float, patience: float) -> TargetSighting | None:
         """The latest sight that was taken after a time of the loop's clock; None if none comes
         within so many seconds. Raises Refused where there will be no more.
         """
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class ServoSettings:
     """gain: part of the error that is taken away in a second. share: part of it at most with one
     step. pixels, distance, turn: px, mm and degrees at which the goal is reached; turn inf where it
     does not matter. hold: pictures in a row for which that must be so; before the first step as
@@ -96,12 +96,12 @@ class Settings:
             value = getattr(self, name)
             if not least <= value <= most:
                 reason = f"it is a number from {least:g} to {most:g}"
-                finding = rules.NO_SETTING(name=name, value=value, reason=reason)
+                finding = rules.BAD_SETTING(name=name, value=value, reason=reason)
                 raise Refused(finding, exit_status=2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Served:
+class ServoResult:
     """joints: (a,) and pose: of the tip in the base, where the arm stands. pictures: that were
     looked at. pixels, distance, turn: that are left as it is seen, NaN where that is not told.
     """
@@ -125,37 +125,37 @@ class Served:
 
     @property
     def left(self) -> str:
-        return _left(self.pixels, self.distance, self.turn)
+        return _error_text(self.pixels, self.distance, self.turn)
 
     def __str__(self) -> str:
         return f"{self.left} left after {self.pictures} pictures, {self.seconds:.1f} s"
 
 
-class Broken(Refused):
+class ServoStopped(Refused):
     """A servoing that did not come to its goal; `served` is what came of it, None if nothing."""
 
-    def __init__(self, finding: Diagnostic, served: Served | None) -> None:
+    def __init__(self, finding: Diagnostic, served: ServoResult | None) -> None:
         super().__init__(finding)
         self.served = served
 
 
 def servo(
     eyes: Eyes,
-    law: Law,
+    law: ControlLaw,
     carrier: Carrier,
     guard: Guard,
-    settings: Settings | None = None,
+    settings: ServoSettings | None = None,
     *,
     clock: Callable[[], float] = time.monotonic,
     progress: Callable[[float], None] | None = None,
-) -> Served:
+) -> ServoResult:
     """Leads the arm of a carrier, which is entered, until the law has nothing left to do.
 
     clock: that the eyes have, too. progress: is told what part of the first error is gone.
     Raises Broken, and Refused of the eyes and the carrier; the arm is brought to rest by then.
     """
     slowed = guard.slowed(carrier.speeds)
-    loop = _Loop(eyes, law, carrier, slowed, settings or Settings(), clock)
+    loop = _Loop(eyes, law, carrier, slowed, settings or ServoSettings(), clock)
     try:
         return loop.run(progress or (lambda _: None))
     except BaseException:
@@ -166,10 +166,10 @@ def servo(
 @dataclass(slots=True, eq=False)
 class _Loop:
     eyes: Eyes
-    law: Law
+    law: ControlLaw
     carrier: Carrier
     guard: Guard
-    settings: Settings
+    settings: ServoSettings
     clock: Callable[[], float]
     recording: Recording = field(init=False)
     began: float = 0.0
@@ -177,10 +177,10 @@ class _Loop:
     before: float = 0.0
     """When the picture before was taken."""
     velocity: Floats = field(init=False)
-    past: Past = field(default_factory=Past)
+    past: JointHistory = field(default_factory=JointHistory)
     seen_at: Floats = field(init=False)
     """(a,) where the arm was when the last picture was taken."""
-    task: Task | None = None
+    task: ServoTask | None = None
     number: int = 0
 
     def __post_init__(self) -> None:
@@ -195,11 +195,11 @@ class _Loop:
             }
         )
 
-    def run(self, progress: Callable[[float], None]) -> Served:
+    def run(self, progress: Callable[[float], None]) -> ServoResult:
         self.began = self.before = self.clock()
         self.law.forget()
         if what := self.guard.outside(self.carrier.joints()):
-            raise Broken(rules.OUTSIDE(what=what), None)
+            raise ServoStopped(rules.ARM_OUTSIDE_BOUNDS(what=what), None)
         first = self._first_sight()
         lost = good = growing = barred = 0
         while True:
@@ -208,7 +208,7 @@ class _Loop:
                 lost, good = lost + 1, 0
                 self._rest()
                 self._record(sight, joints, None)
-                if lost >= LOST_AFTER:
+                if lost >= PICTURES_TO_LOSE:
                     raise self._lost(sight, task)
                 continue
             assert sight is not None
@@ -216,12 +216,12 @@ class _Loop:
             size = task.size
             if not task.condition <= self.settings.condition:
                 self._record(sight, joints, task)
-                raise self._broken(rules.SINGULAR, condition=task.condition)
+                raise self._broken(rules.SINGULAR_INTERACTION, condition=task.condition)
             good = good + 1 if self._is_there(task) else 0
-            growing = growing + 1 if size > WORSE * first else 0
-            if growing >= GROWING:
+            growing = growing + 1 if size > GROWN_ERROR * first else 0
+            if growing >= GROWING_PICTURES:
                 self._record(sight, joints, task)
-                raise self._broken(rules.DIVERGED, first=first, now=size)
+                raise self._broken(rules.ERROR_GROWS, first=first, now=size)
             if good >= self.settings.hold:
                 self._rest()
                 self._record(sight, joints, task)
@@ -229,10 +229,10 @@ class _Loop:
             held_back = self._step(task, sight)
             barred = barred + 1 if held_back else 0
             self._record(sight, joints, task)
-            if barred >= BARRED:
-                raise self._broken(rules.AT_LIMIT, what=self.guard.barred)
+            if barred >= BARRED_PICTURES:
+                raise self._broken(rules.BARRED_BY_LIMIT, what=self.guard.barred)
             if self.clock() - self.began > self.settings.timeout:
-                raise self._broken(rules.TIMEOUT, seconds=self.settings.timeout)
+                raise self._broken(rules.SERVO_TIMEOUT, seconds=self.settings.timeout)
             progress(float(np.clip(1.0 - size / first, 0.0, 1.0)))
 
     # ------------------------------------------------------------------------------- looking
@@ -248,11 +248,11 @@ class _Loop:
                 continue
             seen, why = 0, task
             if self.clock() - self.began > self.settings.opening:
-                raise Broken(rules.NOT_SEEN(reason=why), self._served())
+                raise ServoStopped(rules.TARGET_NOT_SEEN(reason=why), self._served())
         assert self.task is not None
         return max(self.task.size, 1e-6)
 
-    def _look(self) -> tuple[Sight | None, Floats, Task | str]:
+    def _look(self) -> tuple[TargetSighting | None, Floats, ServoTask | str]:
         """What is seen, where the arm is, and what is to be done, or in words why nobody knows."""
         if not self.carrier.waits:  # or it stands where it stood behind the last step
             self.past.add(self.clock(), self.carrier.joints())
@@ -267,9 +267,9 @@ class _Loop:
         self.seen_at = self.past.at(sight.seconds)
         flange = flange_of(self.guard.robot, self.seen_at)
         cameras = [c if c.parent == WORLD else c.carried(flange) for c in self.eyes.cameras]
-        return sight, joints, self.law.task(Moment(cameras, sight, flange))
+        return sight, joints, self.law.task(ServoMoment(cameras, sight, flange))
 
-    def _is_there(self, task: Task) -> bool:
+    def _is_there(self, task: ServoTask) -> bool:
         wanted = self.settings
         if np.isfinite(task.pixels):
             return task.pixels <= wanted.pixels
@@ -278,10 +278,10 @@ class _Loop:
 
     # ------------------------------------------------------------------------------- stepping
 
-    def _step(self, task: Task, sight: Sight) -> bool:
+    def _step(self, task: ServoTask, sight: TargetSighting) -> bool:
         """Takes one; whether a limit lets nothing be done."""
         since = sight.seconds - self.before
-        seconds = float(np.clip(since, max(self.carrier.period, SHORTEST), LONGEST))
+        seconds = float(np.clip(since, max(self.carrier.period, SHORTEST_STEP), LONGEST_STEP))
         self.before = sight.seconds
         told = self.carrier.told()
         wanted = self._wanted(task, told, seconds)
@@ -294,9 +294,9 @@ class _Loop:
         if not self.guard.barred:
             return False
         speed = float(np.abs(self.velocity).max())
-        return speed <= HARDLY * float(np.abs(wanted).max())
+        return speed <= BARRED_SHARE * float(np.abs(wanted).max())
 
-    def _wanted(self, task: Task, joints: Floats, seconds: float) -> Floats:
+    def _wanted(self, task: ServoTask, joints: Floats, seconds: float) -> Floats:
         """(a,) velocities that take the error away; axes that are at their ends stay out of it.
 
         What the arm was told since the picture was taken has its part of the error already.
@@ -308,7 +308,7 @@ class _Loop:
         velocity = np.zeros(len(joints))
         for _ in range(len(joints)):
             velocity = np.zeros(len(joints))
-            velocity[free] = -gain * _solved(slopes[:, free], error)
+            velocity[free] = -gain * _damped_least_squares(slopes[:, free], error)
             ends = self.guard.at_end(joints, velocity)
             if not ends.any():
                 break
@@ -321,7 +321,7 @@ class _Loop:
 
     # ------------------------------------------------------------------------------- telling
 
-    def _record(self, sight: Sight | None, joints: Floats, task: Task | None) -> None:
+    def _record(self, sight: TargetSighting | None, joints: Floats, task: ServoTask | None) -> None:
         """task: None for a picture in which it was not seen."""
         now = self.clock()
         seen = (np.nan,) * 4
@@ -339,25 +339,25 @@ class _Loop:
             (flange_of(self.guard.robot, joints) @ self.guard.tip).position,
         )
 
-    def _served(self) -> Served:
+    def _served(self) -> ServoResult:
         joints, task = self.carrier.joints(), self.task
         left = (np.nan,) * 3 if task is None else (task.pixels, task.distance, task.turn)
         pose = flange_of(self.guard.robot, joints) @ self.guard.tip
         seconds = self.clock() - self.began
-        return Served(joints, pose, len(self.recording), seconds, *left, self.recording)
+        return ServoResult(joints, pose, len(self.recording), seconds, *left, self.recording)
 
-    def _lost(self, sight: Sight | None, why: str) -> Broken:
+    def _lost(self, sight: TargetSighting | None, why: str) -> ServoStopped:
         if sight is not None and (age := self.clock() - sight.seconds) > self.settings.stale:
-            return self._broken(rules.STALE, age=age)
-        return self._broken(rules.LOST, reason=why)
+            return self._broken(rules.STALE_PICTURES, age=age)
+        return self._broken(rules.TARGET_LOST, reason=why)
 
-    def _broken(self, rule: Rule, **fields: Any) -> Broken:
+    def _broken(self, rule: Rule, **fields: Any) -> ServoStopped:
         self._rest()
         served = self._served()
-        return Broken(rule(number=self.number, left=served.left, **fields), served)
+        return ServoStopped(rule(number=self.number, left=served.left, **fields), served)
 
 
-def _solved(slopes: Floats, error: Floats) -> Floats:
+def _damped_least_squares(slopes: Floats, error: Floats) -> Floats:
     """Least squares, damped (Wampler 1986): short where a direction is hardly told."""
     left, values, right = np.linalg.svd(slopes, full_matrices=False)
     if not values.size or not values[0] > 0.0:
@@ -366,7 +366,7 @@ def _solved(slopes: Floats, error: Floats) -> Floats:
     return np.asarray(right.T @ (damped * (left.T @ error)))
 
 
-def _left(pixels: float, distance: float, turn: float) -> str:
+def _error_text(pixels: float, distance: float, turn: float) -> str:
     parts = [f"{pixels:.2f} px"] if np.isfinite(pixels) else []
     parts += [f"{distance:.2f} mm"] if np.isfinite(distance) else []
     parts += [f"{turn:.2f} degrees"] if np.isfinite(turn) else []

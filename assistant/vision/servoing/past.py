@@ -10,15 +10,17 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 
-KEPT: Final = 200
+MOMENTS_KEPT: Final = 200
 """Moments that are remembered, of which each picture takes two."""
 
 
 @dataclass(slots=True)
-class Past:
+class JointHistory:
     """Moments (seconds of any clock, joints (a,)), one after the other."""
 
-    _moments: deque[tuple[float, Floats]] = field(default_factory=lambda: deque(maxlen=KEPT))
+    _moments: deque[tuple[float, Floats]] = field(
+        default_factory=lambda: deque(maxlen=MOMENTS_KEPT)
+    )
 
     def add(self, seconds: float, joints: Floats) -> None:
         """seconds: none before those of the last moment."""

@@ -10,15 +10,15 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.vision.servoing.image_based import in_image
+from assistant.vision.servoing.image_based import image_task
 from assistant.vision.servoing.interaction import carried_twist, cross, turned_by
-from assistant.vision.servoing.law import ARM_LENGTH, Moment, Task
-from assistant.vision.servoing.things import Thing
-from assistant.vision.servoing.tracked import Mean, Tracked, left
+from assistant.vision.servoing.law import ARM_LENGTH, ServoMoment, ServoTask
+from assistant.vision.servoing.things import VisualTarget
+from assistant.vision.servoing.tracked import MeanPose, PoseTracker, pose_difference
 
-EDGE: Final = 40.0
+LEAVING_EDGE: Final = 40.0
 """Pixels from the edge of a picture at which a point is about to leave it."""
-TELL_TURNS: Final = 3
+FEWEST_FOR_TURN: Final = 3
 """Points of a thing from which on it tells how it is turned."""
 
 
@@ -33,17 +33,17 @@ class PoseInHand:
     of them in lines. goal: the flange in the frame of the target.
     """
 
-    target: Thing
+    target: VisualTarget
     goal: Pose
-    tracked: Tracked = field(default_factory=Tracked)
+    tracked: PoseTracker = field(default_factory=PoseTracker)
 
-    def task(self, moment: Moment) -> Task | str:
+    def task(self, moment: ServoMoment) -> ServoTask | str:
         (camera,) = moment.cameras
         found = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
         if found is None or isinstance(found, str):
             return found or "the target is not seen"
-        if not camera.within(moment.sight.target[camera.name], EDGE).all():
-            return replace(in_image(moment, self.target, self.goal, found), pixels=np.nan)
+        if not camera.within(moment.sight.target[camera.name], LEAVING_EDGE).all():
+            return replace(image_task(moment, self.target, self.goal, found), pixels=np.nan)
         mount = moment.flange.inverse() @ camera.pose
         now, wanted = camera.pose.inverse() @ found.pose, (self.goal @ mount).inverse()
         place = np.array(now.position)
@@ -57,7 +57,9 @@ class PoseInHand:
         moves[3:, 3:] = ARM_LENGTH * np.eye(3)
         error = np.concatenate([place - np.array(wanted.position), ARM_LENGTH * turn])
         slopes = moves @ carried_twist(camera.pose, moment.flange)
-        return Task(error, slopes, 6, np.nan, *left(moment.flange, found.pose @ self.goal))
+        return ServoTask(
+            error, slopes, 6, np.nan, *pose_difference(moment.flange, found.pose @ self.goal)
+        )
 
     def forget(self) -> None:
         self.tracked.forget()
@@ -73,15 +75,15 @@ class PoseToHand:
     the flange, which goes straight to its goal.
     """
 
-    mark: Thing
+    mark: VisualTarget
     mount: Pose
     goal: Pose
-    target: Thing | None = None
+    target: VisualTarget | None = None
     tip: Pose = IDENTITY
-    tracked: Tracked = field(default_factory=Tracked)
-    beside: Mean = field(default_factory=Mean)
+    tracked: PoseTracker = field(default_factory=PoseTracker)
+    beside: MeanPose = field(default_factory=MeanPose)
 
-    def task(self, moment: Moment) -> Task | str:
+    def task(self, moment: ServoMoment) -> ServoTask | str:
         goal = self.goal
         if self.target is not None:
             at = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
@@ -89,41 +91,41 @@ class PoseToHand:
                 return at or "the target is not seen"
             goal = at.pose @ self.goal
         near = moment.flange @ self.mount
-        seen = Tracked().pose_of(moment.cameras, moment.sight.mark, self.mark.points, near)
+        seen = PoseTracker().pose_of(moment.cameras, moment.sight.mark, self.mark.points, near)
         if seen is None or isinstance(seen, str):
             return seen or "the mark on the tool is not seen"
         mark = near @ self.beside.take(near.inverse() @ seen.pose)
-        if len(self.mark.points) < TELL_TURNS:
+        if len(self.mark.points) < FEWEST_FOR_TURN:
             return self._place_alone(moment.flange, mark, goal)
-        return to_goal(moment.flange, mark @ self.mount.inverse(), goal, self.tip)
+        return goal_task(moment.flange, mark @ self.mount.inverse(), goal, self.tip)
 
     def forget(self) -> None:
         self.tracked.forget()
         self.beside.forget()
 
-    def _place_alone(self, flange: Pose, mark: Pose, goal: Pose) -> Task:
+    def _place_alone(self, flange: Pose, mark: Pose, goal: Pose) -> ServoTask:
         """The place of the mark's own point; the turn stays what the arm makes of it."""
         at = mark.moved(self.mark.points).mean(axis=0)
         wanted = (goal @ self.mount).moved(self.mark.points).mean(axis=0)
         error = at - wanted
-        return Task(error, _moves(at, flange), 3, np.nan, float(np.linalg.norm(error)))
+        return ServoTask(error, _point_slopes(at, flange), 3, np.nan, float(np.linalg.norm(error)))
 
 
 @dataclass(slots=True)
-class Felt:
+class JointsToGoal:
     """No camera: the arm is where its joints say. goal: the flange in the base."""
 
     goal: Pose
     tip: Pose = IDENTITY
 
-    def task(self, moment: Moment) -> Task:
-        return to_goal(moment.flange, moment.flange, self.goal, self.tip)
+    def task(self, moment: ServoMoment) -> ServoTask:
+        return goal_task(moment.flange, moment.flange, self.goal, self.tip)
 
     def forget(self) -> None:
         """Nothing is remembered."""
 
 
-def to_goal(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> Task:
+def goal_task(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> ServoTask:
     """The way of a tip in the base, and its turn.
 
     flange: by the joints of the arm. seen: where it is, goal: where it should be.
@@ -136,12 +138,12 @@ def to_goal(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> Task:
         )
     )
     slopes = np.zeros((6, 6))
-    slopes[:3] = _moves(np.array((flange @ tip).position), flange)
+    slopes[:3] = _point_slopes(np.array((flange @ tip).position), flange)
     slopes[3:, 3:] = ARM_LENGTH * np.eye(3)
     error = np.concatenate([at - np.array(wanted.position), ARM_LENGTH * turn])
-    return Task(error, slopes, 6, np.nan, *left(now, wanted))
+    return ServoTask(error, slopes, 6, np.nan, *pose_difference(now, wanted))
 
 
-def _moves(point: Floats, flange: Pose) -> Floats:
+def _point_slopes(point: Floats, flange: Pose) -> Floats:
     """(3, 6) change of a point of the flange by its twist."""
     return np.concatenate([np.eye(3), -cross(point - np.array(flange.position))], axis=1)

@@ -16,12 +16,12 @@ from assistant.base.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera
-from assistant.vision.cameras.drawing import CLEAR, Optics, Picture, Thing, draw
+from assistant.vision.cameras.drawing import CLEAR, Optics, Picture, VisibleBody, draw
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.law import Sight
-from assistant.vision.servoing.things import Thing as Sought
+from assistant.vision.servoing.law import TargetSighting
+from assistant.vision.servoing.things import VisualTarget as Sought
 
-RATE: Final = 30.0
+PICTURE_RATE: Final = 30.0
 """Pictures a second."""
 
 
@@ -39,7 +39,7 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class World:
+class ServoWorld:
     """What is there.
 
     robot, joints: the arm, and where it is (a,) when it is asked. target: with its pose in the
@@ -58,7 +58,7 @@ class World:
 
 
 @dataclass(slots=True, eq=False)
-class Projected:
+class ProjectedEyes:
     """Exact projections with noise of normal distribution, in pixels; nothing hides anything.
 
     hidden: number of a picture → whether nothing is seen in it. delay: number → seconds by which
@@ -66,21 +66,21 @@ class Projected:
     """
 
     cameras: Sequence[Camera]
-    world: World
+    world: ServoWorld
     clock: Clock = field(default_factory=Clock)
     noise: float = 0.2
-    rate: float = RATE
+    rate: float = PICTURE_RATE
     seed: int = 0
     hidden: Callable[[int], bool] = lambda _: False
     delay: Callable[[int], float] = lambda _: 0.0
     _number: int = -1
     _due: float = -np.inf
 
-    def look(self, after: float, patience: float) -> Sight | None:
-        taken = _next(self, after)
+    def look(self, after: float, patience: float) -> TargetSighting | None:
+        taken = _wait_for_picture(self, after)
         placed, flange = self.world.placed(self.cameras)
         self.clock.wait(min(self.delay(self._number), 2.0 * patience))
-        return Sight(
+        return TargetSighting(
             taken,
             self._number,
             self._seen(placed, self.world.target, IDENTITY, 1),
@@ -105,7 +105,7 @@ class Projected:
 
 
 @dataclass(slots=True, eq=False)
-class Drawn:
+class DrawnEyes:
     """Pictures that are drawn, in which things are looked for as in those of a real camera.
 
     still: what is there beside the target. on_target, on_mark: what stands for them, in their own
@@ -113,20 +113,20 @@ class Drawn:
     """
 
     cameras: Sequence[Camera]
-    world: World
-    on_target: Sequence[Thing] = ()
-    on_mark: Sequence[Thing] = ()
-    still: Callable[[Floats], Sequence[Thing]] = lambda _: ()
+    world: ServoWorld
+    on_target: Sequence[VisibleBody] = ()
+    on_mark: Sequence[VisibleBody] = ()
+    still: Callable[[Floats], Sequence[VisibleBody]] = lambda _: ()
     clock: Clock = field(default_factory=Clock)
     optics: Optics = CLEAR
-    rate: float = RATE
+    rate: float = PICTURE_RATE
     seed: int = 0
     hidden: Callable[[int], bool] = lambda _: False
     _number: int = -1
     _due: float = -np.inf
 
-    def look(self, after: float, patience: float) -> Sight | None:  # noqa: ARG002 - one always comes
-        taken = _next(self, after)
+    def look(self, after: float, patience: float) -> TargetSighting | None:  # noqa: ARG002 - one always comes
+        taken = _wait_for_picture(self, after)
         pictures = self.pictures()
         target, mark = (
             {
@@ -137,16 +137,16 @@ class Drawn:
             else {}
             for thing in (self.world.target, self.world.mark)
         )
-        return Sight(taken, self._number, target, mark)
+        return TargetSighting(taken, self._number, target, mark)
 
     def pictures(self) -> list[Picture]:
         """What each camera sees now."""
         placed, flange = self.world.placed(self.cameras)
         things = list(self.still(self.world.joints()))
         if self.world.target is not None:
-            things += [_at(self.world.target[1], thing) for thing in self.on_target]
+            things += [_body_at(self.world.target[1], thing) for thing in self.on_target]
         if self.world.mark is not None:
-            things += [_at(flange @ self.world.mark[1], thing) for thing in self.on_mark]
+            things += [_body_at(flange @ self.world.mark[1], thing) for thing in self.on_mark]
         if self.hidden(self._number):
             things = []
         seeds = (self.seed + 1000 * self._number + place for place in range(len(placed)))
@@ -156,7 +156,7 @@ class Drawn:
         ]
 
 
-def _next(eyes: Projected | Drawn, after: float) -> float:
+def _wait_for_picture(eyes: ProjectedEyes | DrawnEyes, after: float) -> float:
     """Waits for the next picture that is taken after a time; when it was."""
     now, each = eyes.clock(), 1.0 / eyes.rate
     eyes._due = max(eyes._due + each, now, after + 1e-6)
@@ -165,5 +165,5 @@ def _next(eyes: Projected | Drawn, after: float) -> float:
     return eyes.clock()
 
 
-def _at(pose: Pose, thing: Thing) -> Thing:
+def _body_at(pose: Pose, thing: VisibleBody) -> VisibleBody:
     return replace(thing, pose=pose @ thing.pose)

@@ -45,11 +45,11 @@ from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.vision.pointing.device_file import device_of
 from assistant.vision.servoing import rules
 from assistant.vision.servoing.bounds import Bounds
-from assistant.vision.servoing.loop import Settings
-from assistant.vision.servoing.things import Marker, Marks, Thing
+from assistant.vision.servoing.loop import ServoSettings
+from assistant.vision.servoing.things import DeviceMarks, Marker, VisualTarget
 
-SIZES: Final = (50, 100, 250, 1000)
-DICTIONARIES: Final = tuple(f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in SIZES)
+DICTIONARY_SIZES: Final = (50, 100, 250, 1000)
+DICTIONARIES: Final = tuple(f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in DICTIONARY_SIZES)
 """Of markers, as OpenCV names them."""
 
 
@@ -63,16 +63,16 @@ class ServoFile:
 
     law: Literal["image", "pose"] = "image"
     cameras: tuple[str, ...] = ()
-    target: Thing | None = None
+    target: VisualTarget | None = None
     place: Pose = IDENTITY
-    mark: Thing | None = None
+    mark: VisualTarget | None = None
     mount: Pose = IDENTITY
     tip: Pose = IDENTITY
     goal: Pose = IDENTITY
     base: Pose = IDENTITY
     drawn: Pose | None = None
     bounds: Bounds = field(default_factory=Bounds)
-    settings: Settings = field(default_factory=Settings)
+    settings: ServoSettings = field(default_factory=ServoSettings)
 
 
 def read_servo(path: str | FilePath, *, led_elsewhere: bool = False) -> ServoFile:
@@ -90,18 +90,20 @@ def servo_in(
 ) -> ServoFile:
     """folder: in which files of devices stand."""
     top = read_toml(source)
-    said = top.read(KEYS)
-    tables = {name: top.table(name) for name in TABLES}
-    read = {name: tables[name].read(keys) for name, keys in TABLES.items()}
+    said = top.read(SERVO_KEYS)
+    tables = {name: top.table(name) for name in TABLE_KEYS}
+    read = {name: tables[name].read(keys) for name, keys in TABLE_KEYS.items()}
     if not read["target"] and not led_elsewhere:
-        top.say(rules.BAD_TASK, what="has no [target]", cure="write what is led to, or a place")
-    target = _thing(tables["target"], read["target"], folder)
-    mark = _thing(tables["mark"], read["mark"], folder)
+        top.say(
+            rules.BAD_SERVO_FILE, what="has no [target]", cure="write what is led to, or a place"
+        )
+    target = _read_target(tables["target"], read["target"], folder)
+    mark = _read_target(tables["mark"], read["mark"], folder)
     if read["mark"] and mark is None:
         what, cure = "has a [mark] that nobody sees", "write marker, or device"
-        tables["mark"].say(rules.BAD_TASK, what=what, cure=cure)
+        tables["mark"].say(rules.BAD_SERVO_FILE, what=what, cure=cure)
     if not read["goal"] and not led_elsewhere:
-        top.say(rules.BAD_TASK, what="has no [goal]", cure="write where the tip goes to")
+        top.say(rules.BAD_SERVO_FILE, what="has no [goal]", cure="write where the tip goes to")
     limits = dict(read["limits"])
     if has_errors(top.page.findings):
         raise Refused(*top.page.findings, exit_status=2)
@@ -109,88 +111,90 @@ def servo_in(
         law=said.get("law", "image"),
         cameras=said.get("cameras", ()),
         target=target,
-        place=_pose(read["target"]),
+        place=_read_pose(read["target"]),
         mark=mark,
-        mount=_pose(read["mark"]),
-        tip=_pose(read["tool"]),
-        goal=_pose(read["goal"]),
-        base=_pose(read["base"]),
-        drawn=_pose(read["drawn"]) if read["drawn"] else None,
+        mount=_read_pose(read["mark"]),
+        tip=_read_pose(read["tool"]),
+        goal=_read_pose(read["goal"]),
+        base=_read_pose(read["base"]),
+        drawn=_read_pose(read["drawn"]) if read["drawn"] else None,
         bounds=Bounds(**limits),
-        settings=Settings(**read["servo"]),
+        settings=ServoSettings(**read["servo"]),
     )
 
 
-def _pose(said: Mapping[str, Any]) -> Pose:
+def _read_pose(said: Mapping[str, Any]) -> Pose:
     return pose_of(said) if any(key in said for key in PLACE_KEYS) else IDENTITY
 
 
-def _thing(table: Table, said: Mapping[str, Any], folder: FilePath) -> Thing | None:
+def _read_target(table: Table, said: Mapping[str, Any], folder: FilePath) -> VisualTarget | None:
     """What is looked for, None if the table names nothing that is."""
     if "marker" in said and "device" in said:
         what, cure = "has a marker and a device in one table", "keep one of them"
-        table.say(rules.BAD_TASK, what=what, cure=cure)
+        table.say(rules.BAD_SERVO_FILE, what=what, cure=cure)
     if "device" in said:
         name = said["device"]
-        return Marks(device_of(str(folder / name) if name.endswith(".toml") else name))
+        return DeviceMarks(device_of(str(folder / name) if name.endswith(".toml") else name))
     if "marker" not in said:
         return None
     if "size" not in said:
-        table.say(rules.BAD_TASK, what="has a marker without a size", cure="write mm of its edge")
+        table.say(
+            rules.BAD_SERVO_FILE, what="has a marker without a size", cure="write mm of its edge"
+        )
         return None
     dictionary = said.get("dictionary", DICTIONARIES[0])
     if said["marker"] >= int(dictionary.partition("_")[2]):
         what = f"has marker {said['marker']}, which {dictionary} has not"
-        table.say(rules.BAD_TASK, what=what, cure="name its dictionary, or another marker")
+        table.say(rules.BAD_SERVO_FILE, what=what, cure="name its dictionary, or another marker")
         return None
     return Marker(said["marker"], said["size"], dictionary)
 
 
-def _box(value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _read_box(value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if not isinstance(value, list) or len(value) != 2:
         raise Wrong(f"is {kind_of(value)} and no box", "write two corners: [[x, y, z], [x, y, z]]")
     least, most = map(settings_tables.position, value)
     return least, most
 
 
-def _positive(unit: str) -> settings_tables.Read:
+def _positive_number(unit: str) -> settings_tables.Read:
     return settings_tables.number(unit, above=0.0)
 
 
-SEEN: Final[Mapping[str, settings_tables.Read]] = {
+TARGET_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "marker": settings_tables.whole(0, 999),
     "size": settings_tables.number("mm", least=1.0, most=2000.0),
     "dictionary": settings_tables.choice(*DICTIONARIES),
     "device": settings_tables.text,
     **PLACE_KEYS,
 }
-TABLES: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
-    "target": SEEN,
-    "mark": SEEN,
+TABLE_KEYS: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
+    "target": TARGET_KEYS,
+    "mark": TARGET_KEYS,
     **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE_KEYS),
     "limits": {
-        "speed": _positive("mm/s"),
-        "turning": _positive("degrees/s"),
-        "part": _positive(""),
-        "to_speed": _positive("seconds"),
+        "speed": _positive_number("mm/s"),
+        "turning": _positive_number("degrees/s"),
+        "part": _positive_number(""),
+        "to_speed": _positive_number("seconds"),
         "margin": settings_tables.number("degrees", least=0.0),
-        "box": _box,
+        "box": _read_box,
     },
     "servo": {
-        "gain": _positive(""),
-        "share": _positive(""),
-        "pixels": _positive("pixels"),
-        "distance": _positive("mm"),
-        "turn": _positive("degrees"),
+        "gain": _positive_number(""),
+        "share": _positive_number(""),
+        "pixels": _positive_number("pixels"),
+        "distance": _positive_number("mm"),
+        "turn": _positive_number("degrees"),
         "hold": settings_tables.whole(1, 100),
-        "stale": _positive("seconds"),
-        "timeout": _positive("seconds"),
-        "condition": _positive(""),
-        "opening": _positive("seconds"),
+        "stale": _positive_number("seconds"),
+        "timeout": _positive_number("seconds"),
+        "condition": _positive_number(""),
+        "opening": _positive_number("seconds"),
     },
 }
-KEYS: Final[Mapping[str, settings_tables.Read]] = {
+SERVO_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "law": settings_tables.choice("image", "pose"),
     "cameras": settings_tables.texts,
-    **dict.fromkeys(TABLES, lambda value: value),
+    **dict.fromkeys(TABLE_KEYS, lambda value: value),
 }

@@ -12,21 +12,21 @@ from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import Picture
 from assistant.vision.opencv import opencv
 from assistant.vision.pointing.devices import Device
-from assistant.vision.pointing.finding import spots
+from assistant.vision.pointing.finding import find_spots
 
-MARGIN: Final = 2.0
+EDGE_MARGIN: Final = 2.0
 """Pixels from the edge of a picture within which a corner is not measured as it is."""
-BORDER: Final = 6
+MARKER_BORDER: Final = 6
 """Part of its edge, 1 in so many, that a marker has white around it."""
-APART: Final = 0.05
+LEAST_SQUARE_DISTANCE: Final = 0.05
 """Part of its outline by which two squares are apart at least: at more than this, the edge of the
 paper around a small marker is taken for the marker.
 """
-LIKE: Final = 0.9
+RIVAL_CONFIDENCE: Final = 0.9
 """Part of the confidence of the surest spot that another one must not have."""
 
 
-class Thing(Protocol):
+class VisualTarget(Protocol):
     """points: (n, 3) mm in its own frame."""
 
     @property
@@ -58,7 +58,7 @@ class Marker:
         cv = opencv()
         settings = cv.aruco.DetectorParameters()
         settings.cornerRefinementMethod = cv.aruco.CORNER_REFINE_SUBPIX
-        settings.minMarkerDistanceRate = APART
+        settings.minMarkerDistanceRate = LEAST_SQUARE_DISTANCE
         detector = cv.aruco.ArucoDetector(self._dictionary(cv), settings)
         corners, numbers, _ = detector.detectMarkers(cv.cvtColor(picture, cv.COLOR_BGR2GRAY))
         none = np.full((4, 2), np.nan)
@@ -66,25 +66,27 @@ class Marker:
         if len(found) != 1:  # two of one number are one of them and something else
             return none
         pixels = np.asarray(corners[int(found[0])], dtype=np.float64).reshape(4, 2)
-        return pixels if camera.within(pixels, MARGIN).all() else none
+        return pixels if camera.within(pixels, EDGE_MARGIN).all() else none
 
     @property
     def edge(self) -> float:
         """Of `picture`, in mm."""
-        return self.size * (1.0 + 2.0 / BORDER)
+        return self.size * (1.0 + 2.0 / MARKER_BORDER)
 
     def picture(self, dots: int = 240) -> Picture:
         """The marker with a white border of a sixth of its edge, to print or to draw."""
         cv = opencv()
         inner = np.asarray(cv.aruco.generateImageMarker(self._dictionary(cv), self.number, dots))
-        return np.repeat(np.pad(inner, dots // BORDER, constant_values=255)[..., None], 3, axis=2)
+        return np.repeat(
+            np.pad(inner, dots // MARKER_BORDER, constant_values=255)[..., None], 3, axis=2
+        )
 
     def _dictionary(self, cv: Any) -> Any:
         return cv.aruco.getPredefinedDictionary(getattr(cv.aruco, f"DICT_{self.dictionary}"))
 
 
 @dataclass(frozen=True, slots=True)
-class Marks:
+class DeviceMarks:
     """Coloured balls or lights of a pointing device."""
 
     device: Device
@@ -95,15 +97,17 @@ class Marks:
 
     def find(self, picture: Picture, camera: Camera) -> Floats:
         pixels = np.full((len(self.device.marks), 2), np.nan)
-        for row, found in enumerate(spots(picture, camera, self.device.marks)):
-            sure = [spot for spot in found if spot.confidence >= LIKE * found[0].confidence]
+        for row, found in enumerate(find_spots(picture, camera, self.device.marks)):
+            sure = [
+                spot for spot in found if spot.confidence >= RIVAL_CONFIDENCE * found[0].confidence
+            ]
             if len(sure) == 1 and not sure[0].at_edge:
                 pixels[row] = sure[0].place
         return pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class GivenPoints:
     """Points that something else finds, as a synthetic camera does that projects them."""
 
     points: Floats

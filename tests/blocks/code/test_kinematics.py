@@ -18,7 +18,7 @@ from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.base.file_sets import write_files
 from assistant.blocks.code import kinematics
-from assistant.blocks.code.templates import identifier, words
+from assistant.blocks.code.templates import safe_text, source_identifier
 from assistant.robots import Robot, robot_file
 from assistant.robots.arms import Placed
 from assistant.robots.motion.singularities import distance_from_singularity
@@ -91,10 +91,10 @@ def agree(robot: Robot, forward: Callable, inverse: Callable, joints: np.ndarray
 @pytest.mark.slow
 def test_the_c_of_every_arm_agrees_with_ours(tmp_path: Path, tell: Callable[[str], None]) -> None:
     arms = every_arm()
-    prefixes = [f"r{i}_{identifier(robot.name)}" for i, robot in enumerate(arms)]
+    prefixes = [f"r{i}_{source_identifier(robot.name)}" for i, robot in enumerate(arms)]
     sources = []
     for robot, prefix in zip(arms, prefixes, strict=True):
-        stem = identifier(robot.name)
+        stem = source_identifier(robot.name)
         given = kinematics(robot, "c")
         for end in (".h", ".c"):  # a prefix each, as two arms have one name
             text = given[f"{stem}{end}"].decode().replace(f"{stem}.h", f"{prefix}.h")
@@ -161,7 +161,7 @@ def test_the_python_of_every_arm_agrees_with_ours(
 ) -> None:
     worst, arms = 0.0, every_arm()
     for robot in arms:
-        name = f"{identifier(robot.name)}.py"
+        name = f"{source_identifier(robot.name)}.py"
         (tmp_path / name).write_bytes(kinematics(robot, "python")[name])
         one = columns(module(tmp_path / name))
         worst = max(worst, agree(robot, *one, joints_of(robot, 12)))
@@ -171,7 +171,7 @@ def test_the_python_of_every_arm_agrees_with_ours(
 
 @pytest.mark.parametrize("name", ["rv-2aj", "rh-6frh5520", "irb1200-7-0.7"])
 def test_the_checks_that_go_with_the_source_pass(tmp_path: Path, name: str) -> None:
-    robot, stem = robots.get(name), identifier(name)
+    robot, stem = robots.get(name), source_identifier(name)
     write_files({**kinematics(robot, "c"), **kinematics(robot, "python")}, tmp_path)
     sources = [tmp_path / f"{stem}.c", tmp_path / f"{stem}_check.c"]
     program = compiled(sources, tmp_path / "tried")
@@ -196,7 +196,7 @@ def test_a_table_that_is_wrong_fails_the_check(tmp_path: Path) -> None:
 
 def test_what_no_arm_reaches_is_valid_in_no_branch(tmp_path: Path) -> None:
     for name in ("rv-2aj", "rh-6frh5520", "irb1200-7-0.7"):
-        robot, stem = robots.get(name), identifier(name)
+        robot, stem = robots.get(name), source_identifier(name)
         write_files(kinematics(robot, "c"), tmp_path)
         made = compiled([tmp_path / f"{stem}.c"], tmp_path / f"{stem}.so", "-fPIC", "-shared")
         one = Library(ctypes.CDLL(made), stem, robot)
@@ -227,14 +227,14 @@ def test_an_arm_without_a_closed_form_is_refused() -> None:
     ],
 )
 def test_names_of_users_become_names_of_sources(text: str, name: str) -> None:
-    assert identifier(text) == name
+    assert source_identifier(text) == name
 
 
 def test_a_title_cannot_leave_its_comment(tmp_path: Path) -> None:
     title = '*/ int x = 1; /* \\\\n \\"\\"\\" *//**/ import os'
     robot = own("rv-2aj", f'title = "Mitsubishi RV-2AJ" → title = "{title}"')
     assert '"""' in robot.title and "*/" in robot.title
-    assert words(robot.title) == "/ int x 1 / n / / import os"
+    assert safe_text(robot.title) == "/ int x 1 / n / / import os"
     write_files({**kinematics(robot, "c"), **kinematics(robot, "python")}, tmp_path)
     compiled([tmp_path / "rv_2aj.c"], tmp_path / "arm.so", "-fPIC", "-shared")
     assert module(tmp_path / "rv_2aj.py").AXES == 5

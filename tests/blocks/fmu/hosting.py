@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from assistant.blocks.fmu import Model, compiled
-from assistant.blocks.fmu.compilers import here
+from assistant.blocks.fmu.compilers import this_platform
 from tests.blocks.code.compiled import compiled as built
 from tests.blocks.code.compiled import compiler
 
@@ -67,7 +67,7 @@ class Hosted:
         self.size = len(data)
         with zipfile.ZipFile(self.file) as archive:
             archive.extractall(folder / "unpacked")
-        (self.library,) = (folder / "unpacked" / "binaries" / here()).iterdir()
+        (self.library,) = (folder / "unpacked" / "binaries" / this_platform()).iterdir()
         self.program = host()
 
     def place(self, name: str) -> str:

@@ -97,7 +97,7 @@ def test_without_a_compiler_there_is_the_source(
 def test_cross_compilers_that_are_not_there_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if importlib.util.find_spec("ziglang") is not None or compilers.here() != "linux64":
+    if importlib.util.find_spec("ziglang") is not None or compilers.this_platform() != "linux64":
         pytest.skip("this machine compiles for others")
     compiler()
     for name in ("cc", "as", "ld"):
@@ -116,7 +116,7 @@ def test_a_compiler_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(Refused, match="no space left") as refused:
         compiled(arm_model(robots.get("rv-2aj")))
     assert [one.code for one in refused.value.findings] == ["BL403"]
-    assert compilers.here() in compilers.PLATFORMS
+    assert compilers.this_platform() in compilers.PLATFORMS
 
 
 @pytest.mark.slow

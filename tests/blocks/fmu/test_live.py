@@ -12,7 +12,7 @@ from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.fmu import live_model
-from assistant.blocks.fmu.live import RISE, SPEED
+from assistant.blocks.fmu.live import USUAL_RISE_SHARE, USUAL_SPEED_SHARE
 from assistant.robots import Robot
 from assistant.virtual.cr.mxt_process import MxtProcess
 from tests.blocks.fmu.hosting import Hosted
@@ -75,7 +75,9 @@ def ours(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
     # In single precision the place may be beyond a limit, which an arm that begins there may not.
     arm.at, arm.goal, arm.joints, drive = start.copy(), start.copy(), start.copy(), arm.drive
     arm.drive = replace(
-        drive, speeds=SPEED * drive.speeds, accelerations=RISE * drive.accelerations
+        drive,
+        speeds=USUAL_SPEED_SHARE * drive.speeds,
+        accelerations=USUAL_RISE_SHARE * drive.accelerations,
     )
     found, before = [start], 0.0
     for row in rows:
@@ -111,7 +113,7 @@ def test_what_it_commands_is_what_the_library_does(
     assert np.abs(track[-1] - commands[-1]).max() < 1e-4
     assert np.ptp(track, axis=0).max() > 5.0
     moved = np.abs(np.diff(commands, axis=0)) / CYCLE
-    assert (moved <= SPEED * robot().speeds * (1.0 + 1e-9)).all()
+    assert (moved <= USUAL_SPEED_SHARE * robot().speeds * (1.0 + 1e-9)).all()
     measured = led(hosted, found, "{}")
     assert np.abs(measured[-1] - commands[-1]).max() < 0.1
     assert led(hosted, found, "virtual").all() and led(hosted, found, "confirmed")[-1]
@@ -200,7 +202,7 @@ def test_it_goes_on_behind_a_fault(hosted: Hosted, fault: str) -> None:
     known = {"lost": "lost", "garbled": "garbled"}.get(fault)
     assert known is None or led(hosted, found, known)[-1] >= 1
     if fault == "twice":
-        assert (rises <= 2.0 * RISE * ArmMotion.of(robot()).drive.accelerations).all()
+        assert (rises <= 2.0 * USUAL_RISE_SHARE * ArmMotion.of(robot()).drive.accelerations).all()
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ import pytest
 from assistant import robots
 from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.running import Ran
+from assistant.blocks.diagrams.running import RunResult
 from assistant.blocks.leading import led, measured
 from assistant.blocks.running_bdsim import run_paced
 from assistant.controllers.trajectory_execution import LinkOptions
@@ -84,7 +84,7 @@ def test_a_move_is_blocking_and_the_arm_stops_behind_it(
     tell(f"{name}, {way}: busy until the arm stands, one halt between two moves")
 
 
-def check_blocking(here: Cell, ran: Ran) -> None:
+def check_blocking(here: Cell, ran: RunResult) -> None:
     busy, done = ran["move[0]"], ran["move[1]"]
     assert done[-1] == 2.0 and (np.diff(done) <= 1.0).all()
     begun, ended = int(np.argmax(busy)), int(np.argmax(done == 1.0))
@@ -135,14 +135,14 @@ def test_relative_steps_are_continuous_and_not_blocking(
         assert connection.users == 0
         named = {"rel.steps": "rel[1]", "rel.told": "rel[0]", "status.joints": "status[1]"}
         shown = {name: ran.columns[port] for name, port in named.items()}
-        check_continuous(here, Ran(ran.seconds, shown, ran.lateness, ran.late), steps)
+        check_continuous(here, RunResult(ran.seconds, shown, ran.lateness, ran.late), steps)
         if name == "RELCART":
             check_straight(here, steps * np.array(BY[name][:3]))
         rate = check_measured(ran)
     tell(f"{name} and STATUS, {way}: {steps} steps without a halt, {rate:.0f} records a second")
 
 
-def check_measured(ran: Ran) -> float:
+def check_measured(ran: RunResult) -> float:
     """All the time, and tens of times in each second of the controller's clock: how often."""
     seconds = ran["status[4]"]
     assert (np.diff(seconds) >= 0.0).all() and len(np.unique(seconds)) > len(seconds) / 2

@@ -14,7 +14,7 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.diagrams.running import RunResult, run
 from assistant.blocks.library.external_control import ExternalControl, Led, by_egm, by_mxt
 from assistant.blocks.library.sources import Constant, Table, joint_table
 from assistant.controllers import connect
@@ -63,7 +63,7 @@ def model(
 
 def led(
     connection: Connection[Led], robot: Robot, wanted: Sequence[Floats], seconds: float
-) -> tuple[Ran, ExternalControl]:
+) -> tuple[RunResult, ExternalControl]:
     diagram, block = model(connection, robot, wanted, seconds)
     rest = 1.0  # an arm comes late where this computer is busy
     ran = run(diagram, seconds + rest, STEP, clock=RealTime(), moving=["cell"])

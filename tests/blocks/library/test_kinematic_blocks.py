@@ -12,7 +12,7 @@ from assistant.blocks.diagrams.diagram import Diagram
 from assistant.blocks.diagrams.running import run
 from assistant.blocks.library.arms import SimulatedArm
 from assistant.blocks.library.kinematics import (
-    NEAREST,
+    NEAREST_BRANCH,
     ForwardKinematics,
     InverseKinematics,
     Jacobian,
@@ -31,7 +31,7 @@ def test_a_line_of_poses_goes_through_joints_and_back() -> None:
     diagram = Diagram()
     start, end = Pose((420.0, -60.0, 360.0), DOWN), Pose((420.0, 140.0, 300.0), DOWN)
     line = diagram.add(PoseToPose("line", start, end, 1.0))
-    nearest = diagram.add(Constant("nearest", NEAREST))
+    nearest = diagram.add(Constant("nearest", NEAREST_BRANCH))
     inverse = diagram.add(InverseKinematics("inverse", IRB, TOOL))
     forward = diagram.add(ForwardKinematics("forward", IRB, TOOL))
     diagram.wire((line, "pose"), (inverse, "pose"))

@@ -20,13 +20,13 @@ from assistant.blocks.connections import Connection, operated
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import Ran, run
-from assistant.blocks.leading import Leader, led, measured
+from assistant.blocks.diagrams.running import RunResult, run
+from assistant.blocks.leading import SetpointSender, led, measured
 from assistant.blocks.library.external_control import ExternalControl
 from assistant.blocks.library.kinematics import tool_pose
 from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.moving import JointMovJoint
-from assistant.blocks.library.poses import step
+from assistant.blocks.library.poses import tool_step
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect
@@ -54,7 +54,7 @@ class Cell:
     address: str
     lines: tuple[str, str]
 
-    def led(self, name: str = "cell", percent: float = PERCENT) -> Connection[Leader]:
+    def led(self, name: str = "cell", percent: float = PERCENT) -> Connection[SetpointSender]:
         return led(name, self.address, ARM, percent=percent, wishes=LinkOptions(lines=self.lines))
 
     @property
@@ -91,11 +91,11 @@ def cell(way: str = "sockets", pace: float = SLOW) -> Iterator[Cell]:
 
 def gone(
     here: Cell,
-    block: Callable[[Connection[Leader]], Relative],
+    block: Callable[[Connection[SetpointSender]], Relative],
     by: list[float],
     steps: int,
     begin: list[float] | None = None,
-) -> Ran:
+) -> RunResult:
     """So many steps, each right behind the other, and until the arm is where they lead."""
     diagram, connection = Diagram(), here.led()
     diagram.add(Status("status", connection, ARM))
@@ -117,7 +117,7 @@ def gone(
     return ran
 
 
-def check_continuous(here: Cell, ran: Ran, steps: int) -> None:
+def check_continuous(here: Cell, ran: RunResult, steps: int) -> None:
     """By the controller's own record: one motion a step, and no stop between them."""
     moves, track = here.moves, here.track
     assert len(moves) == steps
@@ -144,7 +144,9 @@ def test_relative_joints_go_on_without_stops_and_wait_for_nothing(way: str) -> N
         assert here.track.joints[-1] == pytest.approx(ARM.home + steps * np.array(by), abs=0.03)
 
 
-def run_led(here: Cell, block: Callable[[Connection[Leader]], Relative], rows: ArrayLike) -> Ran:
+def run_led(
+    here: Cell, block: Callable[[Connection[SetpointSender]], Relative], rows: ArrayLike
+) -> RunResult:
     """What a block does that is given a row of steps each step of the model."""
     rows = np.array(rows, dtype=float)
     diagram, connection = Diagram(), here.led()
@@ -251,7 +253,7 @@ def test_a_step_of_the_tool_is_exact_for_six_axes_in_either_frame() -> None:
     by = np.array([5.0, -8.0, 3.0, 1.0, -2.0, 1.5])
     start = tool_pose(robot, tool, joints)
     turn = rotations.about(by[3:] / np.linalg.norm(by[3:]), np.linalg.norm(by[3:]))
-    connection: Connection[Leader] = led("cell", "melfa://127.0.0.1", robot)
+    connection: Connection[SetpointSender] = led("cell", "melfa://127.0.0.1", robot)
     for in_tool in (False, True):
         block = RelCart("rel", connection, robot, tool=tool, in_tool=in_tool)
         found = tool_pose(robot, tool, block.stepped(joints, by))
@@ -268,10 +270,17 @@ def test_a_step_of_seven_numbers_is_that_of_six() -> None:
     turn = [math.cos(half), *(math.sin(half) * vector / angle)]
     for sign in (1.0, -1.0):
         seven = np.array([5.0, -8.0, 3.0, *(sign * part for part in turn)])
-        assert step("rel", seven) == pytest.approx([5.0, -8.0, 3.0, *vector])
-    assert step("rel", np.array([0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0])).tolist() == [0, 0, 2, 0, 0, 0]
+        assert tool_step("rel", seven) == pytest.approx([5.0, -8.0, 3.0, *vector])
+    assert tool_step("rel", np.array([0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0])).tolist() == [
+        0,
+        0,
+        2,
+        0,
+        0,
+        0,
+    ]
     with pytest.raises(Refused, match="BL211"):
-        step("rel", np.array([0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0]))
+        tool_step("rel", np.array([0.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0]))
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from assistant.blocks.connections import operated
 from assistant.blocks.diagrams.block import Port
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.diagrams.running import RunResult, run
 from assistant.blocks.library.moving import (
     CircularMov,
     JointMovCart,
@@ -25,7 +25,7 @@ from assistant.blocks.library.moving import (
     LinMovJoint,
     Move,
 )
-from assistant.blocks.library.poses import shown
+from assistant.blocks.library.poses import controller_pose
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
@@ -47,7 +47,7 @@ def cell() -> Iterator[VirtualCr]:
 
 def moved(
     address: str, kind: type[Move], ways: Sequence[Sequence[ArrayLike]], seconds: float = 4.0
-) -> Ran:
+) -> RunResult:
     """A block that is given targets one after the other; it ends when it has been at the last."""
     diagram = Diagram()
     connection = operated("cell", address, override=50)
@@ -285,9 +285,9 @@ def test_an_arc_takes_one_pose_of_each_form(cell: VirtualCr) -> None:
 def test_an_arm_of_six_axes_has_a_b_and_c() -> None:
     six, angles = robots.get("rv-4frl"), (400.0, 100.0, 300.0, 170.0, 20.0, -30.0)
     made = pose_of_values(angles, six)
-    found = shown("move", six, np.array([*made.position, *made.quaternion]), "7,0)")
+    found = controller_pose("move", six, np.array([*made.position, *made.quaternion]), "7,0)")
     assert found == pytest.approx(angles)
-    assert shown("move", six, np.array(angles), "7,0)").tolist() == list(angles)
+    assert controller_pose("move", six, np.array(angles), "7,0)").tolist() == list(angles)
 
 
 @pytest.mark.parametrize(
@@ -302,12 +302,12 @@ def test_an_arm_of_six_axes_has_a_b_and_c() -> None:
 )
 def test_a_quaternion_that_is_no_turn_of_the_arm_is_refused(pose, posture: str, code: str) -> None:
     with pytest.raises(Refused) as caught:
-        shown("move", ARM, np.array(pose, dtype=float), posture)
+        controller_pose("move", ARM, np.array(pose, dtype=float), posture)
     assert [one.code for one in caught.value.findings] == [code]
 
 
 def test_a_vertical_tool_is_told_over_the_back_too() -> None:
-    found = shown("move", ARM, np.array(with_quaternion(OUT)), "2,0)")
+    found = controller_pose("move", ARM, np.array(with_quaternion(OUT)), "2,0)")
     assert found[:3].tolist() == OUT[:3] and abs(found[4]) == pytest.approx(180)
 
 

@@ -11,9 +11,9 @@ from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams.block import Block
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.diagrams.running import RunResult, run
 from assistant.blocks.library.arrays import pose_signal
-from assistant.blocks.library.arriving import Live
+from assistant.blocks.library.arriving import LiveValues
 from assistant.blocks.library.clearance import CollisionDistance
 from assistant.blocks.library.seeing import PointingDevice, ProjectedMarker, SeenMarker
 from assistant.blocks.library.sources import Constant, PoseToPose, Table
@@ -22,7 +22,7 @@ from assistant.cell.collision.model import Model
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.cameras.drawing import Card, Thing, draw
+from assistant.vision.cameras.drawing import Card, VisibleBody, draw
 from assistant.vision.pointing.devices import ball
 from assistant.vision.servoing.things import Marker
 from tests.vision.pointing.scenes import LENS, SMALL, grey, pair, shown, taken
@@ -34,7 +34,7 @@ CELLS = Path(__file__).parents[3] / "samples" / "cell"
 IRB = robots.get("irb1200-7-0.7")
 
 
-def alone(block: Block, *sources: Block, seconds: float = 1.0, step: float = 0.1) -> Ran:
+def alone(block: Block, *sources: Block, seconds: float = 1.0, step: float = 0.1) -> RunResult:
     diagram = Diagram()
     diagram.add(block)
     for source, port in zip(sources, block.inputs, strict=True):
@@ -73,7 +73,7 @@ def pictures(folder: Path, *places: tuple[float, float]) -> Path:
     folder.mkdir()
     for number, (x, y) in enumerate(places):
         card = Card((MARKER.edge, MARKER.edge), MARKER.picture())
-        picture = draw(CAMERA, [Thing(card, Pose((x, y, 0.0)))])
+        picture = draw(CAMERA, [VisibleBody(card, Pose((x, y, 0.0)))])
         cv2.imwrite(str(folder / f"{number}.png"), picture)
     return folder
 
@@ -112,10 +112,10 @@ def test_what_comes_by_itself_is_gathered_beside_the_model() -> None:
 
         yield coming()
 
-    from assistant.vision.cameras.rules import LOST
+    from assistant.vision.cameras.rules import CAMERA_LOST
 
-    block_gone = LOST(name="camera", count=2)
-    live: Live[str] = Live(opening)
+    block_gone = CAMERA_LOST(name="camera", count=2)
+    live: LiveValues[str] = LiveValues(opening)
     live.begin()
     try:
         while live.at(0.0) != "second":

@@ -14,7 +14,7 @@ from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams.block import Block
 from assistant.blocks.diagrams.clocks import RealTime
 from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import Ran, run
+from assistant.blocks.diagrams.running import RunResult, run
 from assistant.blocks.library.signals import Gripper, Hand, Output, Signals, Valve
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
@@ -61,7 +61,9 @@ def until(done: Callable[[], bool]) -> Callable[[float], bool]:
     return watch
 
 
-def ran(diagram: Diagram, cell: Cell, watch: Callable[[float], bool], seconds: float = 10.0) -> Ran:
+def ran(
+    diagram: Diagram, cell: Cell, watch: Callable[[float], bool], seconds: float = 10.0
+) -> RunResult:
     found = run(diagram, seconds, STEP, clock=RealTime(), watch=watch, moving=[cell.name])
     assert cell.users == 0
     return found
@@ -189,7 +191,7 @@ def test_signals_have_names_where_a_controller_names_them(tmp_path: Path) -> Non
 
 
 def test_in_lock_step_signals_come_at_the_same_steps_each_time() -> None:
-    def once() -> Ran:
+    def once() -> RunResult:
         with VirtualCr("rv-2aj", lock_step=True) as cell:
             connection = asked("cell", cell.address)
             diagram = Diagram()

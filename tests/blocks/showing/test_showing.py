@@ -15,7 +15,7 @@ from assistant.blocks.diagrams.running import run
 from assistant.blocks.library.arms import SimulatedArm
 from assistant.blocks.library.kinematics import InverseKinematics
 from assistant.blocks.library.sources import Constant, PoseToPose
-from assistant.blocks.showing.outline import outline
+from assistant.blocks.showing.outline import lay_out
 from assistant.program.geometry import Pose
 
 IRB = robots.get("irb1200-7-0.7")
@@ -38,7 +38,7 @@ def tracking(name="line"):
 
 
 def test_blocks_stand_in_the_order_of_their_signals():
-    found = outline(tracking())
+    found = lay_out(tracking())
     columns = {box.name: box.column for box in found.boxes}
     assert columns == {"line": 0, "nearest": 0, "inverse": 1, "arm": 2}
     assert not any(found.back(wire) for wire in found.wires)
@@ -61,7 +61,7 @@ def test_a_loop_and_a_block_alone_are_drawn():
     blocks = [diagram.add(Behind(name)) for name in "abcd"]
     for one, other in zip(blocks, [*blocks[1:3], blocks[0]], strict=False):
         diagram.wire(one, other)
-    found = outline(diagram)
+    found = lay_out(diagram)
     assert [found.back(wire) for wire in found.wires].count(True) == 1
     assert [box.column for box in found.boxes] == [0, 1, 2, 0]
     assert diagram._repr_png_()[:4] == b"\x89PNG"
@@ -100,7 +100,7 @@ def test_models_of_bdsim_are_drawn_as_ours_are():
     inverse = diagram.ARMIK(IRB)
     diagram.connect(line[0], inverse[0])
     diagram.connect(diagram.CONSTANT(-1.0, name="nearest"), inverse[1])
-    found = outline(diagram)
+    found = lay_out(diagram)
     by_name = {box.name: box for box in found.boxes}
     assert by_name["ik"].inputs == ("pose", "branch") and by_name["ik"].kind == "ArmIK"
     assert by_name["ik"].column == 1 and by_name["line"].column == by_name["nearest"].column == 0

@@ -11,8 +11,8 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.learning.calibration.calibrating import calibrate
 from assistant.learning.calibration.corrected_file import corrected_files
-from assistant.learning.calibration.measured import measured
-from assistant.learning.calibration.problem import Known
+from assistant.learning.calibration.measured import measured_from_columns
+from assistant.learning.calibration.problem import KnownPlacement
 from assistant.program.geometry import IDENTITY
 from tests.learning.calibration.truth import (
     NOMINAL,
@@ -60,7 +60,7 @@ def chi_square(done, truth):
 @pytest.mark.parametrize("name", ARMS)
 def test_forty_poses_tell_zeros_and_lengths(name, tell):
     robot, truth, joints = robots.get(name), drawn(name, 3), joints_of(name, 40, 3)
-    done = calibrate(robot, measured(joints, points_of(truth, joints, NOISE)))
+    done = calibrate(robot, measured_from_columns(joints, points_of(truth, joints, NOISE)))
     wrong = sigmas_off(done, truth)
     assert max(map(abs, wrong.values())) < 4.0
     assert done.before.point > 2.0
@@ -78,7 +78,7 @@ def test_forty_poses_tell_zeros_and_lengths(name, tell):
 @pytest.mark.parametrize("name", BOTH)
 def test_what_only_sums_tell_is_held_and_said(name):
     robot, truth, joints = robots.get(name), drawn(name, 4), joints_of(name, 40, 4)
-    done = calibrate(robot, measured(joints, points_of(truth, joints)))
+    done = calibrate(robot, measured_from_columns(joints, points_of(truth, joints)))
     said = {one.parameter.name: one for one in done.held}
     assert set(said) == {"d1", "d6", "J1.zero", "J6.zero"}
     assert said["d1"].reason == "1 mm of it looks like 1 mm of base.z"
@@ -93,8 +93,8 @@ def test_sums_are_told_apart_where_base_and_tool_are_known(name):
     tool = np.eye(4)
     tool[:3, 3] = (40.0, -25.0, 90.0)
     truth = replace(drawn(name, 5), base=np.eye(4), tool=tool)
-    known = Known(IDENTITY, (40.0, -25.0, 90.0))
-    done = calibrate(robot, measured(joints, points_of(truth, joints)), known=known)
+    known = KnownPlacement(IDENTITY, (40.0, -25.0, 90.0))
+    done = calibrate(robot, measured_from_columns(joints, points_of(truth, joints)), known=known)
     wrong = sigmas_off(done, truth)
     assert {"d1", "d6", "J1.zero", "J6.zero"} <= set(wrong)
     assert not done.held
@@ -106,7 +106,9 @@ def test_sums_are_told_apart_where_base_and_tool_are_known(name):
 def test_the_base_and_the_tool_come_back(name):
     robot, joints = robots.get(name), joints_of(name, 60, 6)
     truth = replace(drawn(name, 6), lengths={}, zeros=np.zeros(6))
-    poses = measured(joints, points_of(truth, joints), quaternions_of(truth, joints, 0.01))
+    poses = measured_from_columns(
+        joints, points_of(truth, joints), quaternions_of(truth, joints, 0.01)
+    )
     done = calibrate(robot, poses)
     for pose, true in ((done.base, truth.base), (done.tool, truth.tool)):
         turn = rotations.to_matrix(np.array(pose.quaternion))
@@ -123,7 +125,7 @@ def test_rows_that_do_not_fit_are_told_and_left_out(name):
     points[4] += (1.0, 0.0, 0.0)
     points[11] += (0.0, -3.0, 20.0)
     points[30] = (0.0, 5000.0, 0.0)
-    done = calibrate(robot, measured(joints, points))
+    done = calibrate(robot, measured_from_columns(joints, points))
     assert np.flatnonzero(~done.fit.used).tolist() == [4, 11, 30]
     told = [one.message for one in done.findings if one.code == "LN110"]
     assert [text.split()[1] for text in told] == ["5", "12", "31"]
@@ -134,7 +136,7 @@ def test_rows_that_do_not_fit_are_told_and_left_out(name):
 def test_axes_that_are_not_parallel_are_told_and_a_chain_has_them(name, tell):
     robot, joints = robots.get(name), joints_of(name, 60, 8)
     truth = drawn(name, 8, tilts=0.2)
-    poses = measured(joints, points_of(truth, joints, NOISE))
+    poses = measured_from_columns(joints, points_of(truth, joints, NOISE))
     plain = calibrate(robot, poses)
     assert "LN116" in codes(plain)
     chain = calibrate(robot, poses, estimate="chain")
@@ -155,7 +157,9 @@ def test_the_corrected_file_reads_back_and_agrees_with_the_true_arm(name, estima
     truth = drawn(name, 9, tilts=0.1 if estimate == "chain" else 0.0)
     if estimate == "zeros":
         truth = replace(truth, lengths={})
-    done = calibrate(robot, measured(joints, points_of(truth, joints)), estimate=estimate)
+    done = calibrate(
+        robot, measured_from_columns(joints, points_of(truth, joints)), estimate=estimate
+    )
     for file, data in corrected_files(done, "mine").items():
         (tmp_path / file).write_bytes(data)
     corrected = robots.load(tmp_path / "mine.toml")
@@ -180,7 +184,9 @@ def test_a_scara_has_its_two_lengths_corrected():
     y = l1 * np.sin(first) + l2 * np.sin(first + second)
     z = robot.fk(joints)[0][:, 2]
     points = np.stack([x, y, z], axis=1) + random.normal(0.0, NOISE, (40, 3))
-    done = calibrate(robot, measured(joints, points), known=Known(tool=(0.0, 0.0, 0.0)))
+    done = calibrate(
+        robot, measured_from_columns(joints, points), known=KnownPlacement(tool=(0.0, 0.0, 0.0))
+    )
     found = {one.parameter.name: one for one in done.corrections}
     for name, true in {"l1": 0.8, "l2": -1.1, "J2.zero": 0.3}.items():
         assert abs(found[name].value - true) < 4.0 * found[name].sigma
@@ -188,7 +194,9 @@ def test_a_scara_has_its_two_lengths_corrected():
 
 def test_few_poses_for_many_parameters_are_seen_by_those_held_out():
     robot, truth, joints = robots.get("rv-2aj"), drawn("rv-2aj", 2), joints_of("rv-2aj", 13, 2)
-    done = calibrate(robot, measured(joints, points_of(truth, joints)), estimate="chain")
+    done = calibrate(
+        robot, measured_from_columns(joints, points_of(truth, joints)), estimate="chain"
+    )
     assert "LN114" in codes(done)
     assert done.out.point > 2.0 * done.after.point
 
@@ -198,14 +206,14 @@ def test_poses_that_were_measured_several_times_do_not_stand_for_others():
     robot, truth, joints = robots.get("rv-2aj"), drawn("rv-2aj", 2), joints_of("rv-2aj", 10, 2)
     again = np.repeat(joints, 4, axis=0)
     again += np.random.default_rng(3).uniform(-0.02, 0.02, again.shape)
-    done = calibrate(robot, measured(again, points_of(truth, again)), estimate="chain")
+    done = calibrate(robot, measured_from_columns(again, points_of(truth, again)), estimate="chain")
     assert "LN114" in codes(done)
     assert done.out.point > 2.0 * done.after.point
 
 
 def test_an_arm_without_errors_is_not_made_better():
     robot, joints = robots.get("rv-2aj"), joints_of("rv-2aj", 40, 1)
-    done = calibrate(robot, measured(joints, points_of(Truth("rv-2aj"), joints, 0.3)))
+    done = calibrate(robot, measured_from_columns(joints, points_of(Truth("rv-2aj"), joints, 0.3)))
     assert "LN115" in codes(done)
 
 
@@ -213,14 +221,14 @@ def test_an_axis_that_stands_still_is_told_with_what_it_hides():
     robot, truth, joints = robots.get("irb1200-5-0.9"), drawn("irb1200-5-0.9", 3), None
     joints = joints_of("irb1200-5-0.9", 40, 3)
     joints[:, 3:] = (10.0, 40.0, 20.0)
-    done = calibrate(robot, measured(joints, points_of(truth, joints)))
+    done = calibrate(robot, measured_from_columns(joints, points_of(truth, joints)))
     assert "LN105" in codes(done)
     assert {"d4", "J4.zero", "J5.zero"} <= {one.parameter.name for one in done.held}
 
 
 def test_noise_that_is_stated_is_compared_with_the_residual():
     robot, truth, joints = robots.get("rv-2aj"), drawn("rv-2aj", 3), joints_of("rv-2aj", 40, 3)
-    poses = measured(joints, points_of(truth, joints, 0.2))
+    poses = measured_from_columns(joints, points_of(truth, joints, 0.2))
     assert "LN120" in codes(calibrate(robot, poses, noise=0.05))
     assert "LN120" not in codes(calibrate(robot, poses, noise=0.2))
 
@@ -228,7 +236,7 @@ def test_noise_that_is_stated_is_compared_with_the_residual():
 def test_zeros_that_are_lost_by_far_are_told_as_too_large():
     robot, joints = robots.get("rv-2aj"), joints_of("rv-2aj", 40, 3)
     truth = Truth("rv-2aj", zeros=np.array([0.0, 0.0, 9.0, 0.0, 0.0, 0.0]))
-    done = calibrate(robot, measured(joints, points_of(truth, joints)))
+    done = calibrate(robot, measured_from_columns(joints, points_of(truth, joints)))
     assert "LN113" in codes(done)
     (found,) = (one.value for one in done.corrections if one.parameter.name == "J3.zero")
     assert found == pytest.approx(9.0, abs=0.05)
@@ -243,7 +251,7 @@ def test_standard_deviations_are_honest_over_a_hundred_arms(name, turns, tell):
         truth, joints = drawn(name, seed), joints_of(name, 40, 1000 + seed)
         points = points_of(truth, joints, NOISE, 2000 + seed)
         quaternions = quaternions_of(truth, joints, 0.02, 3000 + seed) if turns else None
-        done = calibrate(robot, measured(joints, points, quaternions))
+        done = calibrate(robot, measured_from_columns(joints, points, quaternions))
         squares.append(chi_square(done, truth))
         wrong += sigmas_off(done, truth).values()
     mean, spread = float(np.mean(squares)), float(np.std(wrong))

@@ -11,8 +11,8 @@ import pytest
 from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.learning.calibration.calibrating import calibrate
-from assistant.learning.calibration.measured import measured, read_measured
-from assistant.learning.calibration.poses import suggested
+from assistant.learning.calibration.measured import measured_from_columns, read_measured
+from assistant.learning.calibration.poses import suggest_poses
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, write_cameras
 from tests.cli.test_commands import run
@@ -112,15 +112,17 @@ def test_suggested_poses_tell_more_than_random_ones(capsys, tmp_path):
     low, high = (-500.0, -400.0, 50.0), (500.0, 400.0, 700.0)
     assert (points > np.array(low) - 0.1).all()
     assert (points < np.array(high) + 0.1).all()
-    found = suggested(robots.get("rv-2aj"), 20, tool=TOOL)
+    found = suggest_poses(robots.get("rv-2aj"), 20, tool=TOOL)
     assert (found.sigmas < found.by_chance).mean() > 0.9
     assert run(capsys, "robots", "poses", "rv-2aj", "--count", 2, "-o", file)[0] == 2
 
 
 def test_suggested_poses_tell_as_much_as_is_said():
     robot, truth = robots.get("rv-2aj"), drawn("rv-2aj", 12)
-    found = suggested(robot, 30, tool=tuple(truth.tool[:3, 3]))
-    done = calibrate(robot, measured(found.joints, points_of(truth, found.joints)), noise=0.05)
+    found = suggest_poses(robot, 30, tool=tuple(truth.tool[:3, 3]))
+    done = calibrate(
+        robot, measured_from_columns(found.joints, points_of(truth, found.joints)), noise=0.05
+    )
     said = dict(zip((one.name for one in found.parameters), found.sigmas, strict=True))
     for one in done.corrections:
         assert one.sigma == pytest.approx(said[one.parameter.name], rel=0.15)
@@ -132,7 +134,7 @@ def test_poses_that_cannot_be_found_are_refused(capsys, tmp_path):
     assert status == 2
     assert "LN121" in err
     with pytest.raises(Refused) as found:
-        suggested(robots.get("rv-2aj"), 4000)
+        suggest_poses(robots.get("rv-2aj"), 4000)
     assert found.value.findings[0].code == "LN121"
     assert run(capsys, *asked, "--count", 2)[0] == 2
     assert "CL541" in run(capsys, *asked, "--box", "1,2")[2]
@@ -162,7 +164,7 @@ def pixels(truth, joints, noise, seed):
 
 def test_what_two_cameras_saw_is_weighed_by_how_well_they_see(capsys, tmp_path, tell):
     arm, noise = robots.get("rv-2aj"), 0.1
-    found = suggested(arm, 60, tool=TOOL, cameras=tuple(EYES.values()))
+    found = suggest_poses(arm, 60, tool=TOOL, cameras=tuple(EYES.values()))
     truth = Truth(
         "rv-2aj",
         {"a2": 1.2, "d4": -0.8},

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.map_file import save
-from assistant.learning.maps.training import trained, usual
+from assistant.learning.maps.map_file import save_map
+from assistant.learning.maps.training import train_and_measure, usual_plan
 
 SMALL = Path(__file__).parent / "data" / "three_joints.npz"
 STEPS = 30_000
@@ -14,5 +14,5 @@ STEPS = 30_000
 if __name__ == "__main__":
     made = three_joints()
     net = made.start()
-    trained(net, made.arm, made.space, usual(STEPS))
-    save(net, SMALL)
+    train_and_measure(net, made.arm, made.space, usual_plan(STEPS))
+    save_map(net, SMALL)

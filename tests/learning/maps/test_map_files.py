@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.map_file import load, save
+from assistant.learning.maps.map_file import load_map, save_map
 from tests.learning.maps.small import SMALL
 
 
@@ -26,7 +26,7 @@ def refused(path: Path, **changed: object) -> str:
 
 def code_of(path: Path) -> str:
     with pytest.raises(Refused) as caught:
-        load(path)
+        load_map(path)
     assert caught.value.exit_status == 2
     (finding,) = caught.value.findings
     assert finding.path == str(path)
@@ -34,9 +34,9 @@ def code_of(path: Path) -> str:
 
 
 def test_a_map_comes_back_as_it_was(tmp_path) -> None:
-    first = load(SMALL)
-    save(first, tmp_path / "map.npz")
-    again = load(tmp_path / "map.npz")
+    first = load_map(SMALL)
+    save_map(first, tmp_path / "map.npz")
+    again = load_map(tmp_path / "map.npz")
     assert (again.task, again.shape, again.steps) == (first.task, first.shape, first.steps)
     for name in ("places", "answers", "wins", "missed"):
         assert np.array_equal(getattr(again, name), getattr(first, name), equal_nan=True)
@@ -49,7 +49,7 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path) -> None:
     file = tmp_path / "map.npz"
     file.mkdir()
     with pytest.raises(Refused):
-        save(load(SMALL), file)
+        save_map(load_map(SMALL), file)
     assert [one.name for one in tmp_path.iterdir()] == ["map.npz"]
 
 
@@ -94,7 +94,7 @@ def test_damaged_files_are_refused(tmp_path) -> None:
     for at in draw.integers(0, len(data), 60).tolist():
         file.write_bytes(data[:at] + bytes([data[at] ^ 0x55]) + data[at + 1 :])
         try:
-            load(file)  # a byte of a date, or one that nothing reads
+            load_map(file)  # a byte of a date, or one that nothing reads
         except Refused as caught:
             assert [one.code for one in caught.findings] in (["LN001"], ["LN002"])
 
@@ -122,5 +122,5 @@ def test_a_bomb_is_not_unpacked(tmp_path) -> None:
 
 def test_a_missing_file_is_told(tmp_path) -> None:
     with pytest.raises(Refused) as caught:
-        load(tmp_path / "none.npz")
+        load_map(tmp_path / "none.npz")
     assert caught.value.exit_status == 2

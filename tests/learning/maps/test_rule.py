@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from assistant.base.arrays import Floats
-from assistant.learning.maps.extended_map import ExtendedMap, Pace, Task, begun
-from assistant.learning.maps.lattice import LEAST, Neighbourhood, pairs
-from assistant.learning.maps.trials import learn, tried
+from assistant.learning.maps.extended_map import ExtendedMap, LearningRates, MapTask, random_map
+from assistant.learning.maps.lattice import LEAST_SHARE, Neighbourhood, neighbour_pairs
+from assistant.learning.maps.trials import learn_trials, try_targets
 
 SHAPE = (3, 4)
-TASK = Task("plane", ("J1", "J2"), ("left", "right"), 1)
+TASK = MapTask("plane", ("J1", "J2"), ("left", "right"), 1)
 RANGES = np.array([[-90.0, 90.0], [0.0, 120.0]])
 
 
@@ -26,10 +26,10 @@ def plane(joints: Floats) -> Floats:
 
 def net(shape: tuple[int, ...] = SHAPE) -> ExtendedMap:
     joints = np.random.default_rng(5).uniform(*RANGES.T, (200, 2))
-    return begun(TASK, shape, plane(joints), RANGES, seed=3)
+    return random_map(TASK, shape, plane(joints), RANGES, seed=3)
 
 
-def by_hand(one: ExtendedMap, target: Floats, pace: Pace) -> tuple[list, list]:
+def by_hand(one: ExtendedMap, target: Floats, pace: LearningRates) -> tuple[list, list]:
     """Places and answers after one target, in spreads, without any code of the map."""
     wanted = ((target - one.scale.middle) @ one.scale.frame).tolist()
     places = [row.tolist() for row in one.places]
@@ -66,7 +66,7 @@ def by_hand(one: ExtendedMap, target: Floats, pace: Pace) -> tuple[list, list]:
     def share(r: int, width: float) -> float:
         rows = (r // 4 - s // 4) ** 2 + (r % 4 - s % 4) ** 2
         value = math.exp(-rows / (2 * width**2))
-        return value if value >= LEAST else 0.0
+        return value if value >= LEAST_SHARE else 0.0
 
     for r, place in enumerate(places):
         step = [pace.place * share(r, pace.place_width) * v for v in minus(wanted, place)]
@@ -86,10 +86,10 @@ def by_hand(one: ExtendedMap, target: Floats, pace: Pace) -> tuple[list, list]:
 
 @pytest.mark.parametrize("width", [2.0, 0.6, 0.1])
 def test_a_trial_changes_the_map_as_the_published_rule_says(width: float) -> None:
-    one, pace = net(), Pace(0.4, width, 0.7, 0.8 * width)
+    one, pace = net(), LearningRates(0.4, width, 0.7, 0.8 * width)
     for target in plane(np.random.default_rng(8).uniform(*RANGES.T, (6, 2))):
         places, answers = by_hand(one, target, pace)
-        learn(one, target[None], tried(one, plane, target[None]), pace)
+        learn_trials(one, target[None], try_targets(one, plane, target[None]), pace)
         assert np.abs(one.places - places).max() < 1e-9
         assert np.abs(one.answers - answers).max() < 1e-6
 
@@ -99,9 +99,9 @@ def test_targets_tried_together_teach_one_after_the_other() -> None:
     targets = plane(np.random.default_rng(2).uniform(*RANGES.T, (5, 2)))
     for rows in (targets, np.concatenate([targets, targets[:1]])):
         together, alone = net(), net()
-        pace = Pace(0.4, 0.1, 0.7, 0.1)
-        done = tried(together, plane, rows)
-        learn(together, rows, done, pace)
+        pace = LearningRates(0.4, 0.1, 0.7, 0.1)
+        done = try_targets(together, plane, rows)
+        learn_trials(together, rows, done, pace)
         alone.learn_places(done.winners[:1], alone.scale.pictures(rows[:1]), pace)
         for at in range(1, len(rows)):
             winner = done.winners[at : at + 1]
@@ -115,8 +115,8 @@ def test_a_trial_out_of_sight_teaches_only_where_targets_are() -> None:
     target = plane(np.array([[10.0, 60.0]]))
     places = one.places.copy()
     slopes = one.slopes.copy()
-    blind = tried(one, lambda joints: np.full((len(joints), 4), np.nan), target)
-    learn(one, target, blind, Pace(0.4, 0.5, 0.7, 0.5))
+    blind = try_targets(one, lambda joints: np.full((len(joints), 4), np.nan), target)
+    learn_trials(one, target, blind, LearningRates(0.4, 0.5, 0.7, 0.5))
     assert np.array_equal(one.slopes, slopes)
     assert not np.array_equal(one.places, places)
     assert np.isfinite(one.answers).all()
@@ -129,7 +129,7 @@ def test_a_neighbourhood_is_the_gaussian_around_each_unit() -> None:
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)
     for place in ((0, 0, 0), (2, 3, 1), (3, 4, 2)):
         whole = np.exp(-((grid - place) ** 2).sum(axis=-1) / (2 * 0.9**2))
-        whole[whole < LEAST] = 0.0
+        whole[whole < LEAST_SHARE] = 0.0
         box, shares = about.about(place)
         found = np.zeros(shape)
         found[box] = shares
@@ -137,5 +137,5 @@ def test_a_neighbourhood_is_the_gaussian_around_each_unit() -> None:
 
 
 def test_neighbours_of_a_lattice_are_paired_once() -> None:
-    found = {tuple(pair) for pair in pairs((2, 3)).tolist()}
+    found = {tuple(pair) for pair in neighbour_pairs((2, 3)).tolist()}
     assert found == {(0, 1), (1, 2), (3, 4), (4, 5), (0, 3), (1, 4), (2, 5)}

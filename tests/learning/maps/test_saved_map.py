@@ -10,15 +10,15 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.cooling import in_use
-from assistant.learning.maps.experiments import TIP, moved, over_ranges, three_joints
+from assistant.learning.maps.cooling import rates_in_use
+from assistant.learning.maps.experiments import TOOL_TIP, moved_aside, over_ranges, three_joints
 from assistant.learning.maps.extended_map import ExtendedMap
 from assistant.learning.maps.goals import Goals, InBox
-from assistant.learning.maps.map_file import load
-from assistant.learning.maps.seen_arm import seen_arm
-from assistant.learning.maps.training import errors, trained, usual
-from assistant.learning.maps.trials import tried
-from assistant.learning.maps.using import User
+from assistant.learning.maps.map_file import load_map
+from assistant.learning.maps.seen_arm import observed_arm
+from assistant.learning.maps.training import measure_errors, train_and_measure, usual_plan
+from assistant.learning.maps.trials import try_targets
+from assistant.learning.maps.using import MapInUse
 from tests.learning.maps.small import SMALL, STEPS
 
 EXPERIMENT = three_joints()
@@ -27,7 +27,7 @@ ARM = EXPERIMENT.arm
 
 @pytest.fixture
 def net() -> ExtendedMap:
-    return load(SMALL)
+    return load_map(SMALL)
 
 
 def goals(count: int = 500, seed: int = 9) -> Goals:
@@ -53,11 +53,11 @@ def codes(refused: pytest.ExceptionInfo[Refused]) -> list[str]:
 
 def test_it_places_the_tool_within_a_twentieth_percent_of_the_workspace(net, tell) -> None:
     asked = goals()
-    done = tried(net, ARM, asked.pixels)
+    done = try_targets(net, ARM, asked.pixels)
     off = np.linalg.norm(place(done.fine) - asked.points[:, 0], axis=1)
     diagonal = float(np.linalg.norm([150.0, 400.0, 200.0]))
     noisy = asked.pixels + np.random.default_rng(3).normal(0.0, 0.2, asked.pixels.shape)
-    seen = tried(net, ARM.noisy(0.2, seed=4), noisy)
+    seen = try_targets(net, ARM.noisy(0.2, seed=4), noisy)
     blurred = np.linalg.norm(place(seen.fine) - asked.points[:, 0], axis=1)
     assert net.steps == STEPS
     assert off.mean() <= 0.0005 * diagonal
@@ -79,8 +79,8 @@ def test_no_proposal_leaves_the_limits_whatever_is_shown(net) -> None:
         asked.append(joints)
         return draw.uniform(-1e4, 1e4, (len(joints), 4))
 
-    proposed = User(net).proposed(shown[:-1]).joints
-    tried(net, arm, shown)
+    proposed = MapInUse(net).proposed(shown[:-1]).joints
+    try_targets(net, arm, shown)
     low, high = ARM.robot.limits[:3].T
     for joints in (proposed, *asked):
         assert (joints >= low).all()
@@ -89,7 +89,7 @@ def test_no_proposal_leaves_the_limits_whatever_is_shown(net) -> None:
 
 def test_it_says_how_sure_it_is(net, tell) -> None:
     asked = goals()
-    user = User(net)
+    user = MapInUse(net)
     proposal = user.proposed(asked.pixels)
     off = np.linalg.norm(place(proposal.joints) - asked.points[:, 0], axis=1)
     order = np.argsort(proposal.spread)
@@ -108,7 +108,7 @@ def test_it_says_how_sure_it_is(net, tell) -> None:
 
 def test_a_target_is_reached_by_movements_that_are_seen(net) -> None:
     asked = goals(20)
-    user = User(net)
+    user = MapInUse(net)
     for pixels, point in zip(asked.pixels, asked.points, strict=True):
         found = user.reach(ARM, pixels, corrections=3)
         assert not found.findings
@@ -118,7 +118,7 @@ def test_a_target_is_reached_by_movements_that_are_seen(net) -> None:
 
 
 def test_nothing_moves_for_a_doubtful_target(net) -> None:
-    user = User(net)
+    user = MapInUse(net)
     good = goals(1).pixels[0]
     hidden = good.copy()
     hidden[2:] = np.nan
@@ -140,19 +140,19 @@ def test_a_tool_that_gets_out_of_sight_stops_there(net) -> None:
         return np.full((1, 4), np.nan) if len(moves) == 2 else ARM(joints)
 
     with pytest.raises(Refused) as refused:
-        User(net).reach(arm, goals(1).pixels[0], corrections=5)
+        MapInUse(net).reach(arm, goals(1).pixels[0], corrections=5)
     assert codes(refused) == ["LN012"]
     assert len(moves) == 2
 
 
 def test_an_arm_that_answers_something_else_is_refused(net) -> None:
     with pytest.raises(Refused) as refused:
-        User(net).reach(lambda joints: np.zeros((1, 3)), goals(1).pixels[0])
+        MapInUse(net).reach(lambda joints: np.zeros((1, 3)), goals(1).pixels[0])
     assert codes(refused) == ["LN011"]
 
 
 def test_a_changed_arm_is_told_of(net) -> None:
-    found = User(net).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
+    found = MapInUse(net).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
     assert [finding.code for finding in found.findings] == ["LN013"]
 
 
@@ -160,16 +160,16 @@ def test_a_changed_arm_is_told_of(net) -> None:
 def test_it_goes_on_learning_in_use(net, tell, what: str) -> None:
     arm = ARM.bent(ARM.points + np.array([15.0, -10.0, 10.0]))
     if what == "a moved camera":
-        arm = ARM.watched((ARM.cameras[0], moved(ARM.cameras[1], 30.0)))
+        arm = ARM.watched((ARM.cameras[0], moved_aside(ARM.cameras[1], 30.0)))
     shown = goals(300, seed=5)
     targets = arm.seen(shown.points)
     asked = replace(goals(200), pixels=arm.seen(goals(200).points))
-    before = errors(net, arm, asked)
-    user = User(net)
+    before = measure_errors(net, arm, asked)
+    user = MapInUse(net)
     for target in targets:
         if user.proposed(target[None]).known[0]:
-            user.reach(arm, target, pace=in_use())
-    after = errors(net, arm, asked)
+            user.reach(arm, target, pace=rates_in_use())
+    after = measure_errors(net, arm, asked)
     assert after.coarse < 0.85 * before.coarse
     assert after.mm < before.mm
     tell(
@@ -186,9 +186,9 @@ def test_targets_beside_the_space_that_was_learnt_move_nothing(net, side: int) -
     box[axis] = beyond, beyond + 0.001
     points = InBox(box).draw(ARM, 100, np.random.default_rng(side)).points[:, 0]
     shown = np.concatenate([camera.project(points) for camera in ARM.cameras], axis=1)
-    assert not User(net).proposed(shown).known.any()
+    assert not MapInUse(net).proposed(shown).known.any()
     with pytest.raises(Refused) as refused:
-        User(net).reach(no_arm, shown[0])
+        MapInUse(net).reach(no_arm, shown[0])
     assert codes(refused)[0] in {"LN005", "LN020"}
 
 
@@ -196,11 +196,11 @@ def test_nothing_moves_where_the_cameras_see_different_things(net) -> None:
     asked = goals(400).pixels
     other = np.concatenate([asked[:200, :2], asked[200:, 2:]], axis=1)
     apart = np.abs(asked[:200] - asked[200:]).max(axis=1) > 60.0
-    known = User(net).proposed(other[apart]).known
+    known = MapInUse(net).proposed(other[apart]).known
     assert known.mean() < 0.1
     strange = asked[0] + np.array([0.0, 12.0, 0.0, -12.0])
     with pytest.raises(Refused) as refused:
-        User(net).reach(no_arm, strange)
+        MapInUse(net).reach(no_arm, strange)
     assert codes(refused) == ["LN020"]
 
 
@@ -223,7 +223,7 @@ def test_an_arm_that_is_another_one_stops_after_its_first_movement(net, arm) -> 
             return arm(joints)
 
         with pytest.raises(Refused) as refused:
-            User(net).reach(counted, target, corrections=5)
+            MapInUse(net).reach(counted, target, corrections=5)
         assert len(moves) == 1
         stopped += codes(refused)
     assert set(stopped) <= {"LN012", "LN021"}
@@ -238,7 +238,7 @@ def test_an_arm_that_goes_away_from_the_target_stops(net) -> None:
         return (target + np.array([2.0, 1.0, 2.0, 1.0]) * 3.0 ** len(moves))[None]
 
     with pytest.raises(Refused) as refused:
-        User(net).reach(arm, target, corrections=5)
+        MapInUse(net).reach(arm, target, corrections=5)
     assert codes(refused) == ["LN021"]
     assert len(moves) <= 3
 
@@ -249,12 +249,12 @@ def test_whoever_says_that_nothing_is_wrong_is_right(net, tell) -> None:
     off, said = [], Counter()
     changed = [ARM.bent(ARM.points + np.array([by, 0.0, 0.0])) for by in (5.0, 20.0, 60.0)]
     left, right = ARM.cameras
-    changed += [ARM.watched((left, moved(right, by))) for by in (10.0, 40.0, 100.0)]
+    changed += [ARM.watched((left, moved_aside(right, by))) for by in (10.0, 40.0, 100.0)]
     changed += [ARM.longer("a2", 1.1), ARM.longer("d4", 0.8)]
     for arm in changed:
         for target, points in zip(arm.seen(asked.points), asked.points, strict=True):
             try:
-                found = User(net).reach(arm, target, corrections=3)
+                found = MapInUse(net).reach(arm, target, corrections=3)
             except Refused as refused:
                 said[refused.findings[0].code] += 1
                 continue
@@ -271,11 +271,13 @@ def test_whoever_says_that_nothing_is_wrong_is_right(net, tell) -> None:
 
 def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
     """Joints that are 2 to 10 degrees beyond what was learnt: none is gone to without a word."""
-    arm = seen_arm(ARM.robot, (), [TIP], ("J1", "J2", "J3"), np.array([0.0, 0.0, 0.0, 45.0, 0.0]))
+    arm = observed_arm(
+        ARM.robot, (), [TOOL_TIP], ("J1", "J2", "J3"), np.array([0.0, 0.0, 0.0, 45.0, 0.0])
+    )
     ranges = np.array([[-50.0, 50.0], [0.0, 50.0], [50.0, 100.0]])
     learnt = over_ranges(arm, ranges)
     net = learnt.start()
-    trained(net, learnt.arm, learnt.space, usual(6000))
+    train_and_measure(net, learnt.arm, learnt.space, usual_plan(6000))
     draw, said = np.random.default_rng(1), Counter()
     for _ in range(150):
         inside = draw.uniform(ranges[:, 0], ranges[:, 1])
@@ -284,7 +286,7 @@ def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
         outside[axis] = high + beyond if draw.random() < 0.5 else low - beyond
         for what, joints in (("inside", inside), ("outside", outside)):
             try:
-                found = User(net).reach(learnt.arm, learnt.arm(joints[None])[0], corrections=2)
+                found = MapInUse(net).reach(learnt.arm, learnt.arm(joints[None])[0], corrections=2)
             except Refused as refused:
                 said[what, refused.findings[0].code] += 1
             else:
@@ -296,7 +298,7 @@ def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
 
 
 def test_pixels_that_are_left_are_reported_however_bad_the_map_is() -> None:
-    poor = replace(load(SMALL), missed=np.full(load(SMALL).units, 50.0))
-    found = User(poor).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
+    poor = replace(load_map(SMALL), missed=np.full(load_map(SMALL).units, 50.0))
+    found = MapInUse(poor).reach(ARM.longer("a2", 1.1), goals(1).pixels[0])
     assert found.missed[-1] > 1.0
     assert [finding.code for finding in found.findings] == ["LN013"]

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from assistant.learning.maps.experiments import five_joints, six_joints, three_joints
-from assistant.learning.maps.training import errors, measured_goals, trained, usual, with_noise
+from assistant.learning.maps.training import (
+    draw_test_goals,
+    goals_with_noise,
+    measure_errors,
+    train_and_measure,
+    usual_plan,
+)
 
 NOISE = 0.2
 MARKS = (1_000, 3_000, 10_000, 20_000, 30_000)
@@ -14,9 +20,9 @@ MARKS = (1_000, 3_000, 10_000, 20_000, 30_000)
 
 def told(name, made, steps, tell):
     """Errors after all steps; the curve is told, with those of noisy pictures beside them."""
-    net, tests = made.start(), measured_goals(made.arm, made.space)
-    curve = trained(net, made.arm, made.space, usual(steps, marks=MARKS), tests)
-    noisy = errors(net, made.arm.noisy(NOISE, 5), with_noise(tests, NOISE))
+    net, tests = made.start(), draw_test_goals(made.arm, made.space)
+    curve = train_and_measure(net, made.arm, made.space, usual_plan(steps, marks=MARKS), tests)
+    noisy = measure_errors(net, made.arm.noisy(NOISE, 5), goals_with_noise(tests, NOISE))
     for one in (*curve, noisy):
         turns = "" if np.isnan(one.degrees) else f", {one.degrees:.3f} and {one.worst_degrees:.2f}"
         seen = f" with {NOISE:g} px of noise" if one is noisy else ""
@@ -35,9 +41,9 @@ def test_three_joints_are_learnt_in_30_000_steps_and_again_when_a_link_is_longer
     assert found.mm <= 0.0005 * tests.diagonal
 
     longer = made.arm.longer("a2", 1.1)
-    asked = measured_goals(longer, made.space)
-    first = errors(net, longer, asked)
-    again = trained(net, longer, made.space, usual(10_000), asked)[-1]
+    asked = draw_test_goals(longer, made.space)
+    first = measure_errors(net, longer, asked)
+    again = train_and_measure(net, longer, made.space, usual_plan(10_000), asked)[-1]
     tell(
         f"a link 10% longer: {first.mm:.2f} mm ({first.coarse:.1f} mm before the correction), "
         f"{again.mm:.3f} mm ({again.coarse:.2f}) after {again.steps - first.steps:,} steps more"

@@ -8,9 +8,9 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, View
+from assistant.vision.calibration.boards import Board, BoardView
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, Optics, Picture, Thing, draw
+from assistant.vision.cameras.drawing import Card, Optics, Picture, VisibleBody, draw
 
 BOARD = Board.parse("charuco 7x5 40 30")
 LENS = Lens((640, 480), (800.0, 795.0), (316.0, 243.0), (-0.18, 0.06, 0.001, -0.002, 0.0))
@@ -31,7 +31,7 @@ def pictures(
 ) -> list[list[Picture]]:
     """Of each camera a picture of the board at each of its poses in the world."""
     card = Card(board.size, board.picture(40))
-    things = [Thing(card, pose @ board.on_card.inverse()) for pose in poses]
+    things = [VisibleBody(card, pose @ board.on_card.inverse()) for pose in poses]
     return [
         [draw(camera, [thing], optics, seed=i) for i, thing in enumerate(things)]
         for camera in cameras
@@ -45,12 +45,12 @@ def stand(name: str, x: float) -> Camera:
 
 def exact(
     camera: Camera, board: Board, poses: list[Pose], noise: float, seed: int = 1
-) -> list[View]:
+) -> list[BoardView]:
     """Views without pictures: projected corners with noise."""
     rng = np.random.default_rng(seed)
     found = []
     for i, pose in enumerate(poses):
         pixels = camera.project(pose.moved(board.corners))
         rows = np.flatnonzero(camera.within(pixels, 5.0))
-        found.append(View(str(i), rows, pixels[rows] + rng.normal(0.0, noise, (len(rows), 2))))
+        found.append(BoardView(str(i), rows, pixels[rows] + rng.normal(0.0, noise, (len(rows), 2))))
     return found

@@ -8,18 +8,18 @@ import pytest
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, View, find
+from assistant.vision.calibration.boards import Board, BoardView, find_board
 from assistant.vision.calibration.lenses import find_lens
 from assistant.vision.calibration.pairs import find_pair
 from assistant.vision.cameras.camera import Camera
 from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
 
 
-def views_of(camera: Camera, board: Board, count: int, seed: int = 1) -> list[View]:
+def views_of(camera: Camera, board: Board, count: int, seed: int = 1) -> list[BoardView]:
     rng = np.random.default_rng(seed)
     poses = [camera.pose @ shown(board, rng.uniform(430.0, 600.0), rng) for _ in range(count)]
     (taken,) = pictures([camera], board, poses)
-    found = [find(board, picture, f"view {i}") for i, picture in enumerate(taken)]
+    found = [find_board(board, picture, f"view {i}") for i, picture in enumerate(taken)]
     return [view for view in found if view is not None]
 
 
@@ -93,9 +93,9 @@ def test_a_board_that_is_mirrored_or_not_there_is_told() -> None:
     camera = Camera("one", LENS)
     ((picture,),) = pictures([camera], BOARD, [shown(BOARD, 500.0, np.random.default_rng(1))])
     with pytest.raises(Refused, match=r"VS032.*p\.png"):
-        find(BOARD, np.ascontiguousarray(picture[:, ::-1]), "p.png")
-    assert find(BOARD, np.full_like(picture, 120), "p.png") is None
-    assert find(Board.parse("chessboard 9x6 25"), picture, "p.png") is None
+        find_board(BOARD, np.ascontiguousarray(picture[:, ::-1]), "p.png")
+    assert find_board(BOARD, np.full_like(picture, 120), "p.png") is None
+    assert find_board(Board.parse("chessboard 9x6 25"), picture, "p.png") is None
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,10 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, View
-from assistant.vision.calibration.rigs import Looked, calibrate, look
+from assistant.vision.calibration.boards import Board, BoardView
+from assistant.vision.calibration.rigs import BoardPictures, calibrate_rig, find_board_in_folder
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.checking import agree
+from assistant.vision.cameras.checking import check_agreement
 from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
 
 BETWEEN = Pose((0.0, -350.0, 300.0), (0.7071068, -0.7071068, 0.0, 0.0))
@@ -29,16 +29,16 @@ def places(board: Board, count: int, seed: int = 2) -> list[Pose]:
     return [BETWEEN @ shown(board, 350.0, rng) for _ in range(count)]
 
 
-def seen(camera: Camera, board: Board, poses: list[Pose], noise: float = 0.1) -> Looked:
+def seen(camera: Camera, board: Board, poses: list[Pose], noise: float = 0.1) -> BoardPictures:
     views = tuple(exact(camera, board, poses, noise))
-    return Looked(camera.name, LENS.size, tuple(view.name for view in views), views, ())
+    return BoardPictures(camera.name, LENS.size, tuple(view.name for view in views), views, ())
 
 
 def test_a_rig_keeps_its_date_and_what_was_left() -> None:
     poses = places(BOARD, 12)
     looked = [seen(camera, BOARD, poses) for camera in (LEFT, RIGHT)]
     day = datetime.date(2026, 11, 25)
-    found = calibrate(BOARD, looked, today=day)
+    found = calibrate_rig(BOARD, looked, today=day)
     left, right = found.rig.records["left"], found.rig.records["right"]
     assert (left.date, right.date) == (day, day)
     assert left.residual == pytest.approx(0.1, rel=0.2)
@@ -52,7 +52,7 @@ def test_a_pair_beside_an_arm_stands_in_its_base() -> None:
     poses = places(BOARD, 12)
     flanges = [one @ on_flange.inverse() for one in poses]
     looked = [seen(camera, BOARD, poses, 0.05) for camera in (LEFT, RIGHT)]
-    found = calibrate(BOARD, looked, flanges=flanges)
+    found = calibrate_rig(BOARD, looked, flanges=flanges)
     for camera in (LEFT, RIGHT):
         there = found.rig[camera.name].pose.position
         assert there == pytest.approx(camera.pose.position, abs=6.0)
@@ -65,12 +65,12 @@ def test_views_that_do_not_belong_together_are_told() -> None:
     left, right = (seen(camera, BOARD, poses) for camera in (LEFT, RIGHT))
     other = seen(RIGHT, BOARD, poses[:-1])
     with pytest.raises(Refused, match=r"VS036.*left.*right"):
-        calibrate(BOARD, [left, other])
+        calibrate_rig(BOARD, [left, other])
     with pytest.raises(Refused, match=r"VS036.*poses of the arm"):
-        calibrate(BOARD, [left], flanges=poses[:-1])
-    wrong = Looked("right", LENS.size, right.files, right.views[::-1], ())
+        calibrate_rig(BOARD, [left], flanges=poses[:-1])
+    wrong = BoardPictures("right", LENS.size, right.files, right.views[::-1], ())
     with pytest.raises(Refused, match=r"VS043.*left.*right"):
-        calibrate(BOARD, [left, wrong])
+        calibrate_rig(BOARD, [left, wrong])
 
 
 def test_a_pair_of_which_one_picture_is_mirrored_is_told() -> None:
@@ -79,14 +79,14 @@ def test_a_pair_of_which_one_picture_is_mirrored_is_told() -> None:
     left, right = (seen(camera, CHESSBOARD, poses) for camera in (LEFT, RIGHT))
     views = tuple(_mirrored(view) for view in right.views if view is not None)
     with pytest.raises(Refused, match="VS043"):
-        calibrate(CHESSBOARD, [left, Looked("right", LENS.size, right.files, views, ())])
+        calibrate_rig(CHESSBOARD, [left, BoardPictures("right", LENS.size, right.files, views, ())])
 
 
-def _mirrored(view: View) -> View:
+def _mirrored(view: BoardView) -> BoardView:
     """As the corners of a mirrored picture are found: its rows begin at their other ends."""
     columns, _ = CHESSBOARD.across
     pixels: Floats = view.pixels * [-1.0, 1.0] + [LENS.size[0] - 1.0, 0.0]
-    return View(
+    return BoardView(
         view.name, view.rows // columns * columns + columns - 1 - view.rows % columns, pixels
     )
 
@@ -95,42 +95,42 @@ def test_a_chessboard_that_is_alike_upside_down_tells_no_place() -> None:
     board = Board.parse("chessboard 8x6 30")
     poses = places(board, 8)
     looked = [seen(camera, board, poses) for camera in (LEFT, RIGHT)]
-    assert calibrate(board, looked[:1]).rig["left"].lens.focal == pytest.approx(
+    assert calibrate_rig(board, looked[:1]).rig["left"].lens.focal == pytest.approx(
         LENS.focal, rel=0.03
     )
     with pytest.raises(Refused, match=r"VS039.*8 × 6"):
-        calibrate(board, looked)
+        calibrate_rig(board, looked)
     with pytest.raises(Refused, match="VS039"):
-        calibrate(board, looked[:1], flanges=poses)
+        calibrate_rig(board, looked[:1], flanges=poses)
 
 
 def test_what_pictures_lack_is_told(tmp_path: Path) -> None:
     ((picture,),) = pictures([Camera("one", LENS)], BOARD, [shown(BOARD, 500.0, _rng())])
     cv2.imwrite(str(tmp_path / "1.png"), picture)
     cv2.imwrite(str(tmp_path / "2.png"), np.full_like(picture, 90))
-    looked = look(BOARD, "left", tmp_path)
+    looked = find_board_in_folder(BOARD, "left", tmp_path)
     assert [view is not None for view in looked.views] == [True, False]
     assert [finding.code for finding in looked.findings] == ["VS031"]
     assert "2.png" in str(looked.findings[0])
     cv2.imwrite(str(tmp_path / "3.png"), picture[:400])
     with pytest.raises(Refused, match=r"VS037.*3\.png has 640 × 400"):
-        look(BOARD, "left", tmp_path)
+        find_board_in_folder(BOARD, "left", tmp_path)
 
 
 def test_blurred_views_are_told() -> None:
     looked = seen(LEFT, BOARD, places(BOARD, 8), noise=1.1)
-    assert "VS035" in {finding.code for finding in calibrate(BOARD, [looked]).findings}
+    assert "VS035" in {finding.code for finding in calibrate_rig(BOARD, [looked]).findings}
 
 
 def test_cameras_of_which_one_was_moved_do_not_agree() -> None:
     pose = places(BOARD, 1)[0]
     corners = pose.moved(BOARD.corners)
     pixels = [camera.project(corners) for camera in (LEFT, RIGHT)]
-    good, none = agree([LEFT, RIGHT], pixels, BOARD.corners)
+    good, none = check_agreement([LEFT, RIGHT], pixels, BOARD.corners)
     assert none == () and good.corners == len(corners)
     assert (good.pixels, good.mm) == pytest.approx((0.0, 0.0), abs=1e-6)
     moved = Camera("right", LENS, RIGHT.pose @ Pose((0.0, 4.0, 0.0)))
-    _, told = agree([LEFT, moved], pixels, BOARD.corners)
+    _, told = check_agreement([LEFT, moved], pixels, BOARD.corners)
     assert [one.code for one in told] == ["VS026"]
 
 
@@ -153,12 +153,12 @@ def in_the_middle(count: int, distance: float, wide: float, seed: int = 4) -> li
 
 def test_a_board_in_the_middle_of_the_picture_only_is_reported() -> None:
     poses = in_the_middle(10, 500.0, 0.02)
-    found = calibrate(BOARD, [seen(camera, BOARD, poses, 0.2) for camera in (LEFT, RIGHT)])
+    found = calibrate_rig(BOARD, [seen(camera, BOARD, poses, 0.2) for camera in (LEFT, RIGHT)])
     assert [one.code for one in found.findings].count("VS045") == 2
     assert "VS046" in {one.code for one in found.findings}
     assert found.lenses["left"].coverage < 0.25
     wide = [LEFT.pose @ shown(BOARD, 450.0, np.random.default_rng(i)) for i in range(14)]
-    good = calibrate(BOARD, [seen(LEFT, BOARD, wide, 0.05)])
+    good = calibrate_rig(BOARD, [seen(LEFT, BOARD, wide, 0.05)])
     assert good.lenses["left"].coverage > 0.5
     assert good.findings == ()
 
@@ -173,12 +173,12 @@ def test_every_parameter_is_as_uncertain_as_reported(distance: float, wide: floa
     for seed in range(10):
         poses = in_the_middle(10, distance, wide, seed)
         views = [
-            Looked(
+            BoardPictures(
                 camera.name, LENS.size, (), tuple(exact(camera, BOARD, poses, 0.2, seed + i)), ()
             )
             for i, camera in zip((0, 100), (LEFT, RIGHT), strict=True)
         ]
-        found = calibrate(BOARD, views)
+        found = calibrate_rig(BOARD, views)
         one, pair = found.lenses["left"], found.pairs["right"]
         values = [*one.lens.focal, *one.lens.centre, *one.lens.distortion]
         true = [*LENS.focal, *LENS.centre, *LENS.distortion]
@@ -198,7 +198,7 @@ def test_a_wrong_row_of_poses_is_named_by_its_picture() -> None:
     flanges = [one @ on_flange.inverse() for one in poses]
     x, y, z = flanges[7].position
     flanges[7] = Pose((x + 20.0, y - 15.0, z), flanges[7].quaternion)
-    found = calibrate(BOARD, [seen(LEFT, BOARD, poses, 0.05)], flanges=flanges)
+    found = calibrate_rig(BOARD, [seen(LEFT, BOARD, poses, 0.05)], flanges=flanges)
     assert found.hand_eye is not None and found.hand_eye.left_out == (7,)
     (told,) = (one for one in found.findings if one.code == "VS047")
     assert "pose 8 (7) of the arm is 25" in str(told)

@@ -14,11 +14,11 @@ from assistant.base.source_text import SourceText
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.cameras.camera_file import (
-    Record,
+    CalibrationRecord,
     Rig,
     cameras_in,
     read_cameras,
-    text_of,
+    rig_toml,
     write_cameras,
 )
 
@@ -48,13 +48,17 @@ def test_a_rig_comes_back_as_it_was_written(
     camera: Camera, date: datetime.date, residual: float, source: str
 ) -> None:
     said = "".join(c for c in source if c.isprintable()).strip()
-    record = Record(date, residual, residual / 2.0, residual / 3.0, 0.01)
+    record = CalibrationRecord(date, residual, residual / 2.0, residual / 3.0, 0.01)
     rig = Rig({"left": camera}, {"left": record}, {"left": said})
-    assert cameras_in(SourceText(text_of(rig), "c.toml", "utf-8", "\n")) == rig
+    assert cameras_in(SourceText(rig_toml(rig), "c.toml", "utf-8", "\n")) == rig
 
 
 def test_a_file_is_written_whole(tmp_path: Path) -> None:
-    rig = Rig({"one": Camera("one", Lens.ideal((640, 480), 800.0))}, {"one": Record()}, {"one": ""})
+    rig = Rig(
+        {"one": Camera("one", Lens.ideal((640, 480), 800.0))},
+        {"one": CalibrationRecord()},
+        {"one": ""},
+    )
     write_cameras(tmp_path / "cameras.toml", rig)
     assert read_cameras(tmp_path / "cameras.toml").cameras == rig.cameras
 

@@ -18,7 +18,7 @@ from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, write_cameras
-from assistant.vision.cameras.capture import look_at, opened, read_picture
+from assistant.vision.cameras.capture import exposure_findings, open_frames, read_picture
 
 STANDS = looking_at((900.0, -700.0, 700.0), (250.0, 0.0, 200.0))
 CAMERA = Camera("left", Lens.ideal((64, 48), 80.0), STANDS)
@@ -35,7 +35,7 @@ def test_a_folder_gives_its_pictures_by_their_numbers(tmp_path: Path) -> None:
     for number in (10, 2, 1):
         cv2.imwrite(str(tmp_path / f"p{number}.png"), grey(number))
     (tmp_path / "notes.txt").write_text("no picture")
-    with opened(CAMERA, tmp_path.name, tmp_path.parent) as frames:
+    with open_frames(CAMERA, tmp_path.name, tmp_path.parent) as frames:
         found = list(frames)
     assert [frame.name for frame in found] == ["p1.png", "p2.png", "p10.png"]
     assert [int(frame.picture[0, 0, 0]) for frame in found] == [1, 2, 10]
@@ -53,7 +53,7 @@ def film(file: Path) -> Path:
 
 
 def test_a_film_gives_its_pictures(tmp_path: Path) -> None:
-    with opened(CAMERA, str(film(tmp_path / "film.avi"))) as frames:
+    with open_frames(CAMERA, str(film(tmp_path / "film.avi"))) as frames:
         levels = [float(frame.picture.mean()) for frame in frames]
     assert levels == pytest.approx([20, 120, 220], abs=4.0)
 
@@ -66,7 +66,7 @@ def test_a_stream_gives_its_pictures_and_is_lost_where_it_ends(tmp_path: Path) -
         levels = []
         try:
             address = f"http://127.0.0.1:{server.server_port}/film.avi"
-            with pytest.raises(Refused, match=r"VS024.*3"), opened(CAMERA, address) as frames:
+            with pytest.raises(Refused, match=r"VS024.*3"), open_frames(CAMERA, address) as frames:
                 levels += [float(frame.picture.mean()) for frame in islice(frames, 3)]
                 next(frames)
         finally:
@@ -80,7 +80,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 def test_a_cell_is_drawn_again_and_again() -> None:
-    with opened(CAMERA, "samples/cell/stand.toml") as frames:
+    with open_frames(CAMERA, "samples/cell/stand.toml") as frames:
         first, second = (frame.picture for frame in islice(frames, 2))
     assert first.shape == (48, 64, 3)
     assert first.std() > 10.0
@@ -94,12 +94,12 @@ def test_a_camera_that_is_carried_is_drawn_where_its_robot_is_at_home() -> None:
     carried = Camera("hand", CAMERA.lens, flange.inverse() @ STANDS, "arm.flange")
     pictures = []
     for camera in (CAMERA, carried):
-        with opened(camera, "samples/cell/stand.toml") as frames:
+        with open_frames(camera, "samples/cell/stand.toml") as frames:
             pictures.append(next(frames).picture.astype(int))
     assert np.abs(pictures[0] - pictures[1]).max() <= 2  # of rays that meet an edge
     lost = Camera("hand", CAMERA.lens, Pose(), "arm.elbow")
     source = "samples/cell/stand.toml"
-    with pytest.raises(Refused, match=r"arm\.elbow"), opened(lost, source) as frames:
+    with pytest.raises(Refused, match=r"arm\.elbow"), open_frames(lost, source) as frames:
         next(frames)
 
 
@@ -120,14 +120,17 @@ def test_a_camera_that_is_carried_is_drawn_where_its_robot_is_at_home() -> None:
 def test_a_camera_that_is_not_there_is_told(tmp_path: Path, source: str) -> None:
     for name in ("list.m3u8", "film.avi", "cell.txt"):
         (tmp_path / name).write_text("#EXTM3U\n/etc/passwd\n")
-    with pytest.raises(Refused, match="VS020") as told, opened(CAMERA, source, tmp_path) as frames:
+    with (
+        pytest.raises(Refused, match="VS020") as told,
+        open_frames(CAMERA, source, tmp_path) as frames,
+    ):
         next(frames)
     assert told.value.exit_status == 2
 
 
 def test_another_size_than_calibrated_is_told(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "p.png"), grey(100, (32, 48)))
-    with pytest.raises(Refused, match="VS021"), opened(CAMERA, "p.png", tmp_path) as frames:
+    with pytest.raises(Refused, match="VS021"), open_frames(CAMERA, "p.png", tmp_path) as frames:
         next(frames)
 
 
@@ -190,6 +193,6 @@ def test_without_opencv_it_is_said_what_to_install(tmp_path: Path, forks) -> Non
 
 
 def test_dark_and_saturated_pictures_are_told() -> None:
-    assert [one.code for one in look_at(CAMERA, grey(3))] == ["VS022"]
-    assert [one.code for one in look_at(CAMERA, grey(255))] == ["VS023"]
-    assert look_at(CAMERA, grey(120)) == ()
+    assert [one.code for one in exposure_findings(CAMERA, grey(3))] == ["VS022"]
+    assert [one.code for one in exposure_findings(CAMERA, grey(255))] == ["VS023"]
+    assert exposure_findings(CAMERA, grey(120)) == ()

@@ -10,8 +10,8 @@ from assistant.base import rotations
 from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Sphere
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.casting import met
-from assistant.vision.cameras.drawing import Card, Optics, Thing, ball, draw
+from assistant.vision.cameras.casting import cast_rays
+from assistant.vision.cameras.drawing import Card, Optics, VisibleBody, ball, draw
 
 MIDDLE = (0.0, 0.0, 300.0)
 PLAIN = Camera("one", Lens.ideal((640, 480), 800.0), looking_at((0.0, -1000.0, 300.0), MIDDLE))
@@ -50,7 +50,7 @@ def test_corners_of_a_board_are_seen_where_the_lens_puts_them(camera: Camera) ->
         rotations.about(np.array([1.0, 0.0, 0.0]), 75.0),
         rotations.about(np.array([0.0, 0.0, 1.0]), 8.0),
     )
-    card = Thing(Card((270.0, 180.0), board), Pose.of(np.array(MIDDLE), turn))
+    card = VisibleBody(Card((270.0, 180.0), board), Pose.of(np.array(MIDDLE), turn))
     picture = cv2.cvtColor(draw(camera, [card], Optics(ambient=1.0, noise=1.0)), cv2.COLOR_BGR2GRAY)
     found, corners = cv2.findChessboardCornersSB(picture, (8, 5))
     assert found
@@ -81,7 +81,7 @@ def test_rays_meet_a_shape_as_they_meet_its_triangles(shape) -> None:
     rng = np.random.default_rng(1)
     eye = np.array([60.0, -35.0, 20.0])
     rays = rng.normal(size=(2000, 3)) * 8.0 - eye
-    smooth, flat = met(shape, eye, rays)[0], met(mesh, eye, rays)[0]
+    smooth, flat = cast_rays(shape, eye, rays)[0], cast_rays(mesh, eye, rays)[0]
     both = np.isfinite(smooth) & np.isfinite(flat)
     assert both.sum() > 500
     assert (np.isfinite(smooth) != np.isfinite(flat)).mean() < 0.02  # beside flat sides
@@ -93,7 +93,7 @@ def test_a_hull_is_met_as_the_box_that_it_is() -> None:
     rng = np.random.default_rng(2)
     eye = np.array([40.0, 30.0, 25.0])
     rays = rng.normal(size=(500, 3)) * 10.0 - eye
-    hull, box = met(Convex(CUBE), eye, rays), met(Box((20.0, 20.0, 20.0)), eye, rays)
+    hull, box = cast_rays(Convex(CUBE), eye, rays), cast_rays(Box((20.0, 20.0, 20.0)), eye, rays)
     hit = np.isfinite(box[0])
     assert (np.isfinite(hull[0]) == hit).all() and hit.any()
     assert hull[0][hit] == pytest.approx(box[0][hit])
@@ -111,13 +111,13 @@ def test_whatever_stands_in_the_way_of_a_camera_is_drawn() -> None:
         q = rng.normal(size=4)
         places = rng.normal(size=(5, 3)) * 10.0 ** rng.uniform(-1.0, 5.0, (5, 1))
         things = [
-            Thing(shape, Pose.of(place, q / np.linalg.norm(q)))
+            VisibleBody(shape, Pose.of(place, q / np.linalg.norm(q)))
             for shape, place in zip(shapes, places, strict=True)
         ]
         assert draw(camera, things).shape == (48, 64, 3)
     for turn in (0.0, 90.0, 180.0):
         q = np.ravel(rotations.about(np.array([1.0, 0.0, 0.0]), turn))
-        draw(camera, [Thing(card, Pose.of(np.array([0.0, 0.0, 100.0]), q))])
+        draw(camera, [VisibleBody(card, Pose.of(np.array([0.0, 0.0, 100.0]), q))])
 
 
 def test_the_same_seed_gives_the_same_picture() -> None:

@@ -20,9 +20,9 @@ from assistant.vision.exploring.contacts import (
     KeyContacts,
     PictureContacts,
 )
-from assistant.vision.exploring.moving import Wanderer, log_of
+from assistant.vision.exploring.moving import RandomExplorer, empty_log
 from assistant.vision.servoing.bounds import Bounds, Guard
-from assistant.vision.servoing.ideal import Ideal, Ticks
+from assistant.vision.servoing.ideal import IdealArm, SteppedClock
 
 CELL = '[robots.arm]\nrobot = "rv-2aj"\ntool = "gripper"\n'
 CELL += "[bodies.gripper]\ncylinder = [25, 58]\nposition = [0, 0, 29]\n"
@@ -36,12 +36,12 @@ def scene(text: str) -> Scene:
     return parse_scene(SourceText(text, "cell.toml", "utf-8", "\n"), Path())[0]
 
 
-class Waiting(Ideal):
+class Waiting(IdealArm):
     """Comes back when it stands."""
 
     waits = True
 
-    def __init__(self, at, speeds, period: float, clock: Ticks) -> None:
+    def __init__(self, at, speeds, period: float, clock: SteppedClock) -> None:
         super().__init__(at, speeds, period)
         self.ticks = clock
 
@@ -53,7 +53,7 @@ class Waiting(Ideal):
 class Felt:
     """Contacts as a scene has them that the arm knows nothing of; asked: how often."""
 
-    def __init__(self, text: str, carrier: Ideal) -> None:
+    def __init__(self, text: str, carrier: IdealArm) -> None:
         self.model, self.carrier, self.asked = Model(scene(text)), carrier, 0
 
     def touching(self) -> bool:
@@ -61,16 +61,16 @@ class Felt:
         return bool(self.model.nearest(self.carrier.joints()[None])[0][0] <= 0.0)
 
 
-def wanderer(waits: bool, box=None, ranges=RANGES, speed: float = 100.0) -> Wanderer:
+def wanderer(waits: bool, box=None, ranges=RANGES, speed: float = 100.0) -> RandomExplorer:
     explorer = Explorer(scene(CELL), size=20.0)
-    clock = Ticks()
+    clock = SteppedClock()
     guard = Guard(explorer.placed.robot, Bounds(speed, 30.0, 0.1, box=box))
-    made = Waiting if waits else Ideal
+    made = Waiting if waits else IdealArm
     start = np.array([0.0, 10.0, 80.0, 40.0, 0.0])
     carrier = made(start, guard.speeds, 0.5 if waits else 0.1, clock)
     felt = Felt(CELL + STANDS, carrier)
-    log = log_of(guard)
-    return Wanderer(explorer, carrier, guard, felt, log, ranges, seed=4, clock=clock)
+    log = empty_log(guard)
+    return RandomExplorer(explorer, carrier, guard, felt, log, ranges, seed=4, clock=clock)
 
 
 @pytest.mark.parametrize("waits", [True, pytest.param(False, marks=pytest.mark.slow)])
@@ -189,8 +189,8 @@ def test_a_camera_that_sees_something_move_stops_the_arm(waits: bool) -> None:
 def test_the_arm_keeps_to_the_speeds_of_the_way_it_is_led_by() -> None:
     one = wanderer(False)
     slow = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
-    carrier = Ideal(one.carrier.at, slow, 0.1)
-    Wanderer(
+    carrier = IdealArm(one.carrier.at, slow, 0.1)
+    RandomExplorer(
         one.explorer, carrier, one.guard, one.contacts, one.log, RANGES, clock=one.clock
     ).wander(1)
     rows = np.array(carrier.rows)

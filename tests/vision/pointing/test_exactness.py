@@ -12,11 +12,11 @@ from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.drawing import draw
-from assistant.vision.pointing.devices import COLOURS, Ball, Device, ball, wand
-from assistant.vision.pointing.holding import Held, held
-from assistant.vision.pointing.locating import Sighting, located
-from assistant.vision.pointing.showing import things_of_device
-from assistant.vision.pointing.wand_pose import poses_of
+from assistant.vision.pointing.devices import HUES, Ball, Device, ball, wand
+from assistant.vision.pointing.holding import HeldPosition, average_hold
+from assistant.vision.pointing.locating import Sighting, locate_device
+from assistant.vision.pointing.showing import bodies_of_device
+from assistant.vision.pointing.wand_pose import fit_device_poses
 from tests.vision.pointing.scenes import BENT, LENS, pair, shown, some_pose
 
 HOLD = 30
@@ -44,7 +44,7 @@ def test_noise_of_pixels(name: str, device: Device, tell: Callable[[str], None])
     poses = [some_pose(rng) for _ in range(400)]
     for frames, most, most_turned in ((1, 0.8, 0.5), (HOLD, 0.3, 0.3)):
         pixels = with_noise(device, poses, frames, seed=frames)
-        posed = poses_of(pair(BENT), pixels, device.positions)
+        posed = fit_device_poses(pair(BENT), pixels, device.positions)
         away, turned = errors(posed.positions, posed.quaternions, poses)
         if name == "ball":
             turned = np.zeros(1)
@@ -61,7 +61,7 @@ def test_noise_of_pixels(name: str, device: Device, tell: Callable[[str], None])
 def test_the_covariance_is_that_of_the_errors() -> None:
     rng = np.random.default_rng(5)
     poses = [some_pose(rng) for _ in range(1500)]
-    posed = poses_of(pair(BENT), with_noise(wand(), poses, 1, seed=8), wand().positions)
+    posed = fit_device_poses(pair(BENT), with_noise(wand(), poses, 1, seed=8), wand().positions)
     off = np.array([p.position for p in poses]) - posed.positions
     turns = rotations.turns(posed.quaternions, np.array([p.quaternion for p in poses]))
     both = np.concatenate([off, turns], axis=1)
@@ -73,24 +73,24 @@ def test_a_marker_of_40_mm_tells_turns_worse(tell: Callable[[str], None]) -> Non
     rng = np.random.default_rng(3)
     poses = [some_pose(rng) for _ in range(400)]
     corners = [(-20.0, -20.0, 0.0), (20.0, -20.0, 0.0), (20.0, 20.0, 0.0), (-20.0, 20.0, 0.0)]
-    marker = Device("marker", tuple(Ball(COLOURS["red"], 5.0, place) for place in corners))
+    marker = Device("marker", tuple(Ball(HUES["red"], 5.0, place) for place in corners))
     turned = {}
     for device in (wand(), marker):
-        posed = poses_of(pair(BENT), with_noise(device, poses, 1, seed=1), device.positions)
+        posed = fit_device_poses(pair(BENT), with_noise(device, poses, 1, seed=1), device.positions)
         turned[device.name] = errors(posed.positions, posed.quaternions, poses)[1].mean()
     assert turned["wand"] < 0.75 * turned["marker"]
     tell(f"turn in one frame: wand {turned['wand']:.2f}, marker {turned['marker']:.2f} degrees")
 
 
-def hold_of(device: Device, take: Callable[[Camera], np.ndarray], frames: int) -> Held:
+def hold_of(device: Device, take: Callable[[Camera], np.ndarray], frames: int) -> HeldPosition:
     cameras = pair(BENT)
     window = []
     for k in range(frames):
-        seen = located(device, cameras, [take(camera) for camera in cameras])
+        seen = locate_device(device, cameras, [take(camera) for camera in cameras])
         assert isinstance(seen, Sighting), seen
         window.append((k / 30.0, seen))
-    found = held(window, device, cameras)
-    assert isinstance(found, Held), found
+    found = average_hold(window, device, cameras)
+    assert isinstance(found, HeldPosition), found
     return found
 
 
@@ -100,7 +100,9 @@ def test_drawn_pictures(name: str, device: Device, tell: Callable[[str], None]) 
     """Drawn by the tests themselves, with a bent lens, light from one side and noise."""
     rng, cameras = np.random.default_rng(4), pair(BENT)
     poses = [some_pose(rng) for _ in range(4)]
-    seen = [located(device, cameras, [shown(c, p, rng, device) for c in cameras]) for p in poses]
+    seen = [
+        locate_device(device, cameras, [shown(c, p, rng, device) for c in cameras]) for p in poses
+    ]
     good = [one for one in seen if isinstance(one, Sighting)]
     assert len(good) == len(poses)
     positions = np.array([one.pose.position for one in good])
@@ -122,8 +124,8 @@ def seen_by_synthetic_cameras(count: int) -> tuple[Floats, Floats, int]:
     away, turned, lost = [], [], 0
     for k in range(count):
         pose = some_pose(rng)
-        things = things_of_device(device, pose)
-        seen = located(device, cameras, [draw(c, things, seed=k) for c in cameras])
+        things = bodies_of_device(device, pose)
+        seen = locate_device(device, cameras, [draw(c, things, seed=k) for c in cameras])
         if not isinstance(seen, Sighting):
             lost += 1
             continue

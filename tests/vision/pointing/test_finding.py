@@ -12,8 +12,8 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.pointing.devices import Ball, Device, ball, light, wand
-from assistant.vision.pointing.finding import spots
-from assistant.vision.pointing.locating import Sighting, check_cameras, located
+from assistant.vision.pointing.finding import find_spots
+from assistant.vision.pointing.locating import Sighting, check_cameras, locate_device
 from tests.vision.pointing.scenes import (
     BENT,
     BGR,
@@ -37,7 +37,7 @@ def rng(seed: int = 0) -> np.random.Generator:
 
 
 def code_of(device: Device, pictures: list[np.ndarray], cameras: tuple[Camera, ...]) -> str:
-    seen = located(device, cameras, pictures)
+    seen = locate_device(device, cameras, pictures)
     assert isinstance(seen, Diagnostic), seen
     return seen.code
 
@@ -50,7 +50,7 @@ def test_the_centre_of_a_near_ball_is_not_the_middle_of_its_outline() -> None:
     with_sphere(picture, camera, centre, radius, BGR["red"])
     picture8 = taken(picture, rng())
     mark = Ball(RED.marks[0].colour, radius)  # type: ignore[union-attr]
-    ((spot,),) = spots(picture8, camera, [mark])
+    ((spot,),) = find_spots(picture8, camera, [mark])
     truth = camera.project(centre[None])[0]
     mask = (picture8[..., 2] > picture8[..., 1].astype(int) + 60).astype(np.uint8)
     moments = cv2.moments(mask, binaryImage=True)
@@ -65,7 +65,7 @@ def test_half_a_ball_behind_something_is_placed_by_the_other_half() -> None:
     with_sphere(picture, camera, centre, 20.0, BGR["red"])
     truth = camera.project(centre[None])[0]
     picture[:, int(truth[0]) + 6 :] = 90.0
-    ((spot,),) = spots(taken(picture, rng()), camera, RED.marks)
+    ((spot,),) = find_spots(taken(picture, rng()), camera, RED.marks)
     assert np.linalg.norm(np.array(spot.place) - truth) < 0.3
     assert 0.4 < spot.confidence < 0.85
 
@@ -75,7 +75,7 @@ def test_a_spot_of_light_is_placed_to_a_tenth_of_a_pixel(sigma: float) -> None:
     camera, place = pair()[0], np.array([200.3, 117.8])
     picture = grey(camera)
     with_glow(picture, place, sigma)
-    ((spot,),) = spots(taken(picture, rng(1)), camera, light().marks)
+    ((spot,),) = find_spots(taken(picture, rng(1)), camera, light().marks)
     assert np.abs(np.array(spot.place) - place).max() < 0.1
 
 
@@ -86,7 +86,7 @@ def test_a_light_is_located_also_in_the_dark() -> None:
         picture = grey(camera, level=16.0)
         with_glow(picture, camera.project(point)[0])
         pictures.append(taken(picture, rng(2)))
-    seen = located(light(), cameras, pictures)
+    seen = locate_device(light(), cameras, pictures)
     assert isinstance(seen, Sighting)
     assert np.linalg.norm(np.array(seen.pose.position) - point) < 0.3
     assert seen.pose.quaternion == light().orientation
@@ -107,7 +107,7 @@ def test_something_of_the_same_colour_and_another_size_is_not_the_device() -> No
     for camera, picture in zip(pair(), pictures, strict=True):
         u, v = camera.project(np.array([(-100.0, 0.0, 250.0)]))[0].astype(int)
         picture[v : v + 40, u : u + 60] = BGR["red"]
-    seen = located(RED, pair(), pictures)
+    seen = locate_device(RED, pair(), pictures)
     assert isinstance(seen, Sighting), seen
     assert np.linalg.norm(np.subtract(seen.pose.position, WHERE.position)) < 0.3
 
@@ -135,7 +135,7 @@ def test_a_ball_of_another_radius_is_not_the_device() -> None:
 def test_a_device_that_leaves_one_picture_is_not_located() -> None:
     pictures = balls_at([WHERE.position])
     pictures[1] = taken(grey(pair()[1]), rng())
-    seen = located(RED, pair(), pictures)
+    seen = locate_device(RED, pair(), pictures)
     assert isinstance(seen, Diagnostic) and seen.code == "VS104" and "right" in seen.message
 
 

@@ -15,15 +15,15 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.sources import read
 from assistant.vision.pointing import rules
-from assistant.vision.pointing.devices import COLOURS, Ball, Device, ball, wand
-from assistant.vision.pointing.holding import STILL, Held, held, holds
+from assistant.vision.pointing.devices import HUES, Ball, Device, ball, wand
+from assistant.vision.pointing.holding import USUAL_HOLD, HeldPosition, average_hold, find_holds
 from assistant.vision.pointing.locating import Seen, Sighting
-from assistant.vision.pointing.strokes import Stroke, strokes
-from assistant.vision.pointing.tracking import Look, believed
-from assistant.vision.pointing.wand_pose import poses_of
+from assistant.vision.pointing.strokes import Stroke, find_strokes
+from assistant.vision.pointing.tracking import Observation, reject_jumps
+from assistant.vision.pointing.wand_pose import fit_device_poses
 from tests.vision.pointing.scenes import pair, some_pose
 
-UNSEEN = rules.NOT_SEEN(camera="left", mark="red ball")
+UNSEEN = rules.MARK_NOT_SEEN(camera="left", mark="red ball")
 DOWN = (0.0, 1.0, 0.0, 0.0)
 
 
@@ -50,13 +50,13 @@ class Hand:
         return self
 
     @property
-    def looks(self) -> Iterator[Look]:
+    def looks(self) -> Iterator[Observation]:
         there = [pose for pose in self.poses if pose is not None]
         points = np.concatenate([pose.moved(self.device.positions) for pose in there])
         size = (len(there), len(self.device.marks), 2)
         pixels = np.stack([camera.project(points).reshape(size) for camera in pair()])
         pixels += self.rng.normal(0.0, 0.2, pixels.shape)
-        posed = poses_of(pair(), pixels, self.device.positions)
+        posed = fit_device_poses(pair(), pixels, self.device.positions)
         row = 0
         for number, pose in enumerate(self.poses):
             seen: Seen = UNSEEN
@@ -70,15 +70,15 @@ class Hand:
                     float(posed.residuals[row]),
                 )
                 row += 1
-            yield Look(number / 30.0, seen)
+            yield Observation(number / 30.0, seen)
 
 
-def held_by(hand: Hand) -> tuple[list[Held], list[Diagnostic]]:
+def held_by(hand: Hand) -> tuple[list[HeldPosition], list[Diagnostic]]:
     told: list[Diagnostic] = []
-    return list(holds(believed(hand.looks), hand.device, pair(), tell=told.append)), told
+    return list(find_holds(reject_jumps(hand.looks), hand.device, pair(), tell=told.append)), told
 
 
-def of_half_a_ball(k: int) -> tuple[Pose, Held]:
+def of_half_a_ball(k: int) -> tuple[Pose, HeldPosition]:
     """A hold during which something hides parts of the same balls, which moves what is seen."""
     rng = np.random.default_rng(k)
     pose = some_pose(rng)
@@ -89,8 +89,8 @@ def of_half_a_ball(k: int) -> tuple[Pose, Held]:
         for i, one in enumerate(seen)
         if isinstance(one, Sighting)
     ]
-    found = held(moments, wand(), pair())
-    assert isinstance(found, Held)
+    found = average_hold(moments, wand(), pair())
+    assert isinstance(found, HeldPosition)
     return pose, found
 
 
@@ -166,11 +166,11 @@ def test_a_device_that_is_lost_begins_its_hold_anew() -> None:
 
 
 def test_a_jump_is_not_believed_until_the_device_was_looked_for_anew() -> None:
-    looks = list(believed(Hand(ball()).at(place(0.0), 3).at(place(300.0), 8).looks))
+    looks = list(reject_jumps(Hand(ball()).at(place(0.0), 3).at(place(300.0), 8).looks))
     codes = [look.seen.code if isinstance(look.seen, Diagnostic) else "" for look in looks]
     assert codes == ["", "", "", *["VS111"] * 5, "", "", ""]
     # As far as a hand gets meanwhile, it is the device.
-    fast = list(believed(Hand(ball()).at(place(0.0)).at(place(40.0)).looks))
+    fast = list(reject_jumps(Hand(ball()).at(place(0.0)).at(place(40.0)).looks))
     assert not any(isinstance(look.seen, Diagnostic) for look in fast)
 
 
@@ -201,7 +201,9 @@ def arc(frames: int) -> Floats:
 
 
 def stroke_of(hand: Hand) -> Stroke | None:
-    ways: Iterator[Stroke] = strokes(believed(hand.looks), hand.device, pair(), still=STILL)
+    ways: Iterator[Stroke] = find_strokes(
+        reject_jumps(hand.looks), hand.device, pair(), still=USUAL_HOLD
+    )
     return next(ways, None)
 
 
@@ -262,5 +264,5 @@ def test_strokes_that_tell_no_way_are_refused() -> None:
 
 
 def test_two_balls_of_a_device_are_told_by_name() -> None:
-    plain = Device("wand", (Ball(COLOURS["red"], 15.0), wand().marks[1]))
+    plain = Device("wand", (Ball(HUES["red"], 15.0), wand().marks[1]))
     assert plain.mark_names == ("ball", "green ball")

@@ -10,7 +10,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.diagnostics import has_errors
 from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.seeing import Found, Recogniser, centre_of
+from assistant.vision.recognition.seeing import FoundObject, Recogniser, face_centre
 from tests.vision.recognition.scenes import ABOVE, Truth, scene, taken
 
 EXACT = Plane(sigma=0.01, sigma_deg=0.005)
@@ -79,11 +79,14 @@ def counted(
 
 
 def add(
-    counts: Counts, found: Sequence[Found], truth: Sequence[Truth], doubted: set[str] = frozenset()
+    counts: Counts,
+    found: Sequence[FoundObject],
+    truth: Sequence[Truth],
+    doubted: set[str] = frozenset(),
 ) -> None:
     left = list(truth)
     for one in found:
-        middle = centre_of(one.object)[None]
+        middle = face_centre(one.object)[None]
         at = one.pose.moved(middle)[0]
         hit = next(
             (
@@ -111,7 +114,7 @@ def add(
     counts.missed += [one.known.name for one in left]
 
 
-def difference(found: Found, truth: Truth) -> np.ndarray:
+def difference(found: FoundObject, truth: Truth) -> np.ndarray:
     """(6,) mm and degrees about the axes of the world."""
     turns = rotations.turns(np.array(truth.pose.quaternion), np.array(found.pose.quaternion))
     return np.concatenate([np.array(found.pose.position) - truth.pose.position, np.degrees(turns)])

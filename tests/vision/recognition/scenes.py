@@ -17,13 +17,13 @@ from assistant.base import rotations
 from assistant.cell.scene import Mesh
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, Optics, Thing, draw
+from assistant.vision.cameras.drawing import Card, Optics, VisibleBody, draw
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.drawn import read_part
 from assistant.vision.recognition.library import Library
 from assistant.vision.recognition.objects import KnownObject
-from assistant.vision.recognition.seeing import centre_of
-from assistant.vision.recognition.shown import View, learn_face
+from assistant.vision.recognition.seeing import face_centre
+from assistant.vision.recognition.shown import ObjectView, learn_face
 
 REAL = Path(skimage.__file__).parent / "data"
 LENS = Lens((800, 600), (760.0, 762.0), (401.0, 297.0), (-0.1, 0.05, 0.0005, -0.0004, 0.0))
@@ -123,12 +123,12 @@ def library(folder: Path) -> Library:
     """Six parts by their drawings, four cards by a view of each."""
     objects = [read_part(drawing(part, folder), part.name).object for part in PARTS]
     for name, file in FACES.items():
-        view = View(file, face_picture(file))
+        view = ObjectView(file, face_picture(file))
         objects.append(learn_face(opencv(), name, [view], WIDE).object)
     return Library({one.name: one for one in objects})
 
 
-def surface(part: Flat, pose: Pose, colour: tuple[int, int, int]) -> Thing:
+def surface(part: Flat, pose: Pose, colour: tuple[int, int, int]) -> VisibleBody:
     """What is drawn of a part: its face, by a triangulation that shares nothing with what is
     tested."""
     angles = np.arange(64) * 2.0 * np.pi / 64
@@ -142,7 +142,7 @@ def surface(part: Flat, pose: Pose, colour: tuple[int, int, int]) -> Thing:
     a, b = corners[1::3] - corners[::3], corners[2::3] - corners[::3]
     area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     triangles[area < 0] = triangles[area < 0][:, ::-1]
-    return Thing(Mesh(points, triangles), pose, colour)
+    return VisibleBody(Mesh(points, triangles), pose, colour)
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Drawn:
-    things: list[Thing]
+    things: list[VisibleBody]
     truth: list[Truth]
 
 
@@ -177,16 +177,16 @@ def scene(seed: int, lib: Library, known: int = 6, strange: int = 3) -> Drawn:
     rng = np.random.default_rng(seed)
     cells = [(x, y) for x in (-210, -70, 70, 210) for y in (-130, 0, 130)]
     rng.shuffle(cells)
-    things: list[Thing] = []
+    things: list[VisibleBody] = []
     truth: list[Truth] = []
-    covers: list[Thing] = []
+    covers: list[VisibleBody] = []
     names = rng.permutation(list(lib.objects))[:known]
     flats = {part.name: part for part in PARTS}
     for name, cell in zip(names, cells, strict=False):
         one = lib.objects[name]
-        pose = laid(centre_of(one), np.array(cell) + rng.uniform(-10, 10, 2), rng.uniform(0, 360))
+        pose = laid(face_centre(one), np.array(cell) + rng.uniform(-10, 10, 2), rng.uniform(0, 360))
         if one.texture is not None:
-            things.append(Thing(Card(one.texture.size, face_picture(FACES[name])), pose))
+            things.append(VisibleBody(Card(one.texture.size, face_picture(FACES[name])), pose))
         else:
             things.append(surface(flats[name], pose, colour(rng)))
         hidden = 0.0
@@ -204,11 +204,11 @@ def scene(seed: int, lib: Library, known: int = 6, strange: int = 3) -> Drawn:
         else:
             picture = face_picture(STRANGE_FACES[rng.integers(len(STRANGE_FACES))])
             size = (WIDE, WIDE * picture.shape[0] / picture.shape[1])
-            things.append(Thing(Card(size, picture), laid(np.zeros(3), at, turn)))
+            things.append(VisibleBody(Card(size, picture), laid(np.zeros(3), at, turn)))
     return Drawn([*things, *covers], truth)
 
 
-def cover(one: KnownObject, pose: Pose, hidden: float, rng: np.random.Generator) -> Thing:
+def cover(one: KnownObject, pose: Pose, hidden: float, rng: np.random.Generator) -> VisibleBody:
     """A strip over an object, a tenth of a mm above it, that hides that part of its area."""
     if one.outline is not None:
         shape = Polygon(one.outline.rings[0], one.outline.rings[1:])
@@ -244,6 +244,8 @@ def _strip(across: np.ndarray, low: float, high: float) -> np.ndarray:
     return np.array(ring)
 
 
-def taken(camera: Camera, drawn: Drawn | Sequence[Thing], seed: int, **optics: float) -> np.ndarray:
+def taken(
+    camera: Camera, drawn: Drawn | Sequence[VisibleBody], seed: int, **optics: float
+) -> np.ndarray:
     things = drawn.things if isinstance(drawn, Drawn) else list(drawn)
     return draw(camera, things, replace(OPTICS, **optics), seed=seed)

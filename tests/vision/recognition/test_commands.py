@@ -225,7 +225,7 @@ def test_objects_are_learnt_by_showing_them(here, capsys):
 @pytest.mark.slow
 def test_the_height_of_what_lies_before_two_cameras_is_seen(here, capsys, tell):
     from assistant.cell.scene import Box
-    from assistant.vision.cameras.drawing import Card, Thing
+    from assistant.vision.cameras.drawing import Card, VisibleBody
     from tests.vision.recognition.scenes import LENS, taken
 
     cameras = {
@@ -235,8 +235,8 @@ def test_the_height_of_what_lies_before_two_cameras_is_seen(here, capsys, tell):
     write_cameras("pair.toml", Rig(cameras))
     face = face_picture("astronaut.png")
     things = [
-        Thing(Box((100.0, 100.0, 20.0)), Pose((10.0, 5.0, 9.9)), (160, 160, 150)),
-        Thing(Card((100.0, 100.0), face), Pose((10.0, 5.0, 20.0))),
+        VisibleBody(Box((100.0, 100.0, 20.0)), Pose((10.0, 5.0, 9.9)), (160, 160, 150)),
+        VisibleBody(Card((100.0, 100.0), face), Pose((10.0, 5.0, 20.0))),
     ]
     for seed, (name, camera) in enumerate(cameras.items()):
         picture(f"{name}.png", taken(camera, things, seed))

@@ -15,8 +15,8 @@ from assistant.base.diagnostics import Refused
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.drawn import read_part
 from assistant.vision.recognition.library import add_objects, read_library
-from assistant.vision.recognition.moments import moments
-from assistant.vision.recognition.shown import View, learn_face
+from assistant.vision.recognition.moments import contour_moments
+from assistant.vision.recognition.shown import ObjectView, learn_face
 from assistant.vision.recognition.symmetry import symmetry_of
 from tests.vision.recognition.scenes import PARTS, drawing, face_picture
 
@@ -26,7 +26,7 @@ def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("library")
     part = drawing(PARTS[0], folder, glue=[(5, 5), (70, 12)], grasp=True)
     one = read_part(part, "bracket", contour="part", lines=["GLUE"], height=2.5).object
-    view = View("coffee.png", face_picture("coffee.png", 200))
+    view = ObjectView("coffee.png", face_picture("coffee.png", 200))
     card = learn_face(opencv(), "card", [view], 80.0).object
     add_objects(folder / "lib", [one, card])
     return folder / "lib"
@@ -238,7 +238,7 @@ def test_moments_of_contours_are_those_of_their_pixels(ten):
     cv = opencv()
     for part in PARTS:
         rings = ten.objects[part.name].outline.rings
-        found = moments(cv, rings)
+        found = contour_moments(cv, rings)
         scale = 8.0
         mask = np.zeros((1200, 1200), np.uint8)
         polygons = [np.rint((ring + 50.0) * scale).astype(np.int32) for ring in rings]

@@ -8,10 +8,10 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.depth import matched_rows
-from assistant.vision.recognition.photo import looked_at
-from assistant.vision.recognition.shown import View, learn_face
-from assistant.vision.recognition.textures import Marks, textures_in
+from assistant.vision.recognition.depth import match_rows
+from assistant.vision.recognition.photo import analyse_picture
+from assistant.vision.recognition.shown import ObjectView, learn_face
+from assistant.vision.recognition.textures import TextureIndex, find_textures
 from tests.vision.recognition.scenes import REAL, face_picture, real
 
 SIDE = 120
@@ -36,7 +36,9 @@ def test_parts_of_one_picture_of_a_pair_are_found_in_the_other(tell):
         for column in range(60, left.shape[1] - SIDE + 1, 103):
             part = left[row : row + SIDE, column : column + SIDE]
             try:
-                one = learn_face(cv, f"p{row}_{column}", [View("part", part)], float(SIDE)).object
+                one = learn_face(
+                    cv, f"p{row}_{column}", [ObjectView("part", part)], float(SIDE)
+                ).object
             except Refused as refused:
                 assert refused.findings[0].code == "VS320"
                 continue
@@ -45,11 +47,13 @@ def test_parts_of_one_picture_of_a_pair_are_found_in_the_other(tell):
             known.append(one)
             places[one.name] = np.array([column - shift, row]) + (SIDE - 1) / 2.0
     others = [
-        learn_face(cv, n.partition(".")[0], [View(n, face_picture(n))], 100.0).object
+        learn_face(cv, n.partition(".")[0], [ObjectView(n, face_picture(n))], 100.0).object
         for n in OTHERS
     ]
     camera = Camera("right", Lens.ideal((right.shape[1], right.shape[0]), 900.0))
-    found = textures_in(cv, looked_at(cv, camera, right), Marks.of([*known, *others]), None)
+    found = find_textures(
+        cv, analyse_picture(cv, camera, right), TextureIndex.of([*known, *others]), None
+    )
     names = [one.object.name for one in found]
     off = [
         float(np.linalg.norm(camera.project(np.array([one.estimate.pose.position]))[0]
@@ -75,7 +79,7 @@ def test_real_pictures_of_other_things_have_no_names(recogniser):
         part = 640.0 / max(picture.shape[:2])
         picture = cv.resize(picture, None, fx=part, fy=part, interpolation=cv.INTER_AREA)
         camera = Camera("one", Lens.ideal((picture.shape[1], picture.shape[0]), 700.0))
-        found = textures_in(cv, looked_at(cv, camera, picture), recogniser.marks, None)
+        found = find_textures(cv, analyse_picture(cv, camera, picture), recogniser.marks, None)
         assert [one.object.name for one in found] == [], name
 
 
@@ -84,7 +88,7 @@ def test_all_coins_on_an_uneven_background_are_regions():
     cv = opencv()
     picture = real("coins.png")
     camera = Camera("one", Lens.ideal((picture.shape[1], picture.shape[0]), 700.0))
-    photo = looked_at(cv, camera, picture)
+    photo = analyse_picture(cv, camera, picture)
     areas = np.array(photo.areas[: photo.pieces])
     assert (areas > 500).sum() == 24
 
@@ -92,7 +96,7 @@ def test_all_coins_on_an_uneven_background_are_regions():
 def test_depth_agrees_with_the_measured_disparity(tell):
     cv = opencv()
     pair = [cv.cvtColor(real(f"motorcycle_{n}.png"), cv.COLOR_BGR2GRAY) for n in ("left", "right")]
-    found, told = matched_rows(cv, *pair, 5.0, 75.0), disparity()
+    found, told = match_rows(cv, *pair, 5.0, 75.0), disparity()
     both = np.isfinite(found) & np.isfinite(told)
     off = np.abs(found - told)[both]
     tell(
@@ -109,5 +113,5 @@ def test_a_picture_that_shows_few_marks_is_no_face(name):
     cv = opencv()
     plain = cv.GaussianBlur(real(name), (0, 0), 40.0)
     with pytest.raises(Refused) as refused:
-        learn_face(cv, "plain", [View(name, plain)], 100.0)
+        learn_face(cv, "plain", [ObjectView(name, plain)], 100.0)
     assert refused.value.findings[0].code == "VS320"

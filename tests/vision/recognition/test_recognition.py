@@ -11,12 +11,12 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, Thing
+from assistant.vision.cameras.drawing import Card, VisibleBody
 from assistant.vision.opencv import opencv
 from assistant.vision.recognition.estimating import Plane
 from assistant.vision.recognition.library import Library
 from assistant.vision.recognition.seeing import Recogniser
-from assistant.vision.recognition.shown import View
+from assistant.vision.recognition.shown import ObjectView
 from assistant.vision.recognition.solid import learn_solid
 from tests.vision.recognition.counting import EXACT, Counts, add, counted, difference
 from tests.vision.recognition.scenes import (
@@ -105,7 +105,7 @@ def test_two_cameras_locate_better_than_each_and_tell_when_they_disagree(ten, te
         rotations.multiply(rotations.about((0, 0, 1), 25.0), rotations.about((1, 0, 0), 14.0))
     )
     pose = Pose.of(np.array([15.0, -10.0, 40.0]), turn)
-    things = [Thing(Card(one.texture.size, face_picture("astronaut.png")), pose)]
+    things = [VisibleBody(Card(one.texture.size, face_picture("astronaut.png")), pose)]
     pictures = {"left": taken(LEFT, things, 1), "right": taken(RIGHT, things, 2)}
     cameras = {"left": LEFT, "right": RIGHT}
     off = {}
@@ -132,7 +132,7 @@ def test_a_card_far_away_may_be_tilted_in_two_ways(ten):
     alone = Recogniser(opencv(), Library({"astronaut": one}))
     turn = rotations.multiply(rotations.about((0, 0, 1), 25.0), rotations.about((1, 0, 0), 14.0))
     pose = Pose.of(np.array([15.0, -10.0, 40.0]), rotations.canonical(turn))
-    things = [Thing(Card(one.texture.size, face_picture("astronaut.png")), pose)]
+    things = [VisibleBody(Card(one.texture.size, face_picture("astronaut.png")), pose)]
     lens = Lens((640, 480), (3000.0, 3000.0), (320.0, 240.0), (0.0,) * 5)
     far = Camera("above", lens, looking_at((40.0, -900.0, 3000.0), (0.0, 0.0, 0.0)))
     sight = alone.see({"above": taken(far, things, 1)}, {"above": far})
@@ -195,7 +195,7 @@ def test_a_camera_that_does_not_see_the_plane_is_told(recogniser):
     assert refused.value.findings[0].code == "VS336"
 
 
-def boxed(pose: Pose) -> list[Thing]:
+def boxed(pose: Pose) -> list[VisibleBody]:
     """A box of 90 × 70 × 50 mm with real pictures on its top and two of its sides."""
     across = rotations.from_matrix(np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]))
     along = rotations.from_matrix(np.array([[0, 0, 1.0], [1.0, 0, 0], [0, 1.0, 0]]))
@@ -204,7 +204,7 @@ def boxed(pose: Pose) -> list[Thing]:
         ("coffee.png", (90.0, 50.0), Pose.of(np.array([0.0, -35.0, 25.0]), across)),
         ("chelsea.png", (70.0, 50.0), Pose.of(np.array([45.0, 0.0, 25.0]), along)),
     )
-    return [Thing(Card(size, face_picture(file)), pose @ on) for file, size, on in sides]
+    return [VisibleBody(Card(size, face_picture(file)), pose @ on) for file, size, on in sides]
 
 
 @pytest.mark.slow
@@ -215,7 +215,7 @@ def test_a_box_is_learnt_by_two_cameras_and_found_by_one_and_by_both(tell):
     two = replace(RIGHT, pose=looking_at((230.0, -270.0, 430.0), (0.0, 0.0, 20.0)))
     cameras = {"left": one, "right": two}
     shown = [
-        View(name, taken(camera, boxed(Pose()), seed), camera)
+        ObjectView(name, taken(camera, boxed(Pose()), seed), camera)
         for seed, (name, camera) in enumerate(cameras.items())
     ]
     box = learn_solid(cv, "box", shown, EXACT).object

@@ -24,7 +24,7 @@ from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.image_based import ImageInHand, ImageToHand
 from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.pose_based import PoseInHand, PoseToHand
-from assistant.vision.servoing.synthetic import Clock, Projected, World
+from assistant.vision.servoing.synthetic import Clock, ProjectedEyes, ServoWorld
 from assistant.vision.servoing.things import Marker
 
 LENS = Lens((640, 480), (800.0, 795.0), (318.0, 242.0), (-0.1, 0.03, 0.001, -0.001, 0.0))
@@ -70,8 +70,8 @@ class Scene:
         cameras = (IN_HAND,) if "in hand" in name else self.cameras
         hand = "in hand" in name
         things = ((MARKER, self.target), None) if hand else (None, (MARKER, ON_TOOL))
-        world = World(self.robot, joints, *things)
-        return Projected(cameras, world, how.pop("clock", Clock()), **how)
+        world = ServoWorld(self.robot, joints, *things)
+        return ProjectedEyes(cameras, world, how.pop("clock", Clock()), **how)
 
     def start(self, name, rng):
         """(a,) joints at which all that is led by is in the pictures."""

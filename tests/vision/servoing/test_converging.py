@@ -10,9 +10,9 @@ import pytest
 
 from assistant.base import rotations
 from assistant.vision.servoing.going import lead_to
-from assistant.vision.servoing.ideal import Ideal, Ticks
+from assistant.vision.servoing.ideal import IdealArm, SteppedClock
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import Settings, servo
+from assistant.vision.servoing.loop import ServoSettings, servo
 from assistant.vision.servoing.synthetic import Clock
 from tests.vision.servoing.scenes import TIP, by_controller, five_axes, over_egm, six_axes
 
@@ -68,10 +68,10 @@ def imagined(scene, name, number, rng, late=0.0):
 
     late: seconds by which each picture comes, while the arm goes on.
     """
-    begin, clock = scene.start(name, rng), Ticks()
-    arm = Ideal(begin, scene.guard.speeds, clock=clock)
+    begin, clock = scene.start(name, rng), SteppedClock()
+    arm = IdealArm(begin, scene.guard.speeds, clock=clock)
     eyes = scene.eyes(name, arm.joints, seed=number, clock=clock, delay=lambda _: late)
-    settings = Settings(stale=1.0, timeout=20.0)
+    settings = ServoSettings(stale=1.0, timeout=20.0)
     served = servo(eyes, scene.law(name), arm, scene.guard, settings, clock=clock)
     return (*scene.off(begin), *scene.off(arm.joints()), served.seconds)
 
@@ -85,7 +85,7 @@ def test_pictures_that_come_late_are_of_where_the_arm_was_then(make, tell):
         tell(told(f"{scene.robot.name}, {name}, pictures 0.4 s late", [row]))
 
 
-class Stepping(Ideal):
+class Stepping(IdealArm):
     """It is where it was told to be when a step ends, and stands there until the next one."""
 
     waits = True
@@ -98,10 +98,10 @@ class Stepping(Ideal):
 def test_an_arm_that_waits_stood_still_when_a_picture_was_taken():
     """Pictures take their time, in which it does not move: few steps bring it to its goal."""
     scene, rng = five_axes(), np.random.default_rng(7)
-    begin, clock = scene.start("image in hand", rng), Ticks()
+    begin, clock = scene.start("image in hand", rng), SteppedClock()
     arm = Stepping(begin, scene.guard.speeds, period=0.2, clock=clock)
     eyes = scene.eyes("image in hand", arm.joints, clock=clock, delay=lambda _: 1.0)
-    settings = Settings(gain=10.0, share=0.95, stale=1.5, timeout=100.0)
+    settings = ServoSettings(gain=10.0, share=0.95, stale=1.5, timeout=100.0)
     servo(eyes, scene.law("image in hand"), arm, scene.guard, settings, clock=clock)
     assert scene.off(arm.joints())[0] < 1.5
     assert len(arm.rows) < 12

@@ -10,13 +10,13 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens
-from assistant.vision.servoing.estimating import estimated
+from assistant.vision.servoing.estimating import estimate_pose
 from assistant.vision.servoing.image_based import ImageToHand
 from assistant.vision.servoing.interaction import flange_of, interaction_matrix, jacobian, turned_by
-from assistant.vision.servoing.law import Moment, Sight
+from assistant.vision.servoing.law import ServoMoment, TargetSighting
 from assistant.vision.servoing.pose_based import PoseInHand, PoseToHand
-from assistant.vision.servoing.things import Marker, Points
-from assistant.vision.servoing.tracked import Tracked
+from assistant.vision.servoing.things import GivenPoints, Marker
+from assistant.vision.servoing.tracked import PoseTracker
 from tests.vision.servoing.scenes import IN_HAND, LENS, MARKER, ON_TOOL, five_axes, six_axes
 
 LAWS = ("image in hand", "pose in hand", "image to hand", "pose to hand")
@@ -54,10 +54,10 @@ def seen(scene, name, flange):
     if "in hand" in name:
         camera = IN_HAND.carried(flange)
         pixels = {camera.name: camera.project(scene.target.moved(MARKER.points))}
-        return Moment([camera], Sight(0.0, 0, pixels), flange)
+        return ServoMoment([camera], TargetSighting(0.0, 0, pixels), flange)
     placed = (flange @ ON_TOOL).moved(MARKER.points)
     pixels = {camera.name: camera.project(placed) for camera in scene.cameras}
-    return Moment(scene.cameras, Sight(0.0, 0, {}, pixels), flange)
+    return ServoMoment(scene.cameras, TargetSighting(0.0, 0, {}, pixels), flange)
 
 
 def moved(flange, twist):
@@ -87,21 +87,21 @@ def test_errors_and_their_slopes_are_as_differences_say(name):
 
 def test_points_in_one_line_tell_no_pose():
     scene = six_axes()
-    line = Points(np.array([[0.0, 0.0, 0.0], [20.0, 0.0, 0.0], [40.0, 0.0, 0.0]]))
+    line = GivenPoints(np.array([[0.0, 0.0, 0.0], [20.0, 0.0, 0.0], [40.0, 0.0, 0.0]]))
     placed = (scene.flange @ ON_TOOL).moved(line.points)
     pixels = {camera.name: camera.project(placed) for camera in scene.cameras}
     law = ImageToHand(line, ON_TOOL, scene.flange)
-    task = law.task(Moment(scene.cameras, Sight(0.0, 0, {}, pixels), scene.flange))
+    task = law.task(ServoMoment(scene.cameras, TargetSighting(0.0, 0, {}, pixels), scene.flange))
     assert task.condition > 1e6
 
 
 def test_one_ball_in_two_cameras_tells_a_place_and_no_turn():
     scene = six_axes()
-    ball = Points(np.zeros((1, 3)))
+    ball = GivenPoints(np.zeros((1, 3)))
     start = moved(scene.flange, np.array([5.0, -4.0, 3.0, 0.0, 0.0, 0.0]))
     placed = (start @ ON_TOOL).moved(ball.points)
     pixels = {camera.name: camera.project(placed) for camera in scene.cameras}
-    moment = Moment(scene.cameras, Sight(0.0, 0, {}, pixels), start)
+    moment = ServoMoment(scene.cameras, TargetSighting(0.0, 0, {}, pixels), start)
     for law in (PoseToHand(ball, ON_TOOL, scene.flange), ImageToHand(ball, ON_TOOL, scene.flange)):
         task = law.task(moment)
         step = np.linalg.lstsq(task.slopes[:, :3], -task.error, rcond=None)[0]
@@ -113,7 +113,7 @@ def test_a_pose_that_two_cameras_see_is_exact():
     scene = five_axes()
     pose = scene.flange @ ON_TOOL
     pixels = {camera.name: camera.project(pose.moved(MARKER.points)) for camera in scene.cameras}
-    found = estimated(scene.cameras, pixels, MARKER.points)
+    found = estimate_pose(scene.cameras, pixels, MARKER.points)
     assert np.allclose(found.pose.position, pose.position, atol=1e-6) and found.residual < 1e-6
 
 
@@ -125,11 +125,11 @@ def test_a_marker_that_fits_two_poses_is_doubtful():
     pose, small = Pose((0.0, 0.0, 900.0), tuple(turn)), Marker(1, 25.0)
     rng = np.random.default_rng(5)
     pixels = camera.project(pose.moved(small.points)) + rng.normal(0.0, 0.2, (4, 2))
-    said = Tracked().pose_of([camera], {"one": pixels}, small.points)
+    said = PoseTracker().pose_of([camera], {"one": pixels}, small.points)
     assert isinstance(said, str) and "two poses" in said
     near = Pose((0.0, 0.0, 200.0), tuple(turn))
     pixels = camera.project(near.moved(small.points)) + rng.normal(0.0, 0.2, (4, 2))
-    assert not isinstance(Tracked().pose_of([camera], {"one": pixels}, small.points), str)
+    assert not isinstance(PoseTracker().pose_of([camera], {"one": pixels}, small.points), str)
 
 
 def test_what_is_not_the_thing_is_doubtful():
@@ -141,13 +141,13 @@ def test_what_is_not_the_thing_is_doubtful():
 
 
 def test_a_marker_is_found_where_it_is_projected(tell):
-    from assistant.vision.cameras.drawing import Card, Thing, draw
+    from assistant.vision.cameras.drawing import Card, VisibleBody, draw
 
     picture = MARKER.picture()
     edge = MARKER.size * picture.shape[0] / 240.0
     pose = Pose((5.0, -8.0, 300.0), tuple(rotations.about([0.96, 0.28, 0.0], 160.0)))
     camera = Camera("one", LENS)
-    drawn = draw(camera, [Thing(Card((edge, edge), picture), pose)])
+    drawn = draw(camera, [VisibleBody(Card((edge, edge), picture), pose)])
     off = MARKER.find(drawn, camera) - camera.project(pose.moved(MARKER.points))
     worst = float(np.linalg.norm(off, axis=1).max())
     tell(f"corners of a drawn marker: {worst:.3f} px off at most")

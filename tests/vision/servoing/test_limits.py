@@ -17,7 +17,7 @@ from assistant.controllers.cyclic.setpoint_source import Settings as CyclicSetti
 from assistant.program.geometry import Pose
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import Settings
+from assistant.vision.servoing.loop import ServoSettings
 
 ARM = robots.get("rv-2aj")
 TIP = Pose((0.0, 0.0, 100.0))
@@ -69,7 +69,7 @@ def test_bounds_that_cannot_be(given):
     with pytest.raises(Refused):
         Bounds(box=((0.0, 0.0, 0.0), (10.0, -1.0, 10.0)))
     with pytest.raises(Refused):
-        Settings(gain=-1.0)
+        ServoSettings(gain=-1.0)
 
 
 # ----------------------------------------------------------------- corrections in each cycle

@@ -16,7 +16,7 @@ from assistant.base import rotations
 from assistant.vision.servoing.bounds import Bounds
 from assistant.vision.servoing.going import lead_to
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import Broken, Settings, servo
+from assistant.vision.servoing.loop import ServoSettings, ServoStopped, servo
 from assistant.vision.servoing.synthetic import Clock
 from tests.vision.servoing.scenes import MODES_BY_NAME, TIP
 
@@ -26,7 +26,7 @@ AWAY = {
     "five": np.array([9.0, -6.0, 5.0, -8.0, 14.0]),
     "six": np.array([9.0, -6.0, 5, 6, -8, 14.0]),
 }
-SETTINGS = Settings(timeout=60.0, stale=1.0)
+SETTINGS = ServoSettings(timeout=60.0, stale=1.0)
 
 
 @contextmanager
@@ -48,7 +48,7 @@ def begin(scene, carrier):
     away = AWAY["five" if len(scene.goal_joints) == 5 else "six"]
     free = replace(scene, bounds=replace(scene.bounds, box=None))
     start = flange_of(scene.robot, scene.goal_joints + 0.7 * away) @ TIP
-    lead_to(start, carrier, free.guard, Settings(distance=1.0, turn=2.0, gain=4.0, share=0.7))
+    lead_to(start, carrier, free.guard, ServoSettings(distance=1.0, turn=2.0, gain=4.0, share=0.7))
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -59,7 +59,7 @@ def test_it_stops_when_sight_is_lost_and_comes_to_its_goal_within_its_limits(nam
         lost = Lost(joints)
         eyes = scene.eyes("pose in hand", joints, hidden=lost)
         law = scene.law("pose in hand")
-        with pytest.raises(Broken) as broken:
+        with pytest.raises(ServoStopped) as broken:
             servo(eyes, law, carrier, scene.guard, SETTINGS, clock=Clock())
         check_lost(broken.value, lost.at)
         check_rest(scene, carrier, joints, broken.value)

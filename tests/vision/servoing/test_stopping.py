@@ -10,15 +10,15 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera_file import read_cameras
-from assistant.vision.servoing.ideal import Ideal, Ticks
+from assistant.vision.servoing.ideal import IdealArm, SteppedClock
 from assistant.vision.servoing.image_based import ImageToHand
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.live import Live, Looked
-from assistant.vision.servoing.loop import Broken, Settings, servo
-from assistant.vision.servoing.setting_up import eyes_of, set_up
-from assistant.vision.servoing.synthetic import Drawn, Projected, World
+from assistant.vision.servoing.live import LiveEyes, SoughtTargets
+from assistant.vision.servoing.loop import ServoSettings, ServoStopped, servo
+from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
+from assistant.vision.servoing.synthetic import DrawnEyes, ProjectedEyes, ServoWorld
 from assistant.vision.servoing.task_file import read_servo
-from assistant.vision.servoing.things import Points
+from assistant.vision.servoing.things import GivenPoints
 from tests.vision.servoing.scenes import IN_HAND, MARKER, ON_TOOL, TIP, five_axes
 
 AWAY = np.array([6.0, -5.0, 4.0, -6.0, 10.0])
@@ -26,15 +26,15 @@ AWAY = np.array([6.0, -5.0, 4.0, -6.0, 10.0])
 
 def led(name="image in hand", *, scene=None, settings=None, eyes=None, away=AWAY, law=None, **how):
     """Servoing of an ideal arm, and that arm."""
-    scene, clock = scene or five_axes(), Ticks()
-    arm = Ideal(scene.goal_joints + away, scene.guard.speeds)
+    scene, clock = scene or five_axes(), SteppedClock()
+    arm = IdealArm(scene.goal_joints + away, scene.guard.speeds)
     made = eyes(arm, clock) if eyes else scene.eyes(name, arm.joints, clock=clock, **how)
-    rules = settings or Settings()
+    rules = settings or ServoSettings()
     return arm, lambda: servo(made, law or scene.law(name), arm, scene.guard, rules, clock=clock)
 
 
 def refused(run):
-    with pytest.raises(Broken) as broken:
+    with pytest.raises(ServoStopped) as broken:
         run()
     return [finding.code for finding in broken.value.findings], broken.value.served
 
@@ -65,7 +65,7 @@ def test_pictures_that_come_late_count_as_lost():
 def test_a_camera_that_gives_no_more_pictures_counts_as_lost():
     @dataclass
     class Ending:
-        eyes: Projected
+        eyes: ProjectedEyes
 
         @property
         def cameras(self):
@@ -89,12 +89,12 @@ def test_nothing_moves_before_it_is_seen_for_sure():
 
 
 def test_points_in_one_line_stop_it():
-    line = Points(np.array([[-20.0, 0.0, 0.0], [0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]))
+    line = GivenPoints(np.array([[-20.0, 0.0, 0.0], [0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]))
     scene = five_axes()
 
     def eyes(arm, clock):
-        world = World(scene.robot, arm.joints, None, (line, ON_TOOL))
-        return Projected(scene.cameras, world, clock, noise=0.0)
+        world = ServoWorld(scene.robot, arm.joints, None, (line, ON_TOOL))
+        return ProjectedEyes(scene.cameras, world, clock, noise=0.0)
 
     codes, _ = refused(led(eyes=eyes, law=ImageToHand(line, ON_TOOL, scene.flange))[1])
     assert codes == ["VS204"]
@@ -107,7 +107,7 @@ def test_a_camera_that_is_not_where_its_file_says_stops_it():
 
     @dataclass
     class Wrong:
-        eyes: Projected
+        eyes: ProjectedEyes
         cameras: tuple = turned
 
         def look(self, after, patience):
@@ -123,7 +123,7 @@ def test_a_camera_that_is_not_where_its_file_says_stops_it():
 
 
 def test_the_time_is_kept():
-    codes, served = refused(led(settings=Settings(timeout=0.5))[1])
+    codes, served = refused(led(settings=ServoSettings(timeout=0.5))[1])
     assert codes == ["VS206"] and served.seconds < 0.7
 
 
@@ -223,7 +223,7 @@ def test_cameras_that_do_not_fit(tmp_path, cameras, file, code):
     (tmp_path / "servo.toml").write_text(file, encoding="utf-8")
     rig = read_cameras(tmp_path / "cameras.toml")
     with pytest.raises(Refused) as wrong:
-        set_up(read_servo(tmp_path / "servo.toml"), rig, five_axes().robot)
+        set_up_servo(read_servo(tmp_path / "servo.toml"), rig, five_axes().robot)
     assert [finding.code for finding in wrong.value.findings] == [code]
     assert wrong.value.exit_status == 2
 
@@ -232,10 +232,10 @@ def test_a_camera_without_a_source_and_one_that_ends(tmp_path):
     import cv2
 
     with pytest.raises(Refused) as none:
-        Live([IN_HAND], {}, Looked(MARKER))
+        LiveEyes([IN_HAND], {}, SoughtTargets(MARKER))
     assert [finding.code for finding in none.value.findings] == ["VS211"]
     cv2.imwrite(str(tmp_path / "1.png"), np.full((480, 640, 3), 90, np.uint8))
-    with Live([IN_HAND], {"hand": "."}, Looked(MARKER), tmp_path) as live:
+    with LiveEyes([IN_HAND], {"hand": "."}, SoughtTargets(MARKER), tmp_path) as live:
         sight = live.look(-np.inf, 5.0)
         assert np.isnan(sight.target["hand"]).all() and sight.number == 0
         with pytest.raises(Refused) as ended:
@@ -247,9 +247,9 @@ def test_the_pictures_of_a_cell_follow_the_arm():
     """Drawn and looked for: the marker of the samples lies where it is said to lie."""
     robot = five_axes().robot
     file = read_servo("samples/servoing/marker.toml")
-    setting = set_up(file, read_cameras("samples/servoing/cameras.toml"), robot)
+    setting = set_up_servo(file, read_cameras("samples/servoing/cameras.toml"), robot)
     at = {"joints": robot.home}
-    with eyes_of(setting, lambda: at["joints"]) as eyes:
+    with open_eyes(setting, lambda: at["joints"]) as eyes:
         for joints in (robot.home, robot.home + np.array([4.0, 6.0, 5.0, -8.0, 10.0])):
             at["joints"] = joints
             camera = eyes.cameras[0].carried(flange_of(robot, joints))
@@ -259,17 +259,19 @@ def test_the_pictures_of_a_cell_follow_the_arm():
 
 
 def test_an_ideal_arm_is_led_by_drawn_pictures(tell):
-    from assistant.vision.cameras.drawing import Card, Thing
+    from assistant.vision.cameras.drawing import Card, VisibleBody
 
     scene = five_axes()
     edge = MARKER.edge
-    card = Thing(Card((edge, edge), MARKER.picture()))
+    card = VisibleBody(Card((edge, edge), MARKER.picture()))
 
     def eyes(arm, clock):
-        world = World(scene.robot, arm.joints, (MARKER, scene.target))
-        return Drawn((IN_HAND,), world, (card,), clock=clock, rate=5.0)
+        world = ServoWorld(scene.robot, arm.joints, (MARKER, scene.target))
+        return DrawnEyes((IN_HAND,), world, (card,), clock=clock, rate=5.0)
 
-    arm, run = led("pose in hand", eyes=eyes, settings=Settings(gain=4.0, share=0.7, distance=1.0))
+    arm, run = led(
+        "pose in hand", eyes=eyes, settings=ServoSettings(gain=4.0, share=0.7, distance=1.0)
+    )
     served = run()
     away, turn = scene.off(arm.at)
     tell(f"drawn pictures: {served.pictures} of them, {away:.2f} mm and {turn:.2f} degrees left")
