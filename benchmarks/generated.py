@@ -15,8 +15,7 @@ import numpy as np
 
 from assistant import robots
 from assistant.base.file_sets import write_files
-from assistant.blocks.code import kinematics
-from assistant.blocks.code.templates import source_identifier
+from assistant.blocks.code import kinematics, source_identifier
 from assistant.robots import Robot
 from benchmarks.arms import ARMS, joints
 

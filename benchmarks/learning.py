@@ -10,10 +10,15 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 
-from assistant.learning.maps.experiments import Experiment, five_joints, three_joints
-from assistant.learning.maps.goals import Goals
-from assistant.learning.maps.rivals import CalibratedBaseline, baseline_errors, nearest_baseline
-from assistant.learning.maps.training import (
+from assistant.learning.maps.experiments import (
+    CalibratedBaseline,
+    Experiment,
+    baseline_errors,
+    five_joints,
+    nearest_baseline,
+    three_joints,
+)
+from assistant.learning.maps.map_training import (
     MapErrors,
     draw_test_goals,
     goals_with_noise,
@@ -21,6 +26,7 @@ from assistant.learning.maps.training import (
     train_and_measure,
     usual_plan,
 )
+from assistant.learning.maps.observed_arm import Goals
 
 STEPS = (1_000, 10_000, 30_000)
 NOISE = 0.2

@@ -21,9 +21,7 @@ import numpy as np
 from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import LATE_SHARE, run
+from assistant.blocks.diagrams import LATE_SHARE, Diagram, RealTime, run
 from assistant.blocks.library.external_control import ExternalControl, Led
 from assistant.blocks.library.sources import Constant, joint_table
 from assistant.controllers.cyclic import Leading, Limits

@@ -32,7 +32,7 @@ def model(name: str) -> bytes:
     """The picture of a model, as PNG."""
     from matplotlib.figure import Figure
 
-    from assistant.blocks.showing.pictures import draw_diagram, draw_signals
+    from assistant.blocks.display import draw_diagram, draw_signals
 
     module = loaded(name)
     diagram, ran = module.simulated()

@@ -206,12 +206,11 @@ def pointing() -> bytes:
     from assistant.base import rotations
     from assistant.program.geometry import Pose
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.drawing import Optics
-    from assistant.vision.cameras.drawing import draw as taken
-    from assistant.vision.pointing.devices import wand
-    from assistant.vision.pointing.finding import find_spots
-    from assistant.vision.pointing.locating import Sighting, locate_device
-    from assistant.vision.pointing.showing import bodies_of_device
+    from assistant.vision.cameras.synthetic_pictures import Optics
+    from assistant.vision.cameras.synthetic_pictures import draw as taken
+    from assistant.vision.pointing.device_tracking import Sighting, locate_device
+    from assistant.vision.pointing.devices import bodies_of_device, wand
+    from assistant.vision.pointing.mark_detection import find_spots
 
     device = wand()
     turn = rotations.canonical((0.0, 0.28, 0.95, 0.14))
@@ -249,7 +248,7 @@ def fmu() -> bytes:
     import numpy as np
 
     from assistant import robots
-    from assistant.blocks.arm_motion import ArmMotion
+    from assistant.blocks.library.arms import ArmMotion
 
     t, robot = np.arange(0.0, 1.6, 0.004), robots.get("rv-2aj")
     wanted = np.where(t < 0.1, 0.0, np.where(t < 0.8, 60.0, 10.0))
@@ -290,12 +289,16 @@ def servoing() -> bytes:
 
     from assistant import robots
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.servoing.ideal import IdealArm, SteppedClock
     from assistant.vision.servoing.interaction import flange_of
-    from assistant.vision.servoing.loop import servo
-    from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
-    from assistant.vision.servoing.synthetic import DrawnEyes, ProjectedEyes, ServoWorld
-    from assistant.vision.servoing.task_file import read_servo
+    from assistant.vision.servoing.servo_loop import servo
+    from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
+    from assistant.vision.servoing.simulation import (
+        DrawnEyes,
+        IdealArm,
+        ProjectedEyes,
+        ServoWorld,
+        SteppedClock,
+    )
 
     samples = PROJECT / "samples/servoing"
     file, rig = read_servo(samples / "marker.toml"), read_cameras(samples / "cameras.toml")
@@ -343,8 +346,8 @@ def calibrated() -> bytes:
     import numpy as np
 
     from assistant import robots
-    from assistant.learning.calibration.calibrating import calibrate
-    from assistant.learning.calibration.measured import read_measured
+    from assistant.learning.calibration.arm_calibration import calibrate
+    from assistant.learning.calibration.measured_poses import read_measured
 
     arm = robots.get("rv-2aj")
     poses = read_measured(PROJECT / "samples/calibration/rv-2aj.csv", arm)

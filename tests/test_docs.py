@@ -29,8 +29,8 @@ from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.options import choose
 from assistant.virtual.proving.comparison import NOT_COMPARED, Uncompared
 from assistant.vision.cameras.camera_file import read_cameras
-from assistant.vision.pointing.device_file import read_device
-from assistant.vision.servoing.task_file import read_servo
+from assistant.vision.pointing.devices import read_device
+from assistant.vision.servoing.servo_task import read_servo
 from docs import api, comparing, findings, house, limits, pictures
 from tests.forks import Forks
 

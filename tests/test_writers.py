@@ -17,8 +17,8 @@ KNOWN = {
     "report/figures.py": "into memory",
     "report/timing.py": "into memory",
     "report/workspace.py": "into memory",
-    "blocks/showing/pictures.py": "into memory",
-    "blocks/fmu/compilers.py": "for a compiler, in a folder for the moment",
+    "blocks/display.py": "into memory",
+    "blocks/fmu/co_simulation.py": "for a compiler, in a folder for the moment",
     "cli/controller_commands.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp.py": "a part that later runs go on with",
     "controllers/abb/sftp.py": "on the controller",
@@ -32,7 +32,7 @@ KNOWN = {
     "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
     "virtual/proving/sides.py": "modules that a run loads, on a disk for the moment",
     "virtual/tracing.py": "into memory",
-    "vision/recognition/library.py": "into memory",
+    "vision/recognition/object_library.py": "into memory",
 }
 
 

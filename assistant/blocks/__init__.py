@@ -1,1 +1,1 @@
-"""Blocks: the robot inside models of other tools, as a library of theirs or as generated code."""
+"""Blocks: the robot in models of other tools, as a library for them or as generated code."""

@@ -6,7 +6,7 @@ arm = bd.SIMARM(bd.clock(0.01), robots.get("rv-2aj"))
 
 Signals are numbers as elsewhere: joints in degrees, poses as x, y, z in mm and a quaternion;
 `POSETOSE3` and `SE3TOPOSE` are for what takes and gives SE3 in metres. What moves an arm runs only
-by `run_bdsim` or `run_paced` of `assistant.blocks.running_bdsim`, which are told that it was
+by `run_bdsim` or `run_paced` of `assistant.blocks.bdsim_adapter`, which are told that it was
 confirmed.
 
 Its editor shows what stands here: parameters by the fields of the docstrings in its own form, icons
@@ -24,8 +24,8 @@ from bdsim.block import FunctionBlock, SampledBlock
 from spatialmath import SE3
 
 from assistant.base import rotations
-from assistant.blocks.library import arms, kinematics, leading, moving, sources
-from assistant.blocks.library.adapted import Direct, OfKind, Stepped
+from assistant.blocks.bdsim_adapter import Direct, OfKind, Stepped
+from assistant.blocks.library import arms, continuous_moves, sources, stopped_moves
 from assistant.program.geometry import Pose
 
 METRE: Final = 1000.0
@@ -57,7 +57,7 @@ class JointMovJoint(_Move, SampledBlock):
     :type robot: Robot
     """
 
-    kind = moving.JointMovJoint
+    kind = stopped_moves.JointMovJoint
 
 
 class JointMovCart(_Move, SampledBlock):
@@ -74,7 +74,7 @@ class JointMovCart(_Move, SampledBlock):
     :type robot: Robot
     """
 
-    kind = moving.JointMovCart
+    kind = stopped_moves.JointMovCart
     inlabels = ("T", "go")
 
 
@@ -89,7 +89,7 @@ class LinMovJoint(_Move, SampledBlock):
     :type robot: Robot
     """
 
-    kind = moving.LinMovJoint
+    kind = stopped_moves.LinMovJoint
 
 
 class LinMovCart(_Move, SampledBlock):
@@ -103,7 +103,7 @@ class LinMovCart(_Move, SampledBlock):
     :type robot: Robot
     """
 
-    kind = moving.LinMovCart
+    kind = stopped_moves.LinMovCart
     inlabels = ("T", "go")
 
 
@@ -118,7 +118,7 @@ class CircularMov(_Move, SampledBlock):
     :type robot: Robot
     """
 
-    kind = moving.CircularMov
+    kind = stopped_moves.CircularMov
     nin = 3
     inlabels = ("T", "T", "go")
 
@@ -140,7 +140,7 @@ class Status(OfKind, Stepped, SampledBlock):
     :type robot: Robot
     """
 
-    kind = leading.Status
+    kind = continuous_moves.Status
     nin = 0
     nout = 6
     outlabels = ("T", "q", "q*", "v", "t", "n/s")
@@ -162,7 +162,7 @@ class RelJoint(OfKind, Stepped, SampledBlock):
     :type most: float
     """
 
-    kind = leading.RelJoint
+    kind = continuous_moves.RelJoint
     nin = 2
     nout = 2
     inlabels = ("dq", "go")
@@ -189,7 +189,7 @@ class RelCart(OfKind, Stepped, SampledBlock):
     :type most: tuple
     """
 
-    kind = leading.RelCart
+    kind = continuous_moves.RelCart
     nin = 2
     nout = 2
     inlabels = ("dT", "go")
@@ -208,7 +208,7 @@ class ArmFK(OfKind, Direct, FunctionBlock):
     :type tool: Pose
     """
 
-    kind = kinematics.ForwardKinematics
+    kind = arms.ForwardKinematics
     called = "fk"
     nin = 1
     nout = 1
@@ -223,7 +223,7 @@ class ArmIK(OfKind, Direct, FunctionBlock):
     :type tool: Pose
     """
 
-    kind = kinematics.InverseKinematics
+    kind = arms.InverseKinematics
     called = "ik"
     nin = 2
     nout = 4
@@ -240,7 +240,7 @@ class ArmJacobian(OfKind, Direct, FunctionBlock):
     :type tool: Pose
     """
 
-    kind = kinematics.Jacobian
+    kind = arms.Jacobian
     called = "jacobian"
     nin = 1
     nout = 1

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from bdsim.block import FunctionBlock, SampledBlock
 
-from assistant.blocks.library import clearance, external_control, pose_exchange, seeing, signals
-from assistant.blocks.library.adapted import Direct, OfKind, Stepped
+from assistant.blocks.bdsim_adapter import Direct, OfKind, Stepped
+from assistant.blocks.library import controller_io, external_control, sensors
 
 
 class ExternalControl(OfKind, Stepped, SampledBlock):
@@ -47,7 +47,7 @@ class ExchangedPose(OfKind, Stepped, SampledBlock):
     :type connection: Connection
     """
 
-    kind = pose_exchange.ExchangedPose
+    kind = controller_io.ExchangedPose
     called = "exchange"
     nin = 2
     nout = 4
@@ -66,7 +66,7 @@ class InputSignals(OfKind, Stepped, SampledBlock):
     :type names: list
     """
 
-    kind = signals.Signals
+    kind = controller_io.Signals
     called = "inputs"
     nin = 0
     nout = 2
@@ -84,7 +84,7 @@ class OutputSignal(OfKind, Stepped, SampledBlock):
     :type output: str
     """
 
-    kind = signals.Output
+    kind = controller_io.Output
     called = "output"
     nin = 1
     nout = 1
@@ -109,7 +109,7 @@ class Gripper(OfKind, Stepped, SampledBlock):
     :type within: float
     """
 
-    kind = signals.Gripper
+    kind = controller_io.Gripper
     called = "gripper"
     nin = 1
     nout = 3
@@ -130,7 +130,7 @@ class ProjectedMarker(OfKind, Direct, FunctionBlock):
     :type seed: int
     """
 
-    kind = seeing.ProjectedMarker
+    kind = sensors.ProjectedMarker
     called = "camera"
     nin = 1
     nout = 2
@@ -152,7 +152,7 @@ class SeenMarker(OfKind, Stepped, SampledBlock):
     :type rate: float
     """
 
-    kind = seeing.SeenMarker
+    kind = sensors.SeenMarker
     called = "camera"
     nin = 0
     nout = 3
@@ -172,7 +172,7 @@ class PointingDevice(OfKind, Stepped, SampledBlock):
     :type rate: float
     """
 
-    kind = seeing.PointingDevice
+    kind = sensors.PointingDevice
     called = "device"
     nin = 0
     nout = 3
@@ -188,7 +188,7 @@ class CollisionDistance(OfKind, Direct, FunctionBlock):
     :type robots: list
     """
 
-    kind = clearance.CollisionDistance
+    kind = sensors.CollisionDistance
     called = "distance"
     nin = 1
     nout = 1

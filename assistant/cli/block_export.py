@@ -243,8 +243,8 @@ def _program_model(
 ) -> tuple[Model, Sequence[Diagnostic]]:
     """The motion of a program, and what of it only running it would tell."""
     from assistant.blocks.fmu import program_model, usual_period
-    from assistant.blocks.fmu.rules import PARTLY_PLAYED
-    from assistant.blocks.playback import Motion
+    from assistant.blocks.fmu.robot_models import Motion
+    from assistant.blocks.rules import PARTLY_PLAYED
     from assistant.robots.timing import simulate
 
     done = simulate(ready.solution, period=options.period, acceleration=options.acceleration)

@@ -21,13 +21,12 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.program.geometry import Pose
-    from assistant.vision.calibration.hand_eye import Mounting
-    from assistant.vision.calibration.rigs import RigFound
+    from assistant.vision.cameras.calibration import RigFound
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
-    from assistant.vision.cameras.capture import Frame
-    from assistant.vision.cameras.checking import Agreement
-    from assistant.vision.cameras.drawing import VisibleBody
+    from assistant.vision.cameras.capture import Agreement, Frame
+    from assistant.vision.cameras.hand_eye import Mounting
+    from assistant.vision.cameras.synthetic_pictures import VisibleBody
 
 
 camera: Final = typer.Typer(
@@ -163,8 +162,12 @@ def run_calibrate(
     flange: str,
     format: Format,
 ) -> int:
-    from assistant.vision.calibration.boards import Board
-    from assistant.vision.calibration.rigs import calibrate_rig, find_board_in_folder, with_sources
+    from assistant.vision.cameras.calibration import (
+        Board,
+        calibrate_rig,
+        find_board_in_folder,
+        with_sources,
+    )
     from assistant.vision.cameras.camera_file import write_cameras
 
     wanted = Board.parse(board)
@@ -188,7 +191,7 @@ def run_calibrate(
 
 
 def _calibration_lines(found: RigFound) -> list[str]:
-    from assistant.vision.calibration.lenses import LENS_PARAMETERS
+    from assistant.vision.cameras.calibration import LENS_PARAMETERS
 
     lines = list[str]()
     for name, one in found.lenses.items():
@@ -223,7 +226,7 @@ def _calibration_lines(found: RigFound) -> list[str]:
 
 
 def _calibration_record(found: RigFound) -> dict[str, object]:
-    from assistant.vision.calibration.lenses import LENS_PARAMETERS
+    from assistant.vision.cameras.calibration import LENS_PARAMETERS
 
     answer: dict[str, object] = {
         "lenses": {
@@ -301,7 +304,7 @@ def read_poses(file: Path) -> list[Pose]:
 def run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import exposure_findings
-    from assistant.vision.cameras.overlays import with_axes
+    from assistant.vision.cameras.synthetic_pictures import with_axes
 
     if output.suffix.lower() != ".png":
         raise Refused(NO_PNG(name=output), exit_status=2)
@@ -330,7 +333,7 @@ def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
 
 def run_check(file: Path, board: str | None, format: Format) -> int:
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.checking import pictures_findings
+    from assistant.vision.cameras.capture import pictures_findings
 
     rig = read_cameras(file)
     frames = {name: _next_frame(rig, camera, None) for name, camera in rig.cameras.items()}
@@ -368,9 +371,9 @@ def _camera_agreements(
 
     import numpy as np
 
-    from assistant.vision.calibration import rules
-    from assistant.vision.calibration.boards import Board, find_board
-    from assistant.vision.cameras.checking import check_agreement
+    from assistant.vision import rules
+    from assistant.vision.cameras.calibration import Board, find_board
+    from assistant.vision.cameras.capture import check_agreement
 
     wanted = Board.parse(board)
     views = {name: find_board(wanted, one.picture, name) for name, one in frames.items()}
@@ -424,7 +427,7 @@ def run_draw(
 ) -> int:
     from assistant.cell.cell_file import read_scene
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.drawing import Optics, bodies_of_scene, draw
+    from assistant.vision.cameras.synthetic_pictures import Optics, bodies_of_scene, draw
 
     rig = read_cameras(file)
     if shown is None and cell is None:
@@ -462,9 +465,9 @@ def _drawn_moments(
 
 
 def _camera_in_world(camera: Camera, scene: Scene | None, flange: Pose | None) -> Camera:
-    from assistant.vision.cameras import rules
+    from assistant.vision import rules
     from assistant.vision.cameras.camera import WORLD
-    from assistant.vision.cameras.standing import camera_in_world
+    from assistant.vision.cameras.synthetic_pictures import camera_in_world
 
     if camera.parent == WORLD:
         return camera
@@ -477,10 +480,9 @@ def _camera_in_world(camera: Camera, scene: Scene | None, flange: Pose | None) -
 
 
 def _drawn_things(shown: DrawnScene, place: Pose) -> list[VisibleBody]:
-    from assistant.vision.calibration.boards import Board
-    from assistant.vision.cameras.drawing import Card, VisibleBody
-    from assistant.vision.pointing.devices import DEVICES
-    from assistant.vision.pointing.showing import bodies_of_device
+    from assistant.vision.cameras.calibration import Board
+    from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody
+    from assistant.vision.pointing.devices import DEVICES, bodies_of_device
 
     what, _, board = shown
     if what != "board":

@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from assistant.controllers import Controller
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
-    from assistant.vision.exploring.contacts import AnyContacts, Contacts, PictureRegion
-    from assistant.vision.exploring.moving import ExplorationLog
+    from assistant.vision.exploration import AnyContacts, Contacts, ExplorationLog, PictureRegion
     from assistant.vision.servoing.bounds import Guard
 
 
@@ -402,8 +401,8 @@ def run_wander_arm(
 ) -> int:
     """Move an arm at random; the chart and the log are written however it ends."""
     from assistant.cli.visual_servoing import joints_nearby, setpoint_mode
-    from assistant.vision.exploring.moving import RandomExplorer, empty_log
-    from assistant.vision.exploring.rules import EXPLORATION_TIME_OVER
+    from assistant.vision.exploration import RandomExplorer, empty_log
+    from assistant.vision.rules import EXPLORATION_TIME_OVER
     from assistant.vision.servoing.bounds import Bounds as Limits
     from assistant.vision.servoing.bounds import Guard
 
@@ -573,7 +572,7 @@ class _WatchedArm:
     controller: Controller
 
     def __init__(self, begun: ExplorationStart) -> None:
-        from assistant.vision.exploring.moving import empty_log
+        from assistant.vision.exploration import empty_log
         from assistant.vision.servoing.bounds import Bounds as Limits
         from assistant.vision.servoing.bounds import Guard
 
@@ -634,7 +633,7 @@ def _check_arm(begun: ExplorationStart, name: str, robot: Robot | None) -> None:
 def _joint_ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
     """Ranges (a, 2) of --range, with the limits of the other joints; None without any."""
     from assistant.cell.exploration.explorer import ranges_of
-    from assistant.learning.maps.rules import NO_AXIS
+    from assistant.learning.rules import NO_AXIS
 
     if not texts:
         return None
@@ -666,7 +665,7 @@ def _open_contacts(
     joints: Callable[[], Floats],
 ) -> Iterator[tuple[AnyContacts, Callable[[], bool]]]:
     """Open the sources of contacts; also gives what is True once the operator ends it."""
-    from assistant.vision.exploring.contacts import AnyContacts, InputContacts, KeyContacts
+    from assistant.vision.exploration import AnyContacts, InputContacts, KeyContacts
 
     each: list[Contacts] = []
     with ExitStack() as open_:
@@ -687,8 +686,8 @@ def _open_cameras(
 ) -> Iterator[Contacts]:
     """Open each camera of the file as a source; raises Refused for one without a source."""
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.exploring.contacts import open_contact_camera
-    from assistant.vision.servoing.rules import NO_SERVO_SOURCE
+    from assistant.vision.exploration import open_contact_camera
+    from assistant.vision.rules import NO_SERVO_SOURCE
 
     assert contact.cameras is not None
     rig, name = read_cameras(contact.cameras), begun.explorer.placed.name

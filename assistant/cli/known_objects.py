@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from assistant.cell.scene import PlacedRobot
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
-    from assistant.vision.cameras.drawing import Picture
-    from assistant.vision.recognition.attached import OutputFrame
-    from assistant.vision.recognition.estimating import Plane
-    from assistant.vision.recognition.objects import KnownObject
-    from assistant.vision.recognition.seeing import FoundObject, Recognition
+    from assistant.vision.cameras.synthetic_pictures import Picture
+    from assistant.vision.recognition.known_objects import KnownObject
+    from assistant.vision.recognition.pose_estimation import Plane
+    from assistant.vision.recognition.recogniser import FoundObject, Recognition
+    from assistant.vision.recognition.recognition_output import OutputFrame
 
 
 objects: Final = typer.Typer(
@@ -175,7 +175,7 @@ class AddOptions:
 
 
 def run_add(asked: AddOptions, format: Format) -> int:
-    from assistant.vision.recognition.library import add_objects, check_name
+    from assistant.vision.recognition.object_library import add_objects, check_name
 
     check_name(asked.name)
     one, findings = _learn_object(asked)
@@ -190,13 +190,13 @@ def run_add(asked: AddOptions, format: Format) -> int:
 
 
 def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
-    from assistant.vision.recognition import rules
+    from assistant.vision import rules
 
     drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING_SUFFIX]
     if drawings:
         if len(asked.files) > 1:
             raise Refused(rules.DRAWING_AND_PICTURES(cure="name one drawing alone"), exit_status=2)
-        from assistant.vision.recognition.drawn import read_part
+        from assistant.vision.recognition.objects_from_drawings import read_part
 
         drawn = read_part(
             *(drawings[0], asked.name),
@@ -213,13 +213,17 @@ def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...
 
 
 def _learn_from_pictures(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+    from assistant.vision import rules
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import read_picture
     from assistant.vision.opencv import opencv
-    from assistant.vision.recognition import rules
-    from assistant.vision.recognition.pictures import read_picture_of_camera, split_camera_and_file
-    from assistant.vision.recognition.shown import ObjectView, learn_face, learn_lying
-    from assistant.vision.recognition.solid import learn_solid
+    from assistant.vision.recognition.objects_from_pictures import (
+        ObjectView,
+        learn_face,
+        learn_lying,
+        learn_solid,
+    )
+    from assistant.vision.recognition.photo import read_picture_of_camera, split_camera_and_file
 
     cv, height = opencv(), asked.height or 0.0
     if asked.cameras is None:
@@ -248,8 +252,8 @@ def _height_by_depth(
 ) -> float:
     """By depth from the first two pictures of two cameras."""
     from assistant.vision.opencv import opencv
-    from assistant.vision.recognition.depth import face_height
-    from assistant.vision.recognition.rules import UNKNOWN_FACE_HEIGHT
+    from assistant.vision.recognition.stereo_depth import face_height
+    from assistant.vision.rules import UNKNOWN_FACE_HEIGHT
 
     one = views[0]
     other = next(view for view in views if view.camera.name != one.camera.name)
@@ -261,7 +265,7 @@ def _height_by_depth(
 
 
 def run_list(library: Path, format: Format) -> int:
-    from assistant.vision.recognition.library import read_library
+    from assistant.vision.recognition.object_library import read_library
 
     read = read_library(library)
     print_findings(read.findings)
@@ -320,8 +324,8 @@ def run_see(asked: SeeOptions, format: Format) -> int:
     """0 if what was found may be acted on, else 1, and no file is written."""
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.opencv import opencv
-    from assistant.vision.recognition.library import read_library
-    from assistant.vision.recognition.seeing import Recogniser
+    from assistant.vision.recognition.object_library import read_library
+    from assistant.vision.recognition.recogniser import Recogniser
 
     _check_see_options(asked)
     rig = read_cameras(asked.cameras)
@@ -335,7 +339,7 @@ def run_see(asked: SeeOptions, format: Format) -> int:
     findings = [*library.findings, *sight.findings, *_doubtful_findings(asked, sight)]
     written = _write_found(asked, sight, placed, when, findings)
     if asked.picture is not None:
-        from assistant.vision.recognition.overlay import draw_found
+        from assistant.vision.recognition.recognition_output import draw_found
 
         name = next(iter(pictures))
         _write_png(asked.picture, draw_found(opencv(), cameras[name], pictures[name], sight))
@@ -355,7 +359,7 @@ def _check_see_options(asked: SeeOptions) -> None:
 
 def _plane_at(height: float, sigma: float = 0.05) -> Plane:
     from assistant.program.geometry import Pose
-    from assistant.vision.recognition.estimating import Plane
+    from assistant.vision.recognition.pose_estimation import Plane
 
     return Plane(Pose((0.0, 0.0, height)), sigma)
 
@@ -381,7 +385,7 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptio
 
     from assistant.program.geometry import Pose
     from assistant.vision.cameras.camera import WORLD
-    from assistant.vision.recognition.rules import UNKNOWN_MOUNTING
+    from assistant.vision.rules import UNKNOWN_MOUNTING
 
     if camera.parent == WORLD:
         return camera
@@ -403,7 +407,7 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptio
 
 def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
     from assistant.vision.cameras.capture import open_frames
-    from assistant.vision.recognition.pictures import check_exposure, read_pictures_of_cameras
+    from assistant.vision.recognition.photo import check_exposure, read_pictures_of_cameras
 
     if asked.images:
         return read_pictures_of_cameras(asked.images, rig.cameras)
@@ -418,7 +422,7 @@ def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
 
 def _doubtful_findings(asked: SeeOptions, sight: Recognition) -> list[Diagnostic]:
     """What is missing, and what is not known well enough."""
-    from assistant.vision.recognition import rules
+    from assistant.vision import rules
 
     findings = []
     if not sight.found:
@@ -443,7 +447,7 @@ def _doubtful_findings(asked: SeeOptions, sight: Recognition) -> list[Diagnostic
 def _robot_base(placed: PlacedRobot | None) -> OutputFrame:
     """The robot's base, which is the world of the cameras where no cell says another."""
     from assistant.program.geometry import IDENTITY
-    from assistant.vision.recognition.attached import OutputFrame
+    from assistant.vision.recognition.recognition_output import OutputFrame
 
     return OutputFrame("base", IDENTITY if placed is None else placed.base)
 
@@ -455,7 +459,11 @@ def _write_found(
     when: datetime.datetime,
     findings: list[Diagnostic],
 ) -> list[Path]:
-    from assistant.vision.recognition.attached import found_text, targets_text, write_seen_files
+    from assistant.vision.recognition.recognition_output import (
+        found_text,
+        targets_text,
+        write_seen_files,
+    )
 
     if has_errors(findings):
         return []

@@ -36,12 +36,10 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
+    from assistant.vision.pointing.demonstrations import HeldPosition, HoldLimits
+    from assistant.vision.pointing.device_tracking import Limits, Observation
     from assistant.vision.pointing.devices import Device
-    from assistant.vision.pointing.holding import HeldPosition, HoldLimits
-    from assistant.vision.pointing.locating import Limits
-    from assistant.vision.pointing.tracking import Observation
-    from assistant.vision.servoing.setting_up import ServoSetup
-    from assistant.vision.servoing.task_file import ServoFile
+    from assistant.vision.servoing.servo_task import ServoFile, ServoSetup
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +88,11 @@ class ShownPlaces:
 
     @contextmanager
     def looks(self) -> Iterator[Iterator[Observation]]:
-        from assistant.vision.pointing.locating import check_cameras
-        from assistant.vision.pointing.moments import open_moments
-        from assistant.vision.pointing.tracking import track_device
+        from assistant.vision.pointing.device_tracking import (
+            check_cameras,
+            open_moments,
+            track_device,
+        )
 
         check_cameras(self.cameras)
         with open_moments(self.rig, self.cameras, self.options.rate) as given:
@@ -111,20 +111,20 @@ class ShownPlaces:
 
     @contextmanager
     def holds(self) -> Iterator[Iterator[HeldPosition]]:
-        from assistant.vision.pointing.holding import find_holds
+        from assistant.vision.pointing.demonstrations import find_holds
 
         with self.looks() as looks:
             yield find_holds(looks, self.device, self.cameras, self.limits, self.still, self.tell)
 
     @property
     def still(self) -> HoldLimits:
-        from assistant.vision.pointing.holding import HoldLimits
+        from assistant.vision.pointing.demonstrations import HoldLimits
 
         return HoldLimits(self.options.frames)
 
     @property
     def limits(self) -> Limits:
-        from assistant.vision.pointing.locating import Limits
+        from assistant.vision.pointing.device_tracking import Limits
 
         return Limits(residual=self.options.residual)
 
@@ -134,7 +134,7 @@ class ShownPlaces:
 
     def ended(self, name: str) -> Refused:
         """What to say when the pictures ended before something was shown."""
-        from assistant.vision.pointing.rules import POSITION_NOT_SHOWN
+        from assistant.vision.rules import POSITION_NOT_SHOWN
 
         most = self.reasons.most_common(1)
         mostly = f"; mostly {most[0][0]}" if most else ""
@@ -227,7 +227,7 @@ def run_point(words: Sequence[str], on: str | None, now: bool, options: Pointing
     if other is not None:
         raise Refused(NOT_TOGETHER(one="--point", other=other), exit_status=2)
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.pointing.device_file import device_of
+    from assistant.vision.pointing.devices import device_of
 
     _check_options(options)
     one, names = _split_controller(words)
@@ -327,7 +327,7 @@ def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
 
     from assistant.base.file_sets import write_files
     from assistant.compiler.taught_targets import turned_into_plane
-    from assistant.vision.pointing.strokes import Smoothing, find_strokes
+    from assistant.vision.pointing.demonstrations import Smoothing, find_strokes
 
     options = shown.options
     if options.format is Format.TEXT:
@@ -417,7 +417,7 @@ class _ArmLeader:
     def _set_up(self, place: ShownTarget) -> ServoSetup | None:
         from assistant.compiler.taught_targets import tip_of
         from assistant.program.geometry import IDENTITY
-        from assistant.vision.servoing.setting_up import set_up_servo
+        from assistant.vision.servoing.servo_task import set_up_servo
 
         if self.pictures is None:
             return None
@@ -429,8 +429,8 @@ class _ArmLeader:
         import numpy as np
 
         from assistant.compiler.taught_targets import own_joints
-        from assistant.vision.servoing.loop import servo
-        from assistant.vision.servoing.setting_up import open_eyes
+        from assistant.vision.servoing.servo_loop import servo
+        from assistant.vision.servoing.servo_task import open_eyes
 
         assert self.pictures is not None
         mode, cell = self.pictures[0], self.motion.cell
@@ -483,7 +483,7 @@ def _servo_pictures(file: Path | None, by: str) -> tuple[ByPictures, ServoFile] 
     if file is None:
         return None
     from assistant.controllers.setpoint_streams import MODES
-    from assistant.vision.servoing.task_file import read_servo
+    from assistant.vision.servoing.servo_task import read_servo
 
     return MODES[by], read_servo(file, led_elsewhere=True)
 

@@ -20,7 +20,7 @@ from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.learning.calibration.problem import KnownPlacement
+    from assistant.learning.calibration.parameter_fit import KnownPlacement
     from assistant.vision.cameras.camera import Camera
 
 
@@ -229,10 +229,10 @@ def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> in
     from assistant.base.diagnostics import Severity
     from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
-    from assistant.learning.calibration import telling
-    from assistant.learning.calibration.calibrating import calibrate
-    from assistant.learning.calibration.corrected_file import corrected_files
-    from assistant.learning.calibration.measured import read_measured
+    from assistant.learning.calibration import calibration_output
+    from assistant.learning.calibration.arm_calibration import calibrate
+    from assistant.learning.calibration.calibration_output import corrected_files
+    from assistant.learning.calibration.measured_poses import read_measured
 
     output = options.output
     if output.suffix.lower() != ".toml" or not output.stem:
@@ -249,9 +249,11 @@ def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> in
     written = write_files(files, output.parent)
     print_findings(done.findings)
     if options.format is Format.JSON:
-        print_json(telling.calibration_record(done) | {"files": [str(file) for file in written]})
+        print_json(
+            calibration_output.calibration_record(done) | {"files": [str(file) for file in written]}
+        )
     else:
-        for line in telling.calibration_lines(done):
+        for line in calibration_output.calibration_lines(done):
             say(line)
         say(f"corrected robot: {', '.join(str(file) for file in written)}")
     return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
@@ -276,8 +278,8 @@ def run_poses(robot: str, options: PoseOptions) -> int:
 
     from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
-    from assistant.learning.calibration import telling
-    from assistant.learning.calibration.poses import suggest_poses
+    from assistant.learning.calibration import calibration_output
+    from assistant.learning.calibration.pose_selection import suggest_poses
 
     if options.count < FEWEST_POSES:
         raise Refused(FEW_POSES(count=options.count, least=FEWEST_POSES), exit_status=2)
@@ -307,7 +309,7 @@ def run_poses(robot: str, options: PoseOptions) -> int:
         sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
         print_json({"poses": str(written), "count": options.count, "sigmas": sigmas})
         return 0
-    for line in telling.suggestion_lines(found):
+    for line in calibration_output.suggestion_lines(found):
         say(line)
     say(f"poses: {written}")
     return 0
@@ -327,7 +329,7 @@ def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
 
 
 def _known_parts(tool: str | None, *, in_base: bool) -> KnownPlacement:
-    from assistant.learning.calibration.problem import KnownPlacement
+    from assistant.learning.calibration.parameter_fit import KnownPlacement
     from assistant.program.geometry import IDENTITY
 
     base = IDENTITY if in_base else None

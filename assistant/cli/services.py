@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from assistant.sources.process import Trust
     from assistant.sources.sights import Sight
     from assistant.studio.studio import Studio
-    from assistant.vision.answering import Answer
+    from assistant.vision.pose_server import Answer
 
 
 def studio(
@@ -284,7 +284,7 @@ def run_answer(
 
 def _serve_answers(given: AnswerOptions, trust: Trust, base: Pose | None) -> int:
     from assistant.controllers.mitsubishi.data_link import DataLink
-    from assistant.vision.answering import serve_program as answers
+    from assistant.vision.pose_server import serve_program as answers
 
     status = done = 0
     link = DataLink(given.at)

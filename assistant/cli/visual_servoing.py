@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from assistant.controllers.setpoint_streams import Mode
     from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
-    from assistant.vision.servoing.loop import ServoResult
+    from assistant.vision.servoing.servo_loop import ServoResult
 
 
 NO_SERVO_MODE: Final = error(
@@ -54,9 +54,8 @@ class ServoOptions:
 def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
     """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
     from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.servoing.loop import ServoStopped, servo
-    from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
-    from assistant.vision.servoing.task_file import read_servo
+    from assistant.vision.servoing.servo_loop import ServoStopped, servo
+    from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
 
     mode = _servo_mode(options)
     file, rig = read_servo(task), read_cameras(options.cameras)

@@ -1,1 +1,1 @@
-"""Kinematics that are learned from what cameras see, and arms that are calibrated by it."""
+"""Learning: kinematics from pictures, and the calibration of arms from measured poses."""

@@ -1,1 +1,1 @@
-"""What cameras see: cameras, pointing, servoing, known objects; the extra `vision`."""
+"""Vision: cameras, pointing devices, servoing, known objects; the extra `vision`."""

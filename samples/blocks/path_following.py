@@ -15,7 +15,7 @@ import numpy as np
 import assistant
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.running_bdsim import run_paced
+from assistant.blocks.bdsim_adapter import run_paced
 
 PROGRAM = Path(__file__).parent.parent / "rapid" / "gluing.mod"
 ROBOT = robots.get("irb1200-7-0.7")

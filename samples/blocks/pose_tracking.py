@@ -14,7 +14,7 @@ import numpy as np
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
-from assistant.blocks.running_bdsim import run_paced
+from assistant.blocks.bdsim_adapter import run_paced
 
 ROBOT = robots.get("irb1200-7-0.7")
 STEP, SECONDS = 0.01, 6.0

@@ -16,9 +16,9 @@ import numpy as np
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.leading import led
-from assistant.blocks.running_bdsim import run_paced
+from assistant.blocks.bdsim_adapter import run_paced
+from assistant.blocks.diagrams import RealTime
+from assistant.blocks.setpoint_connections import led
 from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.virtual.cr import VirtualCr
 

@@ -14,17 +14,14 @@ import numpy as np
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.library.adapted import add
-from assistant.blocks.library.arrays import joints_port
-from assistant.blocks.running_bdsim import run_paced
+from assistant.blocks.bdsim_adapter import add, run_paced
+from assistant.blocks.diagrams import Block, Port
+from assistant.blocks.library.ports import joints_port
 from assistant.vision.cameras.camera_file import read_cameras
-from assistant.vision.servoing.ideal import SteppedClock
+from assistant.vision.servoing.control_laws import ServoMoment
 from assistant.vision.servoing.interaction import flange_of, jacobian
-from assistant.vision.servoing.law import ServoMoment
-from assistant.vision.servoing.setting_up import set_up_servo
-from assistant.vision.servoing.synthetic import ProjectedEyes, ServoWorld
-from assistant.vision.servoing.task_file import read_servo
+from assistant.vision.servoing.servo_task import read_servo, set_up_servo
+from assistant.vision.servoing.simulation import ProjectedEyes, ServoWorld, SteppedClock
 
 SAMPLES = Path(__file__).parent.parent / "servoing"
 ROBOT = robots.get("rv-2aj")

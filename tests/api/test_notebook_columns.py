@@ -91,8 +91,8 @@ def test_what_notebooks_show_loads_no_library_of_pictures():
     code = (
         "from assistant import robots; import sys\n"
         "robots.get('rv-2aj')._repr_html_()\n"
-        "from assistant.blocks.diagrams.diagram import Diagram\n"
-        "import assistant.blocks.showing.pictures, assistant.program.se3\n"
+        "from assistant.blocks.diagrams import Diagram\n"
+        "import assistant.blocks.display, assistant.program.se3\n"
         "print({'matplotlib', 'spatialmath', 'bdsim', 'roboticstoolbox'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

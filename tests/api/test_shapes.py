@@ -10,13 +10,12 @@ import pytest
 import assistant
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.learning.calibration.measured import measured_from_columns
+from assistant.learning.calibration.measured_poses import measured_from_columns
 from assistant.program.geometry import Pose
 from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata
 from assistant.robots.retargeting import joints_on_other_arm
-from assistant.vision.cameras.camera import Camera, Lens
-from assistant.vision.cameras.triangulating import triangulate
+from assistant.vision.cameras.camera import Camera, Lens, triangulate
 
 ROBOT = robots.get("irb1200-7-0.7")
 CAMERA = Camera("left", Lens((640, 480), (600.0, 600.0), (319.5, 239.5)), Pose((0.0, 0.0, -1000.0)))

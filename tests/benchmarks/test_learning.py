@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.training import draw_test_goals
+from assistant.learning.maps.map_training import draw_test_goals
 from benchmarks.learning import rows
 
 

@@ -10,13 +10,12 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
+from assistant.blocks.bdsim_adapter import run_bdsim, run_paced
 from assistant.blocks.connections import operated
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import run
-from assistant.blocks.library.moving import JointMovJoint, LinMovJoint
+from assistant.blocks.diagrams import Diagram, run
 from assistant.blocks.library.sources import Constant, Table
+from assistant.blocks.library.stopped_moves import JointMovJoint, LinMovJoint
 from assistant.blocks.lock_step import LockStep
-from assistant.blocks.running_bdsim import run_bdsim, run_paced
 from assistant.robots.timing import drive_of
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.session import Faults

@@ -11,7 +11,7 @@ import pytest
 
 from assistant.base import rotations
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board
+from assistant.vision.cameras.calibration import Board
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
 from tests.vision.calibration.scenes import LENS, shown, stand

@@ -17,7 +17,7 @@ from assistant.compiler.exploration import contact_test
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.cr import Cr
 from assistant.virtual.cr import Contact, VirtualCr
-from assistant.vision.exploring.contacts import AnyContacts
+from assistant.vision.exploration import AnyContacts
 from tests.cli.test_commands import run
 from tests.cli.test_leaving_no_trace import NETWORK
 

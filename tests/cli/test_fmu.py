@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant.blocks.fmu.compilers import this_platform
+from assistant.blocks.fmu.co_simulation import this_platform
 from tests.blocks.code.compiled import compiler
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED

@@ -27,12 +27,12 @@ from assistant.controllers.named import controllers_of
 from assistant.deploy.history import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
 from assistant.findings.severities import severities_for
-from assistant.learning.calibration.calibrating import calibrate
-from assistant.learning.calibration.measured import read_measured
+from assistant.learning.calibration.arm_calibration import calibrate
+from assistant.learning.calibration.measured_poses import read_measured
 from assistant.learning.maps.experiments import three_joints
 from assistant.learning.maps.map_file import COLUMNS, load_map, save_map
-from assistant.learning.maps.training import start_map_with_shape, train_and_measure, usual_plan
-from assistant.learning.maps.using import MapInUse
+from assistant.learning.maps.map_training import start_map_with_shape, train_and_measure, usual_plan
+from assistant.learning.maps.proposals import MapInUse
 from assistant.program import pseudo
 from assistant.project import project_of
 from assistant.project.builds import BUILD_FILE, read_build

@@ -28,7 +28,7 @@ from assistant.virtual.events import Moved, Run
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.kernel.kernel import Instant
 from assistant.virtual.program_run import Settings, prepared
-from assistant.vision.answering import Answer, answer_line, answer_numbers, serve_program
+from assistant.vision.pose_server import Answer, answer_line, answer_numbers, serve_program
 
 TEXT = """program seam
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from assistant.blocks.fmu.arm import arm_model
-from assistant.blocks.fmu.compilers import compiled
-from assistant.blocks.fmu.live import live_model
-from assistant.blocks.fmu.model import Model
-from assistant.blocks.fmu.program import program_model, usual_period
+from assistant.blocks.fmu.co_simulation import Model, compiled
+from assistant.blocks.fmu.robot_models import arm_model, live_model, program_model, usual_period
 
 __all__ = ["Model", "arm_model", "compiled", "live_model", "program_model", "usual_period"]

@@ -1,1 +1,1 @@
-"""Blocks for diagrams: kinematics, sources, arms, and those that speak with controllers."""
+"""Blocks for diagrams: kinematics, sources, arms, sensors, and blocks of controllers."""

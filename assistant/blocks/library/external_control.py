@@ -20,17 +20,15 @@ from numpy.typing import ArrayLike
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.diagrams.running import closing_all
-from assistant.blocks.library.arrays import check_not_negative, joints_port
-from assistant.blocks.library.connected import Connected
-from assistant.blocks.library.rules import (
+from assistant.blocks.diagrams import Block, Port, closing_all
+from assistant.blocks.library.ports import Connected, check_not_negative, joints_port
+from assistant.blocks.rules import (
     ARM_OUTSIDE_BOUNDS,
     NOT_OPERATED,
     START_TOO_FAR,
+    TARGET_NOT_FINITE,
     TWO_LEADERS,
 )
-from assistant.blocks.rules import TARGET_NOT_FINITE
 from assistant.controllers import connect, setpoint_streams
 from assistant.controllers.controller import Controller
 from assistant.controllers.cyclic import Report, Settings, Timing

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.library.arrays import joints_port, pose_port, pose_signal
+from assistant.blocks.diagrams import Block, Port
+from assistant.blocks.library.ports import joints_port, pose_port, pose_signal
 from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 

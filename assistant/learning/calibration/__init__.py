@@ -1,1 +1,1 @@
-"""Arms are calibrated: small errors of lengths, zeros and base out of measured poses."""
+"""Calibration of arms: small errors of lengths, zeros and base from measured poses."""

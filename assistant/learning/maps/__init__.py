@@ -1,1 +1,1 @@
-"""Extended Kohonen maps: nets that learn from pictures which joints reach what is seen."""
+"""Extended Kohonen maps: nets that learn from pictures the joints for a target."""

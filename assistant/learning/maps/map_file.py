@@ -1,4 +1,8 @@
-"""Learned maps as files: NPZ archives of numbers and texts, with a version."""
+"""Files of learned maps: NPZ archives of numbers and texts, with a version.
+
+Nothing in an archive is executed; sizes in headers are compared with the data before an array is
+made.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +22,8 @@ from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
 from assistant.learning.maps.extended_map import ExtendedMap, MapScale, MapTask
-from assistant.learning.maps.rules import NO_MAP, OTHER_MAP_VERSION
-from assistant.learning.maps.training import MOST_UNITS
+from assistant.learning.maps.map_training import MOST_UNITS
+from assistant.learning.rules import NO_MAP, OTHER_MAP_VERSION
 
 VERSION: Final = 1
 FILE_KIND: Final = "learned map"

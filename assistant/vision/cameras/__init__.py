@@ -1,1 +1,1 @@
-"""Cameras: what they project, where they stand, pictures of real and synthetic ones."""
+"""Cameras: projection, files, calibration, and pictures of real and synthetic ones."""

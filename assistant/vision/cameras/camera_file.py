@@ -1,4 +1,4 @@
-"""Files of cameras: what is known of each, when it was measured, where its pictures come from.
+"""Camera files: lens and pose of each camera, date and residuals of its calibration, its pictures.
 
 [cameras.left]
 size = [640, 480]
@@ -9,8 +9,8 @@ position = [-300, -950, 300]  # mm, in its parent; z of the camera looks ahead, 
 quaternion = [0.7, -0.7, 0, 0]
 parent = "world"              # or a link of a robot: arm.flange
 calibrated = 2026-11-25
-residual_px = 0.21            # of the lens; pair_px of the place to the first camera
-hand_eye_mm = 0.3             # of the place to the arm; hand_eye_degrees as well
+residual_px = 0.21            # of the lens; pair_px of the pose to the first camera
+hand_eye_mm = 0.3             # of the pose to the arm; hand_eye_degrees as well
 source = "pictures/left"      # a folder, a file, an address, or the number of a device
 """
 
@@ -32,7 +32,7 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import Table, Wrong, kind_of
 from assistant.sources.process.file import ENCODINGS, read_toml
-from assistant.vision.cameras import rules
+from assistant.vision import rules
 from assistant.vision.cameras.camera import WORLD, Camera, Lens
 
 MOST_PIXELS: Final = 32_768
@@ -179,7 +179,7 @@ def _source(value: Any) -> str:
 
 
 RESIDUAL_KEYS: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
-"""Of `Record`, in the order of its fields."""
+"""Of `CalibrationRecord`, in the order of its fields."""
 KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "size": _size,
     "focal": _numbers(2, 1.0, 1e7),

@@ -1,26 +1,32 @@
-"""Pictures from cameras: devices, streams, films, folders of pictures, or a drawn cell.
+"""Pictures from cameras, and checks of them.
 
-with opened(rig["left"], "pictures/left") as frames:
+with open_frames(rig["left"], "pictures/left") as frames:
     for frame in frames: ...
+
+A source is a device, a stream, a video, a picture, a folder of pictures, or a cell file, which is
+drawn. The checks: exposure, whether two cameras agree on what both see, and whether pictures in
+folders of several cameras are of the same moments, by the numbers in their names.
 """
 
 from __future__ import annotations
 
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from pathlib import PurePath
 from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import is_file, is_folder, read_bytes
-from assistant.vision.cameras import rules
-from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.drawing import Picture
+from assistant.vision import rules
+from assistant.vision.cameras.camera import Camera, triangulate
+from assistant.vision.cameras.synthetic_pictures import Picture
 from assistant.vision.opencv import MOST_PIXELS, silent
 
 DARK_LEVEL: Final = 12.0
@@ -193,8 +199,7 @@ def _folder_frames(camera: Camera, folder: FilePath) -> Iterator[Frame]:
 def _drawn_frames(camera: Camera, cell: FilePath) -> Iterator[Frame]:
     """A cell as a camera that stands in it sees it; each picture has noise of its own."""
     from assistant.cell.cell_file import read_scene
-    from assistant.vision.cameras.drawing import bodies_of_scene, draw
-    from assistant.vision.cameras.standing import camera_in_world
+    from assistant.vision.cameras.synthetic_pictures import bodies_of_scene, camera_in_world, draw
 
     scene, _ = read_scene(cell)
     stands, things = camera_in_world(camera, scene), bodies_of_scene(scene)
@@ -243,3 +248,90 @@ def _device_frames(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
 
 def _not_opened(camera: Camera, source: str, reason: str, cure: str) -> Diagnostic:
     return rules.CAMERA_NOT_OPENED(name=camera.name, source=source, reason=reason, cure=cure)
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How well two cameras agree on corners of a board that both see. corners: how many. pixels:
+    root mean square left by the points. mm: the same of distances between neighbours, beside what
+    the board says.
+    """
+
+    cameras: tuple[str, str]
+    corners: int
+    pixels: float
+    mm: float
+
+
+MOST_RESIDUAL = 1.0
+"""Pixels from which on two cameras do not stand as they were calibrated."""
+
+
+def check_agreement(
+    cameras: Sequence[Camera], pixels: Sequence[Floats], corners: Floats
+) -> tuple[Agreement, tuple[Diagnostic, ...]]:
+    """Two cameras in the world that see the same corners. corners: (n, 3) mm on the board."""
+    found = triangulate(cameras, pixels)
+    names = (cameras[0].name, cameras[1].name)
+    good = np.isfinite(found.residuals)
+    if good.sum() < 2:
+        told = rules.CAMERAS_DISAGREE(one=names[0], other=names[1], pixels=np.inf)
+        return Agreement(names, 0, np.inf, np.inf), (told,)
+    seen, known = found.points[good], corners[good]
+    off = np.linalg.norm(np.diff(seen, axis=0), axis=1) - np.linalg.norm(
+        np.diff(known, axis=0), axis=1
+    )
+    left = float(np.sqrt((found.residuals[good] ** 2).mean()))
+    mm = float(np.sqrt((off**2).mean()))
+    findings = (
+        (rules.CAMERAS_DISAGREE(one=names[0], other=names[1], pixels=left),)
+        if left > MOST_RESIDUAL
+        else ()
+    )
+    return Agreement(names, int(good.sum()), left, mm), findings
+
+
+def pictures_findings(
+    cameras: Mapping[str, Camera], frames: Mapping[str, Frame]
+) -> tuple[Diagnostic, ...]:
+    """Dark and saturated pictures."""
+    return tuple(
+        one
+        for name, frame in frames.items()
+        for one in exposure_findings(cameras[name], frame.picture)
+    )
+
+
+def pairing_finding(
+    one: str, names: Sequence[str], other: str, others: Sequence[str]
+) -> Diagnostic | None:
+    """What keeps pictures of two cameras from being paired in their order, None if nothing does.
+
+    one, other: of the cameras. names, others: of their files, in their order. The last number in
+    each name counts pictures if most of them follow each other by one: then a number that one
+    camera has and the other lacks is a picture that is missing. Each may count from where it
+    likes, and one of them may go on for longer.
+    """
+    counted = _picture_numbers(names), _picture_numbers(others)
+    if counted[0] is None or counted[1] is None:
+        count, more = len(names), len(others)
+        if count == more:
+            return None
+        return rules.UNEVEN_PICTURES(one=one, count=count, other=other, others=more)
+    both = min(len(names), len(others))
+    apart = np.flatnonzero(counted[0][:both] != counted[1][:both])
+    if not len(apart):
+        return None
+    at = int(apart[0])
+    return rules.PICTURES_OUT_OF_STEP(one=one, other=other, first=names[at], second=others[at])
+
+
+def _picture_numbers(names: Sequence[str]) -> Rows | None:
+    """(n,) numbers of pictures from the first on, None if the names do not count."""
+    found = [re.findall(r"\d{1,15}", PurePath(name).stem) for name in names]
+    if not names or not all(found):
+        return None
+    numbers = np.array([int(one[-1]) for one in found])
+    if len(numbers) > 1 and np.median(np.diff(numbers)) != 1.0:
+        return None
+    return np.asarray(numbers - numbers[0])

@@ -1,1 +1,1 @@
-"""Pointing devices: a ball, a light or a wand that cameras locate, and what is shown with them."""
+"""Pointing devices that cameras locate: a ball, a light or a wand, and demonstrations with them."""

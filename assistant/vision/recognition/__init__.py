@@ -1,1 +1,1 @@
-"""Known objects: shown or drawn once, found again in pictures, with what is done on them."""
+"""Known objects: learnt from pictures or a drawing, recognised in pictures, and work on them."""

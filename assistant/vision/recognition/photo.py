@@ -1,22 +1,31 @@
-"""A picture as recognition looks at it: colours, noise, what is not background, its regions.
+"""Pictures prepared for recognition: sound and assigned to cameras, then segmented.
 
-The background is the colour that most of the picture has, changing smoothly across it as light
-does. What differs from it is foreground, which is cut into regions of one colour along its edges.
+The background is the colour of most of the picture and changes smoothly across it, as light does.
+What differs from it is foreground, which is cut along its edges into regions of one colour. The
+pictures of one moment must have the calibrated size and be neither dark nor saturated.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Singles, Truths
+from assistant.base.diagnostics import Refused, Severity
+from assistant.program.settings_tables import listed, shown
+from assistant.vision import rules as of_cameras
 from assistant.vision.cameras.camera import Camera
+from assistant.vision.cameras.capture import exposure_findings, read_picture
+from assistant.vision.rules import AMBIGUOUS_CAMERA, TWO_PICTURES
 
 if TYPE_CHECKING:
     from types import ModuleType
+
 
 Picture = NDArray[np.uint8]
 """(h, w, 3), blue, green, red."""
@@ -233,3 +242,58 @@ def _smooth_ring(ring: Floats) -> Floats:
     kernel = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
     shifts = (np.roll(ring, k - 2, axis=0) * w for k, w in enumerate(kernel))
     return np.asarray(sum(shifts))
+
+
+def read_pictures_of_cameras(
+    given: Sequence[str], cameras: Mapping[str, Camera]
+) -> dict[str, Picture]:
+    """Pictures by their cameras: of CAMERA=FILE, of files named like their camera, or the only
+    picture of the only camera. Raises Refused, see `read_picture_of_camera`.
+    """
+    files: dict[str, str] = {}
+    for one in given:
+        name, file = split_camera_and_file(one, cameras, alone=len(given) == 1)
+        if name in files:
+            raise Refused(TWO_PICTURES(name=name), exit_status=2)
+        files[name] = file
+    return {name: read_picture_of_camera(file, cameras[name]) for name, file in files.items()}
+
+
+def read_picture_of_camera(file: str, camera: Camera) -> Picture:
+    """The picture of a file; raises Refused for one of another size than calibrated, and for one
+    that is dark or saturated: of these nothing is told that anybody acts on.
+    """
+    picture = read_picture(file)
+    size = picture.shape[1], picture.shape[0]
+    if size != camera.lens.size:
+        said, wanted = (f"{w} × {h}" for w, h in (size, camera.lens.size))
+        told = of_cameras.OTHER_PICTURE_SIZE(path=file, name=camera.name, given=said, wanted=wanted)
+        raise Refused(told, exit_status=2)
+    return check_exposure(picture, camera, file)
+
+
+def check_exposure(picture: Picture, camera: Camera, source: str) -> Picture:
+    """The picture itself; raises Refused for a dark or saturated one."""
+    doubts = exposure_findings(camera, picture)
+    if doubts:
+        raise Refused(*(replace(one, severity=Severity.ERROR, path=source) for one in doubts))
+    return picture
+
+
+def split_camera_and_file(
+    given: str, cameras: Mapping[str, Camera], *, alone: bool
+) -> tuple[str, str]:
+    """Name of the camera and file of a picture; alone: the only camera took it, if it names none.
+
+    Raises Refused (exit status 2) where that is not told.
+    """
+    name, equals, file = given.partition("=")
+    if equals and name in cameras:
+        return name, file
+    stem = FilePath(given).stem
+    if stem in cameras:
+        return stem, given
+    if alone and len(cameras) == 1:
+        return next(iter(cameras)), given
+    names = listed(list(cameras))
+    raise Refused(AMBIGUOUS_CAMERA(name=shown(given), names=names), exit_status=2)

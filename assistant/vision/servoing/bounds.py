@@ -14,7 +14,7 @@ from assistant.controllers.cyclic.trajectory import braked
 from assistant.controllers.setpoint_streams import Arm
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots import Robot
-from assistant.vision.servoing import rules
+from assistant.vision import rules
 from assistant.vision.servoing.interaction import flange_of, jacobian
 
 POSTURES: Final = 256

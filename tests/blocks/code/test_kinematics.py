@@ -17,8 +17,7 @@ import pytest
 from assistant import robots
 from assistant.base.diagnostics import Refused
 from assistant.base.file_sets import write_files
-from assistant.blocks.code import kinematics
-from assistant.blocks.code.templates import safe_text, source_identifier
+from assistant.blocks.code import kinematics, safe_text, source_identifier
 from assistant.robots import Robot, robot_file
 from assistant.robots.arms import Placed
 from assistant.robots.motion.singularities import distance_from_singularity

@@ -10,11 +10,8 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.rules import NO_PORT
-from assistant.blocks.diagrams.running import run
+from assistant.blocks.diagrams import Block, Diagram, Port, RealTime, run
+from assistant.blocks.rules import NO_PORT
 
 
 class Time(Block):

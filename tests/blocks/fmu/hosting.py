@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from assistant.blocks.fmu import Model, compiled
-from assistant.blocks.fmu.compilers import this_platform
+from assistant.blocks.fmu.co_simulation import this_platform
 from tests.blocks.code.compiled import compiled as built
 from tests.blocks.code.compiled import compiler
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.fmu import arm_model
+from assistant.blocks.library.arms import ArmMotion
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import JointTarget
 from assistant.program.motion import FINE, Speed

@@ -15,8 +15,15 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.fmu import Model, arm_model, compiled, compilers, live_model, program_model
-from assistant.blocks.playback import Motion
+from assistant.blocks.fmu import (
+    Model,
+    arm_model,
+    co_simulation,
+    compiled,
+    live_model,
+    program_model,
+)
+from assistant.blocks.fmu.robot_models import Motion
 from tests.blocks.code.compiled import compiled as built
 from tests.blocks.code.compiled import compiler
 from tests.blocks.fmu.hosting import packed
@@ -97,7 +104,10 @@ def test_without_a_compiler_there_is_the_source(
 def test_cross_compilers_that_are_not_there_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if importlib.util.find_spec("ziglang") is not None or compilers.this_platform() != "linux64":
+    if (
+        importlib.util.find_spec("ziglang") is not None
+        or co_simulation.this_platform() != "linux64"
+    ):
         pytest.skip("this machine compiles for others")
     compiler()
     for name in ("cc", "as", "ld"):
@@ -116,7 +126,7 @@ def test_a_compiler_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(Refused, match="no space left") as refused:
         compiled(arm_model(robots.get("rv-2aj")))
     assert [one.code for one in refused.value.findings] == ["BL403"]
-    assert compilers.this_platform() in compilers.PLATFORMS
+    assert co_simulation.this_platform() in co_simulation.PLATFORMS
 
 
 @pytest.mark.slow

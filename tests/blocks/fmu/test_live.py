@@ -10,9 +10,9 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.arm_motion import ArmMotion
 from assistant.blocks.fmu import live_model
-from assistant.blocks.fmu.live import USUAL_RISE_SHARE, USUAL_SPEED_SHARE
+from assistant.blocks.fmu.robot_models import USUAL_RISE_SHARE, USUAL_SPEED_SHARE
+from assistant.blocks.library.arms import ArmMotion
 from assistant.robots import Robot
 from assistant.virtual.cr.mxt_process import MxtProcess
 from tests.blocks.fmu.hosting import Hosted

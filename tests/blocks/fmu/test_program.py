@@ -12,7 +12,7 @@ import pytest
 import assistant
 from assistant.base.diagnostics import Refused
 from assistant.blocks.fmu import Model, program_model
-from assistant.blocks.playback import Motion, Playback
+from assistant.blocks.fmu.robot_models import Motion, Playback
 from assistant.program.program import Program
 from assistant.robots import solve_program
 from assistant.robots.timing import Simulation, simulate

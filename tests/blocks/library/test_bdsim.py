@@ -13,12 +13,10 @@ from PIL import Image
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
+from assistant.blocks.bdsim_adapter import add, run_bdsim, run_paced
 from assistant.blocks.connections import operated
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.library.adapted import add
+from assistant.blocks.diagrams import Block, Port, RealTime
 from assistant.blocks.library.sources import Constant
-from assistant.blocks.running_bdsim import run_bdsim, run_paced
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 

@@ -9,17 +9,17 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.asking import asked
-from assistant.blocks.diagrams.clocks import RealTime
+from assistant.blocks.bdsim_adapter import run_bdsim, run_paced
+from assistant.blocks.connections import asked
+from assistant.blocks.diagrams import RealTime
+from assistant.blocks.library.controller_io import Hand
 from assistant.blocks.library.external_control import by_egm
-from assistant.blocks.library.signals import Hand
-from assistant.blocks.running_bdsim import run_bdsim, run_paced
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.servoing.bounds import Bounds
-from assistant.vision.servoing.things import Marker
+from assistant.vision.servoing.visual_targets import Marker
 from tests.vision.pointing.scenes import LENS
 from tests.vision.servoing.scenes import PATIENT, free_port
 

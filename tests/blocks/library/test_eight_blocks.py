@@ -15,11 +15,10 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.blocks.bdsim_adapter import run_paced
 from assistant.blocks.connections import operated
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.running import RunResult
-from assistant.blocks.leading import led, measured
-from assistant.blocks.running_bdsim import run_paced
+from assistant.blocks.diagrams import RealTime, RunResult
+from assistant.blocks.setpoint_connections import led, measured
 from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.virtual.irc5 import VirtualIrc5
 from assistant.virtual.irc5.controller import USER

@@ -12,9 +12,7 @@ from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import RunResult, run
+from assistant.blocks.diagrams import Diagram, RealTime, RunResult, run
 from assistant.blocks.library.external_control import ExternalControl, Led, by_egm, by_mxt
 from assistant.blocks.library.sources import Constant, Table, joint_table
 from assistant.controllers import connect

@@ -7,16 +7,15 @@ import pytest
 
 from assistant import robots, simulate
 from assistant.base.diagnostics import Refused
-from assistant.blocks.arm_motion import ArmMotion
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import run
-from assistant.blocks.library.arms import SimulatedArm
-from assistant.blocks.library.kinematics import (
+from assistant.blocks.diagrams import Diagram, run
+from assistant.blocks.library.arms import (
     NEAREST_BRANCH,
+    ArmMotion,
     ForwardKinematics,
     InverseKinematics,
     Jacobian,
     Resolved,
+    SimulatedArm,
 )
 from assistant.blocks.library.sources import Constant, PoseToPose, Table, joint_table, trapezoid
 from assistant.program.geometry import Pose

@@ -17,18 +17,15 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection, operated
-from assistant.blocks.diagrams.block import Port
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import RunResult, run
-from assistant.blocks.leading import SetpointSender, led, measured
+from assistant.blocks.diagrams import Diagram, Port, RealTime, RunResult, run
+from assistant.blocks.library.arms import tool_pose
+from assistant.blocks.library.continuous_moves import Relative, RelCart, RelJoint, Status
 from assistant.blocks.library.external_control import ExternalControl
-from assistant.blocks.library.kinematics import tool_pose
-from assistant.blocks.library.leading import Relative, RelCart, RelJoint, Status
-from assistant.blocks.library.moving import JointMovJoint
-from assistant.blocks.library.poses import tool_step
+from assistant.blocks.library.ports import tool_step
 from assistant.blocks.library.sources import Constant, Table
+from assistant.blocks.library.stopped_moves import JointMovJoint
 from assistant.blocks.lock_step import LockStep
+from assistant.blocks.setpoint_connections import SetpointSender, led, measured
 from assistant.controllers import connect
 from assistant.controllers.mitsubishi.control_mode import MEASURING_PROGRAM, program_texts
 from assistant.controllers.trajectory_execution import LinkOptions

@@ -13,11 +13,10 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import operated
-from assistant.blocks.diagrams.block import Port
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import RunResult, run
-from assistant.blocks.library.moving import (
+from assistant.blocks.diagrams import Diagram, Port, RealTime, RunResult, run
+from assistant.blocks.library.ports import controller_pose
+from assistant.blocks.library.sources import Constant, Table
+from assistant.blocks.library.stopped_moves import (
     CircularMov,
     JointMovCart,
     JointMovJoint,
@@ -25,8 +24,6 @@ from assistant.blocks.library.moving import (
     LinMovJoint,
     Move,
 )
-from assistant.blocks.library.poses import controller_pose
-from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers import connect
 from assistant.controllers.controller import Controller
 from assistant.program.geometry import Pose

@@ -8,12 +8,9 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.blocks.asking import Asked
-from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import run
-from assistant.blocks.library.pose_exchange import ExchangedPose, exchanged
+from assistant.blocks.connections import Asked, Connection
+from assistant.blocks.diagrams import Diagram, RealTime, run
+from assistant.blocks.library.controller_io import ExchangedPose, exchanged
 from assistant.blocks.library.sources import Constant, Table
 from assistant.controllers.abb.exchange import PoseExchange
 from tests.controllers.abb.exchanging import RunningRobot

@@ -9,22 +9,24 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import RunResult, run
-from assistant.blocks.library.arrays import pose_signal
-from assistant.blocks.library.arriving import LiveValues
-from assistant.blocks.library.clearance import CollisionDistance
-from assistant.blocks.library.seeing import PointingDevice, ProjectedMarker, SeenMarker
+from assistant.blocks.diagrams import Block, Diagram, RunResult, run
+from assistant.blocks.library.ports import pose_signal
+from assistant.blocks.library.sensors import (
+    CollisionDistance,
+    LiveValues,
+    PointingDevice,
+    ProjectedMarker,
+    SeenMarker,
+)
 from assistant.blocks.library.sources import Constant, PoseToPose, Table
 from assistant.cell.cell_file import read_scene
 from assistant.cell.collision.model import Model
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
 from assistant.vision.cameras.camera_file import Rig
-from assistant.vision.cameras.drawing import Card, VisibleBody, draw
+from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody, draw
 from assistant.vision.pointing.devices import ball
-from assistant.vision.servoing.things import Marker
+from assistant.vision.servoing.visual_targets import Marker
 from tests.vision.pointing.scenes import LENS, SMALL, grey, pair, shown, taken
 
 MARKER = Marker(7, 60.0)
@@ -112,7 +114,7 @@ def test_what_comes_by_itself_is_gathered_beside_the_model() -> None:
 
         yield coming()
 
-    from assistant.vision.cameras.rules import CAMERA_LOST
+    from assistant.vision.rules import CAMERA_LOST
 
     block_gone = CAMERA_LOST(name="camera", count=2)
     live: LiveValues[str] = LiveValues(opening)

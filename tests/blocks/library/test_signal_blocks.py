@@ -9,13 +9,9 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.blocks.asking import Asked, asked
-from assistant.blocks.connections import Connection
-from assistant.blocks.diagrams.block import Block
-from assistant.blocks.diagrams.clocks import RealTime
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import RunResult, run
-from assistant.blocks.library.signals import Gripper, Hand, Output, Signals, Valve
+from assistant.blocks.connections import Asked, Connection, asked
+from assistant.blocks.diagrams import Block, Diagram, RealTime, RunResult, run
+from assistant.blocks.library.controller_io import Gripper, Hand, Output, Signals, Valve
 from assistant.blocks.library.sources import Constant, Table
 from assistant.blocks.lock_step import LockStep
 from assistant.controllers import connect

@@ -9,13 +9,10 @@ import pytest
 from lxml import html
 
 from assistant import robots
-from assistant.blocks.diagrams.block import Block, Port
-from assistant.blocks.diagrams.diagram import Diagram
-from assistant.blocks.diagrams.running import run
-from assistant.blocks.library.arms import SimulatedArm
-from assistant.blocks.library.kinematics import InverseKinematics
+from assistant.blocks.diagrams import Block, Diagram, Port, run
+from assistant.blocks.display import lay_out
+from assistant.blocks.library.arms import InverseKinematics, SimulatedArm
 from assistant.blocks.library.sources import Constant, PoseToPose
-from assistant.blocks.showing.outline import lay_out
 from assistant.program.geometry import Pose
 
 IRB = robots.get("irb1200-7-0.7")

@@ -14,31 +14,37 @@ from assistant.base.diagnostics import Refused
 from assistant.learning.maps.experiments import (
     TOOL_POINTS,
     TOOL_TIP,
+    CalibratedBaseline,
+    baseline_errors,
+    fit_rotations,
     five_joints,
+    nearest_baseline,
     over_box,
     over_ranges,
     three_joints,
 )
-from assistant.learning.maps.goals import InBox, check_box, check_ranges, ranges_about_home
-from assistant.learning.maps.recorded import split_recording, train_recorded
-from assistant.learning.maps.rivals import (
-    CalibratedBaseline,
-    baseline_errors,
-    fit_rotations,
-    nearest_baseline,
-)
-from assistant.learning.maps.seen_arm import observed_arm, pair_for, with_length
-from assistant.learning.maps.training import (
+from assistant.learning.maps.extended_map import try_targets
+from assistant.learning.maps.map_training import (
     TrainingPlan,
     draw_test_goals,
     measure_errors,
     measure_overrun,
+    split_recording,
     start_map_with_shape,
     train_and_measure,
     train_map,
+    train_recorded,
     usual_plan,
 )
-from assistant.learning.maps.trials import try_targets
+from assistant.learning.maps.observed_arm import (
+    InBox,
+    check_box,
+    check_ranges,
+    observed_arm,
+    pair_for,
+    ranges_about_home,
+    with_length,
+)
 
 RV2AJ = robots.get("rv-2aj")
 

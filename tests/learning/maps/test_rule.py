@@ -8,9 +8,17 @@ import numpy as np
 import pytest
 
 from assistant.base.arrays import Floats
-from assistant.learning.maps.extended_map import ExtendedMap, LearningRates, MapTask, random_map
-from assistant.learning.maps.lattice import LEAST_SHARE, Neighbourhood, neighbour_pairs
-from assistant.learning.maps.trials import learn_trials, try_targets
+from assistant.learning.maps.extended_map import (
+    LEAST_SHARE,
+    ExtendedMap,
+    LearningRates,
+    MapTask,
+    Neighbourhood,
+    learn_trials,
+    neighbour_pairs,
+    random_map,
+    try_targets,
+)
 
 SHAPE = (3, 4)
 TASK = MapTask("plane", ("J1", "J2"), ("left", "right"), 1)

@@ -10,15 +10,12 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.cooling import rates_in_use
 from assistant.learning.maps.experiments import TOOL_TIP, moved_aside, over_ranges, three_joints
-from assistant.learning.maps.extended_map import ExtendedMap
-from assistant.learning.maps.goals import Goals, InBox
+from assistant.learning.maps.extended_map import ExtendedMap, rates_in_use, try_targets
 from assistant.learning.maps.map_file import load_map
-from assistant.learning.maps.seen_arm import observed_arm
-from assistant.learning.maps.training import measure_errors, train_and_measure, usual_plan
-from assistant.learning.maps.trials import try_targets
-from assistant.learning.maps.using import MapInUse
+from assistant.learning.maps.map_training import measure_errors, train_and_measure, usual_plan
+from assistant.learning.maps.observed_arm import Goals, InBox, observed_arm
+from assistant.learning.maps.proposals import MapInUse
 from tests.learning.maps.small import SMALL, STEPS
 
 EXPERIMENT = three_joints()

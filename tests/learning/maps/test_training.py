@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assistant.learning.maps.experiments import five_joints, six_joints, three_joints
-from assistant.learning.maps.training import (
+from assistant.learning.maps.map_training import (
     draw_test_goals,
     goals_with_noise,
     measure_errors,

@@ -8,9 +8,9 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, BoardView
+from assistant.vision.cameras.calibration import Board, BoardView
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, Optics, Picture, VisibleBody, draw
+from assistant.vision.cameras.synthetic_pictures import Card, Optics, Picture, VisibleBody, draw
 
 BOARD = Board.parse("charuco 7x5 40 30")
 LENS = Lens((640, 480), (800.0, 795.0), (316.0, 243.0), (-0.18, 0.06, 0.001, -0.002, 0.0))

@@ -8,7 +8,7 @@ import pytest
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.hand_eye import METHODS, Mounting, find_hand_eye
+from assistant.vision.cameras.hand_eye import METHODS, Mounting, find_hand_eye
 
 CAMERA = {
     "hand": Pose((30.0, -55.0, 70.0), (0.96, 0.02, -0.05, 0.274)),

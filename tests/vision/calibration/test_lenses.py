@@ -8,9 +8,7 @@ import pytest
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, BoardView, find_board
-from assistant.vision.calibration.lenses import find_lens
-from assistant.vision.calibration.pairs import find_pair
+from assistant.vision.cameras.calibration import Board, BoardView, find_board, find_lens, find_pair
 from assistant.vision.cameras.camera import Camera
 from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
 

@@ -13,10 +13,15 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.vision.calibration.boards import Board, BoardView
-from assistant.vision.calibration.rigs import BoardPictures, calibrate_rig, find_board_in_folder
+from assistant.vision.cameras.calibration import (
+    Board,
+    BoardPictures,
+    BoardView,
+    calibrate_rig,
+    find_board_in_folder,
+)
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.checking import check_agreement
+from assistant.vision.cameras.capture import check_agreement
 from tests.vision.calibration.scenes import BOARD, LENS, exact, pictures, shown, stand
 
 BETWEEN = Pose((0.0, -350.0, 300.0), (0.7071068, -0.7071068, 0.0, 0.0))

@@ -9,8 +9,7 @@ import pytest
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
-from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.triangulating import triangulate
+from assistant.vision.cameras.camera import Camera, Lens, looking_at, triangulate
 
 BENT = Lens((640, 480), (800.0, 790.0), (315.0, 242.0), (-0.2, 0.05, 0.001, -0.002, 0.01))
 MIDDLE = (0.0, 0.0, 300.0)

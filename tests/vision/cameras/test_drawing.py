@@ -10,8 +10,14 @@ from assistant.base import rotations
 from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Sphere
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.casting import cast_rays
-from assistant.vision.cameras.drawing import Card, Optics, VisibleBody, ball, draw
+from assistant.vision.cameras.synthetic_pictures import (
+    Card,
+    Optics,
+    VisibleBody,
+    ball,
+    cast_rays,
+    draw,
+)
 
 MIDDLE = (0.0, 0.0, 300.0)
 PLAIN = Camera("one", Lens.ideal((640, 480), 800.0), looking_at((0.0, -1000.0, 300.0), MIDDLE))

@@ -14,15 +14,16 @@ from assistant.cell.collision.model import Model
 from assistant.cell.exploration.explorer import Explorer
 from assistant.cell.exploration.occupancy import CellState
 from assistant.cell.scene import Scene
-from assistant.vision.exploring.contacts import (
+from assistant.vision.exploration import (
     AnyContacts,
     InputContacts,
     KeyContacts,
     PictureContacts,
+    RandomExplorer,
+    empty_log,
 )
-from assistant.vision.exploring.moving import RandomExplorer, empty_log
 from assistant.vision.servoing.bounds import Bounds, Guard
-from assistant.vision.servoing.ideal import IdealArm, SteppedClock
+from assistant.vision.servoing.simulation import IdealArm, SteppedClock
 
 CELL = '[robots.arm]\nrobot = "rv-2aj"\ntool = "gripper"\n'
 CELL += "[bodies.gripper]\ncylinder = [25, 58]\nposition = [0, 0, 29]\n"

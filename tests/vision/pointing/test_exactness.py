@@ -11,12 +11,10 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
-from assistant.vision.cameras.drawing import draw
-from assistant.vision.pointing.devices import HUES, Ball, Device, ball, wand
-from assistant.vision.pointing.holding import HeldPosition, average_hold
-from assistant.vision.pointing.locating import Sighting, locate_device
-from assistant.vision.pointing.showing import bodies_of_device
-from assistant.vision.pointing.wand_pose import fit_device_poses
+from assistant.vision.cameras.synthetic_pictures import draw
+from assistant.vision.pointing.demonstrations import HeldPosition, average_hold
+from assistant.vision.pointing.device_tracking import Sighting, fit_device_poses, locate_device
+from assistant.vision.pointing.devices import HUES, Ball, Device, ball, bodies_of_device, wand
 from tests.vision.pointing.scenes import BENT, LENS, pair, shown, some_pose
 
 HOLD = 30

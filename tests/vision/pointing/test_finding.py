@@ -11,9 +11,9 @@ import pytest
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, looking_at
+from assistant.vision.pointing.device_tracking import Sighting, check_cameras, locate_device
 from assistant.vision.pointing.devices import Ball, Device, ball, light, wand
-from assistant.vision.pointing.finding import find_spots
-from assistant.vision.pointing.locating import Sighting, check_cameras, locate_device
+from assistant.vision.pointing.mark_detection import find_spots
 from tests.vision.pointing.scenes import (
     BENT,
     BGR,

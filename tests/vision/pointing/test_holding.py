@@ -14,13 +14,23 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.sources import read
-from assistant.vision.pointing import rules
+from assistant.vision import rules
+from assistant.vision.pointing.demonstrations import (
+    USUAL_HOLD,
+    HeldPosition,
+    Stroke,
+    average_hold,
+    find_holds,
+    find_strokes,
+)
+from assistant.vision.pointing.device_tracking import (
+    Observation,
+    Seen,
+    Sighting,
+    fit_device_poses,
+    reject_jumps,
+)
 from assistant.vision.pointing.devices import HUES, Ball, Device, ball, wand
-from assistant.vision.pointing.holding import USUAL_HOLD, HeldPosition, average_hold, find_holds
-from assistant.vision.pointing.locating import Seen, Sighting
-from assistant.vision.pointing.strokes import Stroke, find_strokes
-from assistant.vision.pointing.tracking import Observation, reject_jumps
-from assistant.vision.pointing.wand_pose import fit_device_poses
 from tests.vision.pointing.scenes import pair, some_pose
 
 UNSEEN = rules.MARK_NOT_SEEN(camera="left", mark="red ball")

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.library import Library
-from assistant.vision.recognition.seeing import Recogniser
+from assistant.vision.recognition.object_library import Library
+from assistant.vision.recognition.recogniser import Recogniser
 from tests.vision.recognition.scenes import library
 
 

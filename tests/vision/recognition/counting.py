@@ -9,8 +9,8 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.diagnostics import has_errors
-from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.seeing import FoundObject, Recogniser, face_centre
+from assistant.vision.recognition.pose_estimation import Plane
+from assistant.vision.recognition.recogniser import FoundObject, Recogniser, face_centre
 from tests.vision.recognition.scenes import ABOVE, Truth, scene, taken
 
 EXACT = Plane(sigma=0.01, sigma_deg=0.005)

@@ -17,13 +17,13 @@ from assistant.base import rotations
 from assistant.cell.scene import Mesh
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, Optics, VisibleBody, draw
+from assistant.vision.cameras.synthetic_pictures import Card, Optics, VisibleBody, draw
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.drawn import read_part
-from assistant.vision.recognition.library import Library
-from assistant.vision.recognition.objects import KnownObject
-from assistant.vision.recognition.seeing import face_centre
-from assistant.vision.recognition.shown import ObjectView, learn_face
+from assistant.vision.recognition.known_objects import KnownObject
+from assistant.vision.recognition.object_library import Library
+from assistant.vision.recognition.objects_from_drawings import read_part
+from assistant.vision.recognition.objects_from_pictures import ObjectView, learn_face
+from assistant.vision.recognition.recogniser import face_centre
 
 REAL = Path(skimage.__file__).parent / "data"
 LENS = Lens((800, 600), (760.0, 762.0), (401.0, 297.0), (-0.1, 0.05, 0.0005, -0.0004, 0.0))

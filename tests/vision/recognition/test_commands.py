@@ -225,7 +225,7 @@ def test_objects_are_learnt_by_showing_them(here, capsys):
 @pytest.mark.slow
 def test_the_height_of_what_lies_before_two_cameras_is_seen(here, capsys, tell):
     from assistant.cell.scene import Box
-    from assistant.vision.cameras.drawing import Card, VisibleBody
+    from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody
     from tests.vision.recognition.scenes import LENS, taken
 
     cameras = {

@@ -8,7 +8,7 @@ import pytest
 from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.estimating import (
+from assistant.vision.recognition.pose_estimation import (
     Plane,
     fit_pose,
     measure_points,

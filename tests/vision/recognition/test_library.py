@@ -13,11 +13,11 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.drawn import read_part
-from assistant.vision.recognition.library import add_objects, read_library
-from assistant.vision.recognition.moments import contour_moments
-from assistant.vision.recognition.shown import ObjectView, learn_face
-from assistant.vision.recognition.symmetry import symmetry_of
+from assistant.vision.recognition.object_library import add_objects, read_library
+from assistant.vision.recognition.objects_from_drawings import read_part
+from assistant.vision.recognition.objects_from_pictures import ObjectView, learn_face
+from assistant.vision.recognition.outline_edges import symmetry_of
+from assistant.vision.recognition.outline_matching import contour_moments
 from tests.vision.recognition.scenes import PARTS, drawing, face_picture
 
 

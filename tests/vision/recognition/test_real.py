@@ -8,10 +8,10 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.vision.cameras.camera import Camera, Lens
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.depth import match_rows
+from assistant.vision.recognition.objects_from_pictures import ObjectView, learn_face
 from assistant.vision.recognition.photo import analyse_picture
-from assistant.vision.recognition.shown import ObjectView, learn_face
-from assistant.vision.recognition.textures import TextureIndex, find_textures
+from assistant.vision.recognition.stereo_depth import match_rows
+from assistant.vision.recognition.texture_matching import TextureIndex, find_textures
 from tests.vision.recognition.scenes import REAL, face_picture, real
 
 SIDE = 120

@@ -11,13 +11,12 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
-from assistant.vision.cameras.drawing import Card, VisibleBody
+from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody
 from assistant.vision.opencv import opencv
-from assistant.vision.recognition.estimating import Plane
-from assistant.vision.recognition.library import Library
-from assistant.vision.recognition.seeing import Recogniser
-from assistant.vision.recognition.shown import ObjectView
-from assistant.vision.recognition.solid import learn_solid
+from assistant.vision.recognition.object_library import Library
+from assistant.vision.recognition.objects_from_pictures import ObjectView, learn_solid
+from assistant.vision.recognition.pose_estimation import Plane
+from assistant.vision.recognition.recogniser import Recogniser
 from tests.vision.recognition.counting import EXACT, Counts, add, counted, difference
 from tests.vision.recognition.scenes import (
     ABOVE,

@@ -21,11 +21,10 @@ from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.servoing.bounds import Bounds, Guard
-from assistant.vision.servoing.image_based import ImageInHand, ImageToHand
+from assistant.vision.servoing.control_laws import ImageInHand, ImageToHand, PoseInHand, PoseToHand
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.pose_based import PoseInHand, PoseToHand
-from assistant.vision.servoing.synthetic import Clock, ProjectedEyes, ServoWorld
-from assistant.vision.servoing.things import Marker
+from assistant.vision.servoing.simulation import Clock, ProjectedEyes, ServoWorld
+from assistant.vision.servoing.visual_targets import Marker
 
 LENS = Lens((640, 480), (800.0, 795.0), (318.0, 242.0), (-0.1, 0.03, 0.001, -0.001, 0.0))
 TIP = Pose((0.0, 0.0, 100.0))

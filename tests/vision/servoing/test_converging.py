@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from assistant.base import rotations
-from assistant.vision.servoing.going import lead_to
-from assistant.vision.servoing.ideal import IdealArm, SteppedClock
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import ServoSettings, servo
-from assistant.vision.servoing.synthetic import Clock
+from assistant.vision.servoing.servo_loop import ServoSettings, lead_to, servo
+from assistant.vision.servoing.simulation import Clock, IdealArm, SteppedClock
 from tests.vision.servoing.scenes import TIP, by_controller, five_axes, over_egm, six_axes
 
 LAWS = ("image in hand", "pose in hand", "image to hand", "pose to hand")

@@ -10,13 +10,15 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, Lens
-from assistant.vision.servoing.estimating import estimate_pose
-from assistant.vision.servoing.image_based import ImageToHand
+from assistant.vision.servoing.control_laws import (
+    ImageToHand,
+    PoseInHand,
+    PoseToHand,
+    ServoMoment,
+    TargetSighting,
+)
 from assistant.vision.servoing.interaction import flange_of, interaction_matrix, jacobian, turned_by
-from assistant.vision.servoing.law import ServoMoment, TargetSighting
-from assistant.vision.servoing.pose_based import PoseInHand, PoseToHand
-from assistant.vision.servoing.things import GivenPoints, Marker
-from assistant.vision.servoing.tracked import PoseTracker
+from assistant.vision.servoing.visual_targets import GivenPoints, Marker, PoseTracker, estimate_pose
 from tests.vision.servoing.scenes import IN_HAND, LENS, MARKER, ON_TOOL, five_axes, six_axes
 
 LAWS = ("image in hand", "pose in hand", "image to hand", "pose to hand")
@@ -141,7 +143,7 @@ def test_what_is_not_the_thing_is_doubtful():
 
 
 def test_a_marker_is_found_where_it_is_projected(tell):
-    from assistant.vision.cameras.drawing import Card, VisibleBody, draw
+    from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody, draw
 
     picture = MARKER.picture()
     edge = MARKER.size * picture.shape[0] / 240.0

@@ -17,7 +17,7 @@ from assistant.controllers.cyclic.setpoint_source import Settings as CyclicSetti
 from assistant.program.geometry import Pose
 from assistant.vision.servoing.bounds import Bounds, Guard
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import ServoSettings
+from assistant.vision.servoing.servo_loop import ServoSettings
 
 ARM = robots.get("rv-2aj")
 TIP = Pose((0.0, 0.0, 100.0))

@@ -14,10 +14,9 @@ import pytest
 
 from assistant.base import rotations
 from assistant.vision.servoing.bounds import Bounds
-from assistant.vision.servoing.going import lead_to
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.loop import ServoSettings, ServoStopped, servo
-from assistant.vision.servoing.synthetic import Clock
+from assistant.vision.servoing.servo_loop import ServoSettings, ServoStopped, lead_to, servo
+from assistant.vision.servoing.simulation import Clock
 from tests.vision.servoing.scenes import MODES_BY_NAME, TIP
 
 SLOW = ("jog", "mxt", "exchange")

@@ -10,15 +10,19 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera_file import read_cameras
-from assistant.vision.servoing.ideal import IdealArm, SteppedClock
-from assistant.vision.servoing.image_based import ImageToHand
+from assistant.vision.servoing.control_laws import ImageToHand
 from assistant.vision.servoing.interaction import flange_of
-from assistant.vision.servoing.live import LiveEyes, SoughtTargets
-from assistant.vision.servoing.loop import ServoSettings, ServoStopped, servo
-from assistant.vision.servoing.setting_up import open_eyes, set_up_servo
-from assistant.vision.servoing.synthetic import DrawnEyes, ProjectedEyes, ServoWorld
-from assistant.vision.servoing.task_file import read_servo
-from assistant.vision.servoing.things import GivenPoints
+from assistant.vision.servoing.live_cameras import LiveEyes, SoughtTargets
+from assistant.vision.servoing.servo_loop import ServoSettings, ServoStopped, servo
+from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
+from assistant.vision.servoing.simulation import (
+    DrawnEyes,
+    IdealArm,
+    ProjectedEyes,
+    ServoWorld,
+    SteppedClock,
+)
+from assistant.vision.servoing.visual_targets import GivenPoints
 from tests.vision.servoing.scenes import IN_HAND, MARKER, ON_TOOL, TIP, five_axes
 
 AWAY = np.array([6.0, -5.0, 4.0, -6.0, 10.0])
@@ -259,7 +263,7 @@ def test_the_pictures_of_a_cell_follow_the_arm():
 
 
 def test_an_ideal_arm_is_led_by_drawn_pictures(tell):
-    from assistant.vision.cameras.drawing import Card, VisibleBody
+    from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody
 
     scene = five_axes()
     edge = MARKER.edge

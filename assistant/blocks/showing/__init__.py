@@ -1,1 +1,0 @@
-"""What notebooks and pages show of diagrams and of their runs."""

@@ -1,1 +1,0 @@
-"""Calibration of cameras: lens, two cameras to each other, camera and arm."""

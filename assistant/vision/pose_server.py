@@ -1,0 +1,144 @@
+"""Serve object poses to running programs over a data link.
+
+A program sends `see NAME` and gets seven numbers, one a line, see `assistant.sources.sights`. An
+object that is out of sight or doubtful is answered with that state and zeros, and the program ends
+without a move. A line that is not a question is not answered, so the program waits.
+"""
+
+from __future__ import annotations
+
+import datetime
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.base import rotations
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.controllers.mitsubishi.data_link import DataLink
+from assistant.controllers.rules import Lost
+from assistant.program.geometry import Pose
+from assistant.program.settings_tables import shown
+from assistant.sources.process import DEFAULT_TRUST, Trust
+from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
+
+NOT_A_QUESTION: Final = error(
+    "VS380",
+    "`{text}` is no question for where an object is, and is not answered",
+    "have the program send `see NAME`, as one does that is compiled with --ask-at",
+)
+ASKED_NOT_SEEN: Final = error(
+    "VS381",
+    "a program asked for `{name}`, which is not in sight",
+    "put it where the cameras see it",
+)
+ROBOT_POSE_UNKNOWN: Final = error(
+    "VS382",
+    "`{name}` was seen in the world of the cell, and where the robot stands in it is not known",
+    "name the cell with --cell and its robot with --robot, or see it in the robot's base",
+)
+DECIMALS: Final = 4
+LISTENING_SLICE: Final = 0.2
+"""Seconds that a line is listened to at a time, so that the whole can be ended."""
+LONGEST_WAIT: Final = 1e6
+"""Seconds that a socket waits at the most."""
+
+ObjectLookup = Callable[[str], Sight | None]
+"""Looks for an object by its name; None where it is not in sight. May raise Refused."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a program was told. name: that it asked for, empty for no question. state: the first of
+    the numbers; None where nothing was answered. pose: in the robot's base. findings: why not.
+    """
+
+    name: str
+    state: int | None
+    pose: Pose | None = None
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def serve_program(
+    link: DataLink,
+    look: ObjectLookup,
+    *,
+    trust: Trust = DEFAULT_TRUST,
+    base: Pose | None = None,
+    patience: float = math.inf,
+) -> Iterator[Answer]:
+    """Answers one program, from when it opens its line until it closes that.
+
+    link: not open yet. trust: beyond which a sight is not answered as found. base: where the robot
+    stands in the world of the cell. patience: seconds without a word after which Lost is raised.
+    Each answer is given when it is on its way. Raises Lost if the line cannot be opened or fails
+    while an answer goes out.
+    """
+    _open_link(link, patience)
+    try:
+        while (line := _next_question(link, patience)) is not None:
+            told = answer_line(line, look, trust=trust, base=base)
+            if told.state is not None:
+                for number in answer_numbers(told):
+                    link.send(number)
+            yield told
+    finally:
+        link.close()
+
+
+def answer_line(
+    line: str, look: ObjectLookup, *, trust: Trust = DEFAULT_TRUST, base: Pose | None = None
+) -> Answer:
+    """What is answered to a line of a program."""
+    word, _, name = line.strip().partition(" ")
+    name = name.strip()
+    if word.lower() != QUESTION or not name:
+        return Answer("", None, findings=(NOT_A_QUESTION(text=shown(line)),))
+    try:
+        sight = look(name)
+    except Refused as refused:
+        return Answer(name, NOT_THERE, findings=refused.findings)
+    if sight is None:
+        return Answer(name, NOT_THERE, findings=(ASKED_NOT_SEEN(name=shown(name)),))
+    why = tuple(doubts(sight, trust, datetime.datetime.now(datetime.UTC)))
+    if sight.frame == "world" and base is None:
+        why += (ROBOT_POSE_UNKNOWN(name=shown(name)),)
+    if why:
+        return Answer(name, DOUBTFUL, findings=why)
+    pose = sight.pose if sight.frame == "base" or base is None else base.inverse() @ sight.pose
+    return Answer(name, FOUND, pose)
+
+
+def answer_numbers(told: Answer) -> tuple[float, ...]:
+    """The seven of an answer: state, mm, degrees about x, y, z of R = Rz·Ry·Rx."""
+    if told.state != FOUND or told.pose is None:
+        return (told.state or NOT_THERE, *(0.0,) * 6)
+    z, y, x = rotations.to_euler(np.array(told.pose.quaternion), "ZYX").tolist()
+    values = (*told.pose.position, x, y, z)
+    return (FOUND, *(round(value, DECIMALS) + 0.0 for value in values))
+
+
+def _open_link(link: DataLink, patience: float) -> None:
+    """Opens a line as soon as the program does; raises Lost if it has not in time."""
+    whole, link.timeout = link.timeout, min(patience, LONGEST_WAIT)
+    try:
+        link.prepare()
+        link.open()
+    finally:
+        link.timeout = whole
+
+
+def _next_question(link: DataLink, patience: float) -> str | None:
+    """The next line, None once the other end has closed; raises Lost if none comes in time."""
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        try:
+            line = link.wait(LISTENING_SLICE)
+        except Lost:
+            return None
+        if line is not None:
+            return line
+    return link.receive(0.0)

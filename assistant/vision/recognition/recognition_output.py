@@ -1,0 +1,231 @@
+"""Output of recognition: taught targets on found objects, a file of their poses, an overlay.
+
+Each found object becomes a frame, so a build with another sight changes frames only. Files that
+`see` did not write are not replaced. The overlay draws outlines, axes, names and lines over the
+picture of a camera.
+"""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from types import ModuleType
+from typing import Final
+
+import numpy as np
+
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Refused
+from assistant.base.file_sets import write_all
+from assistant.base.source_text import is_file, read_bytes
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.vision.cameras.camera import Camera
+from assistant.vision.recognition.known_objects import Line, Place
+from assistant.vision.recognition.photo import Picture
+from assistant.vision.recognition.recogniser import (
+    FoundObject,
+    Recognition,
+    face_centre,
+    object_rim,
+)
+from assistant.vision.rules import FOREIGN_FILE
+
+FILE_HEAD: Final = "# Seen by robot-assistant"
+"""How files begin that `see` writes, and replaces."""
+MM_DECIMALS: Final = 4
+"""Of mm."""
+
+
+@dataclass(frozen=True, slots=True)
+class OutputFrame:
+    """What poses are told in. name: "world", or "base" of a robot; pose: its base in the world."""
+
+    name: str = "world"
+    pose: Pose = IDENTITY
+
+    def of(self, pose: Pose) -> Pose:
+        return self.pose.inverse() @ pose
+
+
+WORLD_FRAME: Final = OutputFrame()
+
+
+def targets_text(
+    found: Sequence[FoundObject],
+    base: OutputFrame,
+    when: datetime.datetime,
+    robot: str | None = None,
+) -> str:
+    """Taught targets: a frame for each object, then what is done on one after the other.
+
+    Before and behind each place and line is one above it, by so much along the tool. Poses are in
+    the frame of the object, so that a build with another sight only changes frames.
+    """
+    lines = [f"{FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
+    lines += ["", f'robot = "{robot}"'] if robot else []
+    for one in found:
+        pose = base.of(one.pose)
+        lines += ["", f"[frames.{one.name}]", f"position = {_numbers(pose.position)}"]
+        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}"]
+    for one in found:
+        for name, place in one.object.places.items():
+            lines += _place_lines(f"{one.name}_{name}", place, one.name)
+        for name, line in one.object.lines.items():
+            lines += _line_lines(f"{one.name}_{name}", line, one.name)
+    return "\n".join(lines) + "\n"
+
+
+def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.datetime) -> str:
+    """Where each object is: [found.NAME] with pose, standard deviations, covariance, confidence."""
+    lines = [f"{FILE_HEAD}: where known objects are, in mm."]
+    for one in found:
+        pose = base.of(one.pose)
+        lines += ["", f"[found.{one.name}]", f'object = "{one.object.name}"']
+        lines += [f"position = {_numbers(pose.position)}"]
+        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}", f'frame = "{base.name}"']
+        lines += [f"sigma_mm = {one.estimate.sigma_mm:.4g}"]
+        lines += [f"sigma_deg = {one.estimate.sigma_deg:.4g}"]
+        lines += [f"confidence = {min(one.confidence, 1.0):.3f}"]
+        lines += [f"seen = {when.isoformat(timespec='seconds')}"]
+        cameras = ", ".join(f'"{name}"' for name in one.cameras)
+        lines += [f"cameras = [{cameras}]"]
+        lines += ["covariance = [  # mm along and degrees about x, y and z of the frame"]
+        rows = covariance_in_frame(one.estimate.covariance, base)
+        lines += [f"    [{', '.join(f'{v:.4g}' for v in row)}]," for row in rows] + ["]"]
+    return "\n".join(lines) + "\n"
+
+
+def covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
+    """A covariance (6, 6) along and about the axes of the world, for those of a base."""
+    from assistant.base import rotations
+
+    turn = rotations.to_matrix(np.array(base.pose.quaternion)).T
+    both = np.kron(np.eye(2), turn)
+    return np.asarray(both @ covariance @ both.T)
+
+
+def write_seen_files(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
+    """Writes files, all or none; raises Refused if one of another origin is there."""
+    for path in files:
+        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(FILE_HEAD.encode()):
+            raise Refused(FOREIGN_FILE(path=str(path), name=path.name), exit_status=2)
+    return write_all({path: text.encode() for path, text in files.items()})
+
+
+def _place_lines(name: str, place: Place, frame: str) -> Iterator[str]:
+    pose = place.pose
+    yield from _target_lines(f"{name}_before", _backed_off(pose, place.approach), frame, "joint")
+    yield from _target_lines(name, pose, frame, "linear")
+    yield from _target_lines(f"{name}_after", _backed_off(pose, place.approach), frame, "linear")
+
+
+def _line_lines(name: str, line: Line, frame: str) -> Iterator[str]:
+    poses = [Pose.of(point, np.array(line.quaternion)) for point in line.points]
+    yield from _target_lines(f"{name}_before", _backed_off(poses[0], line.approach), frame, "joint")
+    for i, pose in enumerate(poses):
+        kind = "via" if i in line.vias else "end" if i - 1 in line.vias else "linear"
+        speed = line.speed if i else None
+        yield from _target_lines(f"{name}_{i + 1}", pose, frame, kind, speed)
+    yield from _target_lines(
+        f"{name}_after", _backed_off(poses[-1], line.approach), frame, "linear"
+    )
+
+
+def _backed_off(pose: Pose, by: float) -> Pose:
+    return pose.offset(z=-by)
+
+
+def _target_lines(
+    name: str, pose: Pose, frame: str, kind: str, speed: float | None = None
+) -> Iterator[str]:
+    assert re.fullmatch(r"\w+", name)
+    yield from ("", "[[targets]]", f'name = "{name}"', f'kind = "{kind}"', f'frame = "{frame}"')
+    yield f"position = {_numbers(pose.position)}"
+    yield f"quaternion = {_numbers(pose.quaternion, 9)}"
+    if speed is not None:
+        yield f"speed = {speed:g}"
+
+
+def _numbers(numbers: Iterable[float], digits: int = MM_DECIMALS) -> str:
+    return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"
+
+
+OUTLINE_COLOUR: Final = (80, 220, 80)
+AXIS_COLOURS: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
+"""Of x, y and z; blue, green, red."""
+LINE_COLOUR: Final = (220, 50, 200)
+AXIS_LENGTH: Final = 20.0
+"""mm of an axis."""
+SUBPIXEL_BITS: Final = 4
+
+
+def draw_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Recognition) -> Picture:
+    """Outlines, axes, names and lines; unknown things are left as they are."""
+    drawn = picture.copy()
+    for one in sight.found:
+        for ring in _outline_rings(one):
+            _draw_polygon(
+                cv, drawn, camera.project(one.pose.moved(ring)), OUTLINE_COLOUR, closed=True
+            )
+        for line in one.object.lines.values():
+            _draw_polygon(
+                cv,
+                drawn,
+                camera.project(one.pose.moved(_line_points(line))),
+                LINE_COLOUR,
+                closed=False,
+            )
+        _draw_axes(cv, drawn, camera, one)
+        at = camera.project(one.pose.moved(face_centre(one.object)[None]))[0]
+        if np.isfinite(at).all():
+            u, v = (int(value) for value in at)
+            text = f"{one.name} {one.confidence:.2f}"
+            for colour, thick in (((0, 0, 0), 3), ((255, 255, 255), 1)):
+                cv.putText(drawn, text, (u - 30, v), 0, 0.5, colour, thick, cv.LINE_AA)
+    return np.asarray(drawn)
+
+
+def _outline_rings(one: FoundObject) -> list[Floats]:
+    if one.object.outline is None:
+        return [object_rim(one.object)]
+    rings = one.object.outline.rings
+    return [np.column_stack([ring, np.zeros(len(ring))]) for ring in rings]
+
+
+def _line_points(line: Line) -> Floats:
+    """Points along a line, its arcs by chords."""
+    points = [line.points[:1]]
+    for i in range(1, len(line.points)):
+        if i in line.vias:
+            continue
+        if i - 1 in line.vias:
+            a, b, c = line.points[i - 2 : i + 1]
+            t = np.linspace(0.0, 1.0, 24)[1:, None]
+            # Through the middle by a parabola: near enough to be looked at.
+            points.append((1 - t) * (1 - 2 * t) * a + 4 * t * (1 - t) * b + t * (2 * t - 1) * c)
+        else:
+            points.append(line.points[i : i + 1])
+    return np.concatenate(points)
+
+
+def _draw_axes(cv: ModuleType, drawn: Picture, camera: Camera, one: FoundObject) -> None:
+    tips = np.vstack([np.zeros(3), AXIS_LENGTH * np.eye(3)])
+    seen = camera.project(one.pose.moved(tips))
+    for number, colour in enumerate(AXIS_COLOURS, 1):
+        _draw_polygon(cv, drawn, seen[[0, number]], colour, closed=False)
+
+
+def _draw_polygon(
+    cv: ModuleType,
+    drawn: Picture,
+    pixels: Floats,
+    colour: tuple[int, int, int],
+    *,
+    closed: bool,
+) -> None:
+    if np.isfinite(pixels).all():
+        whole = np.rint(pixels * (1 << SUBPIXEL_BITS)).astype(np.int32)
+        cv.polylines(drawn, [whole], closed, colour, 2, cv.LINE_AA, SUBPIXEL_BITS)
