@@ -27,11 +27,11 @@ KNOWN = {
     "learning/maps/map_file.py": "into memory",
     "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
     "project/builds.py": "in a folder for the moment",
-    "virtual/irc5/backup.py": "in a folder that appears whole, on the disk of a virtual controller",
+    "virtual/irc5/cabinet.py": "in a folder that appears whole, on a virtual disk",
     "base/certificate.py": "a key, in a folder for the moment",
-    "virtual/irc5/rws/resources/files.py": "folders, on the disk of a virtual controller",
-    "virtual/proving/sides.py": "modules that a run loads, on a disk for the moment",
-    "virtual/tracing.py": "into memory",
+    "virtual/irc5/rws_files.py": "folders, on the disk of a virtual controller",
+    "virtual/proving/compared_programs.py": "modules that a run loads, on a disk for the moment",
+    "virtual/run_log.py": "into memory",
     "vision/recognition/object_library.py": "into memory",
 }
 

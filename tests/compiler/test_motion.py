@@ -161,8 +161,8 @@ def test_a_run_that_takes_too_long_is_broken_off(
     short = proof(done, Proving(seconds=0.0))
     assert every is not None and every.changes == 500
     assert [f.code for f in short.findings if f.severity == "error"] == ["CO111"]
-    monkeypatch.setattr(search, "first_run", lambda _, source: 0.0 if source else 60.0)
-    monkeypatch.setattr(search, "first_run", search.first_run_seconds)
+    monkeypatch.setattr(search, "first_run_seconds", lambda _, source: 0.0 if source else 60.0)
+    monkeypatch.setattr(search, "first_run_seconds", search.first_run_seconds)
     longer = proof(done, Proving(seconds=0.0))
     assert not longer.holds and longer.found is not None
     assert 0 < longer.found.changes < 100

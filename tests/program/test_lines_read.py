@@ -114,7 +114,7 @@ HARMLESS = {
     "controllers/connection.py": "words of an error, for people",
     "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
-    "languages/rapid/tables/signatures.py": "a table of the package",
+    "languages/rapid/tables/predefined.py": "a table of the package",
     "languages/texts/words.py": "a table of the package",
     "program/pseudo/editor_support.py": "a table of the package",
     "sources/drawing/document.py": "bytes, which end at CR and LF only",
