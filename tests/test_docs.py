@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shutil
 import signal
@@ -147,6 +148,7 @@ def test_what_the_page_about_the_papers_names_is_there() -> None:
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]*))?\)")
 
 
+@functools.cache
 def anchors(page: Path) -> set[str]:
     """What the headings of a page can be linked by."""
     heads = re.findall(r"^#+ +(.*)$", page.read_text("utf-8"), re.M)
@@ -261,6 +263,7 @@ def test_each_picture_of_a_page_is_made_by_a_command():
     assert max(stored.values()) <= 80 * 1024
 
 
+@pytest.mark.slow
 def test_the_rooms_of_languages_are_counted() -> None:
     assert house.code_lines('"""Says."""\n\n# Why\nx = [\n    1,  # one\n]\n') == 3
     sizes = house.sizes()

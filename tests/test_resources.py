@@ -29,6 +29,7 @@ def kept(folder: Path) -> list[Path]:
     return list(folder.rglob("rapid*.lalr"))
 
 
+@pytest.mark.slow
 def test_tables_are_kept_and_a_damaged_file_of_them_is_made_anew(tmp_path):
     first = check(tmp_path)
     [tables] = kept(tmp_path)
@@ -60,6 +61,7 @@ def test_tables_of_something_else_are_made_anew(used, foreign):
     assert [file for file in tables.parent.iterdir() if file.name.startswith("rapid")] == [tables]
 
 
+@pytest.mark.slow
 def test_where_no_bytecode_is_wanted_none_is_kept(tmp_path):
     assert check(tmp_path, PYTHONDONTWRITEBYTECODE="1")[0] == 0
     assert kept(tmp_path) == []

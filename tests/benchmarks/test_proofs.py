@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PROJECT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 def test_the_programs_of_a_folder_are_counted(tmp_path: Path) -> None:
     place = "(+400.00,{},+400.00,+180.00,+0.00,+180.00)(7,0)\n"
     data = "P1=" + place.format("+0.00") + "P2=" + place.format("+50.00")

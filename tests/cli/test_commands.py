@@ -252,6 +252,7 @@ def demo(capsys, folder, *more):
     return out
 
 
+@pytest.mark.slow
 def test_the_demo_without_the_toolbox_tells_what_installs_it(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr("assistant.cli.demo.TIME_FACTOR", 20.0)
     monkeypatch.setitem(sys.modules, "roboticstoolbox", None)

@@ -86,6 +86,7 @@ def test_what_cannot_be_read(capsys: Capture, cell: Path, second: str, code: str
     assert code in err and "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_folders(capsys: Capture, cell: Path) -> None:
     for folder in ("old", "new"):
         (cell / folder).mkdir()

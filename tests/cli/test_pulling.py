@@ -200,6 +200,7 @@ def test_what_cannot_come_home_is_said_and_nothing_is_written(capsys, repository
     assert status == 2 and "CL271" in err
 
 
+@pytest.mark.slow
 def test_a_touched_up_start_of_a_drawing_outlives_the_next_drawing(capsys, repository, rws):
     """From the pendant into what was built, and on as the source changes."""
     for name in ("plate.dxf", "plate.process.toml"):

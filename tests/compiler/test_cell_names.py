@@ -351,6 +351,7 @@ def test_a_program_that_moves_by_itself_keeps_its_main(tmp_path: Path) -> None:
     assert [one.code for one in refused.value.findings] == ["CO324"]
 
 
+@pytest.mark.slow
 def test_a_project_says_what_its_programs_are_called(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

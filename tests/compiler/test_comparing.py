@@ -444,6 +444,7 @@ Return 0
     assert done.motion.holds, done.motion.findings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [300, 2000])
 def test_a_loop_that_waits_for_the_time_is_not_without_effect(seconds: int) -> None:
     body = f"""PROC main()
@@ -501,7 +502,7 @@ Return 0
 """
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "instead"),
     [

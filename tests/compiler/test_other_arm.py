@@ -109,7 +109,7 @@ def holds(file: Path, arm: Robot, language: str, count: int) -> None:
         assert said(arm, arm.configuration(joints)) == said(arm, row), name
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("language", MELFA)
 @pytest.mark.parametrize("seed", range(3))
 def test_configurations_are_right_on_either_arm(seed: int, language: str, tmp_path: Path) -> None:

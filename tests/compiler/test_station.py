@@ -192,6 +192,7 @@ def under(tmp_path: Path) -> Path:
     return tmp_path / "under.dxf"
 
 
+@pytest.mark.slow
 def test_the_tool_comes_from_aside_where_its_axis_is_not_free(under: Path) -> None:
     pytest.importorskip("ompl")
     compiled = compile(under, language="rapid", cell=under.with_name("cell.toml"))
@@ -204,6 +205,7 @@ def test_the_tool_comes_from_aside_where_its_axis_is_not_free(under: Path) -> No
     assert b"RelTool(glue_1_end," in text and b"RelTool(glue_1_end,0,0,-40)" not in text
 
 
+@pytest.mark.slow
 def test_nothing_is_made_where_no_way_in_is_free(under: Path) -> None:
     cell = under.with_name("cell.toml")
     walls = [(47, 0, 2, 30), (-47, 0, 2, 30), (0, 17, 90, 2), (0, -47, 90, 2)]

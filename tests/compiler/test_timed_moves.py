@@ -44,6 +44,7 @@ def moved() -> list[Moved]:
     return [event for event in run.events if isinstance(event, Moved)]
 
 
+@pytest.mark.slow
 def test_each_takes_its_time() -> None:
     moves = moved()[: len(TIMES)]
     speeds = robots.get(ARM).speeds

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -135,6 +136,7 @@ def test_the_same_track_gives_the_same_picture():
     assert figures.pose_plot(way, "title") == figures.pose_plot(way, "title")
 
 
+@pytest.mark.slow
 def test_an_exchange_is_drawn_without_jumps_between_two_signs_of_one_orientation() -> None:
     seconds, places = np.arange(3.0), np.zeros((3, 3))
     turns = np.array([[0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0]])

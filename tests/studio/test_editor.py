@@ -125,6 +125,7 @@ def test_words_are_completed_named_anew_and_saved_by_keys(edited: Any, folder: P
     assert (folder / "part.pseudo").read_text() == written
 
 
+@pytest.mark.slow
 def test_what_changes_on_the_disk_is_taken_in_or_asked_about(edited: Any, folder: Path) -> None:
     page, file = edited, folder / "part.pseudo"
     theirs = PROGRAM.replace("200", "300")

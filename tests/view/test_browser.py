@@ -184,6 +184,7 @@ def test_the_path_is_coloured_by_what_is_chosen(opened: tuple[Any, str]) -> None
     assert numbers(data_of(text)["motion"]["room"]).min() > 0.0
 
 
+@pytest.mark.slow
 def test_a_program_is_seen_from_above_and_from_the_side(
     browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

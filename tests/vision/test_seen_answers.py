@@ -141,6 +141,7 @@ def test_the_arm_goes_to_the_place_that_was_answered(asked: Asked, tell: Callabl
     assert off < 0.01 and turn < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arm", "to", "robot"),
     [(ARMS[0], "melfa-basic-5", "rv-4frl"), (ARMS[1], "rapid", "irb1200-7-0.7")],

@@ -140,6 +140,7 @@ def goals(seed: int, runs: int, count: int) -> Floats:
     return np.array([row for row, _ in zip(blocked, range(count), strict=False)])
 
 
+@pytest.mark.slow
 def test_a_way_around_a_hidden_wall_is_found_by_the_map_alone() -> None:
     """A ball on three straight axes, and a wall that leaves a gap at one side."""
     robot = read(GANTRY.replace(b"5000", b"400"))

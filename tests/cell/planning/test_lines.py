@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from assistant.cell.collision.model import Model
 from assistant.cell.planning.planner import Planned, plan
@@ -56,6 +57,7 @@ def test_lines_around_a_post() -> None:
     ends_at(way, goal)
 
 
+@pytest.mark.slow
 def test_out_of_a_shelf_on_lines() -> None:
     scene = shelf()
     *_, problem = problems("shelf", scene, 3, seed=1)

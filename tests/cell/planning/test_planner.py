@@ -110,6 +110,7 @@ def test_at_least_90_of_100_are_found_in_30_seconds(
     assert found >= 90
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_way() -> None:
     scene = shelf()
     *_, problem = problems("shelf", scene, 2, seed=1)

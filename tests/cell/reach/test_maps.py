@@ -145,6 +145,7 @@ def test_base_and_region_moved_together_change_nothing():
     assert np.allclose(one.room, other.room, atol=1e-6, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_the_best_way_is_the_best_of_all():
     """Each branch and turn is looked at by itself, with the distances of all its pairs."""
     table = Body("table", (Part(Box((900.0, 900.0, 40.0))),), Pose((700.0, 0.0, 180.0)))

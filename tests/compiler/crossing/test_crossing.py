@@ -70,7 +70,6 @@ def crossed(kind: str, case: dict[str, Any], folder: Path) -> Translation:
     return translate(with_neutral_cell(loaded), to=to, proving=Proving(seconds=2))
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("kind", "case"), [*cases()])
 def test_it_does_the_same(kind: str, case: dict[str, Any], tmp_path: Path) -> None:
     done = crossed(kind, case, tmp_path)

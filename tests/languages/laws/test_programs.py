@@ -143,6 +143,7 @@ def keeps_names_apart(name: str, names: list[str]) -> None:
         assert len(getattr(lifted, table)) == len(getattr(program, table)), table
 
 
+@pytest.mark.one_in(2)
 @every_language
 @given(names=NAMES)
 @example(["_x", "_", "a_", "end", "ß", "ſ", "ss", "x" * 70, "x" * 71])

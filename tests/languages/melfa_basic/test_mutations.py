@@ -37,6 +37,7 @@ def test_the_undamaged_programs_have_no_findings(path: Path) -> None:
     assert findings_of(path.name, path.read_text(encoding="utf-8")) == []
 
 
+@pytest.mark.slow
 def test_damage_is_found_where_it_is() -> None:
     """All mutations count, those too that leave a program which means something else."""
     missed = [mutation.name for mutation, found in damaged() if not mutation.is_near(found)]
@@ -44,6 +45,7 @@ def test_damage_is_found_where_it_is() -> None:
     assert len(missed) <= (1 - LEAST) * len(damaged()), missed
 
 
+@pytest.mark.slow
 def test_a_misspelt_word_is_found_or_named() -> None:
     """Near it, or where the name is used that a misspelt declaration no longer gives."""
 
@@ -72,6 +74,7 @@ def without_a_needed_line() -> Iterator[tuple[str, str, str]]:
                 yield path.name, line.rstrip(), "".join((*lines[:at], *lines[at + 1 :]))
 
 
+@pytest.mark.slow
 def test_a_line_that_another_needs_is_missed() -> None:
     cases = list(without_a_needed_line())
     missed = [f"{name}: {line}" for name, line, text in cases if not findings_of(name, text)]

@@ -309,6 +309,7 @@ def test_a_tool_or_frame_that_changes_is_declared_all_the_same(line: str) -> Non
     assert told.code == "MB209"
 
 
+@pytest.mark.slow
 def test_the_steps_of_a_long_condition_are_not_divided_again() -> None:
     language = languages.get("melfa-basic-6")
     asked = " AND ".join(f"(Abs(n-{k}.5)>=2.25 OR Abs(m*{k})<n+{k})" for k in range(12))

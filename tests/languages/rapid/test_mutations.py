@@ -32,6 +32,7 @@ def test_the_undamaged_programs_have_no_findings(path: Path) -> None:
     assert findings_of(path.read_text(encoding="utf-8")) == []
 
 
+@pytest.mark.slow
 def test_damage_is_found_where_it_is() -> None:
     """All mutations count, those too that leave a program which means something else."""
     missed = [mutation.name for mutation, found in damaged() if not mutation.is_near(found)]

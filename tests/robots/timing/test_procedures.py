@@ -284,6 +284,7 @@ def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:
     assert "again: `again` calls itself; that is not followed" in map(str, simulation.unknown)
 
 
+@pytest.mark.slow
 def test_calls_that_double_and_double_again_end() -> None:
     body = "".join(f"\nprocedure p{i}\n  call p{i + 1}\n  call p{i + 1}\nend\n" for i in range(40))
     simulation = done(THERE + "  call p0\n", f"{body}\nprocedure p40\n  wait 1 s\nend\n")

@@ -88,6 +88,7 @@ def test_a_period_that_gives_too_many_samples_is_refused() -> None:
         done(acceleration=-1.0)
 
 
+@pytest.mark.slow
 def test_a_long_program_gets_a_period_that_fits() -> None:
     result = simulate(robots.solve_program(parse(TEXT.replace("wait 0.5 s", "wait 30000 s")), ARM))
     assert result.period == pytest.approx(0.05)

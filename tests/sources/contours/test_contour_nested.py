@@ -69,6 +69,7 @@ def check(drawn, ways):
             assert order[row] < order[one.holder]
 
 
+@pytest.mark.slow
 def test_no_gouge_and_each_hole_before_its_outline(tmp_path):
     drawn, document = nested(1, 30)
     assert {d.depth for d in drawn} >= {0, 1, 2}

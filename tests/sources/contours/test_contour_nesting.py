@@ -103,6 +103,7 @@ def test_it_is_seen_along_the_tool():
     assert holders([upright(50.0), upright(5.0)], (1.0, 0.0, 0.0), 0.05) == [-1, 0]
 
 
+@pytest.mark.slow
 def test_parts_in_a_frame():
     contours = [square(1500, 1500, 3200)]
     for x, y in itertools.product(range(30), range(30)):

@@ -114,6 +114,7 @@ def test_small_tours_are_near_the_best_there_is(seed):
     assert order_contours(parts).after <= best * 1.25 + 1e-9
 
 
+@pytest.mark.slow
 def test_many_contours_are_ordered_well():
     random = np.random.default_rng(7)
     parts = [circle(vector(p), 0.1) for p in random.uniform(0, 1000, (2500, 3)) * (1, 1, 0)]

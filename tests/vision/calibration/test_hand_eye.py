@@ -125,6 +125,7 @@ def test_a_turn_that_was_written_down_wrongly_is_found() -> None:
     assert find_hand_eye(flanges, boards, "hand").left_out == (3,)
 
 
+@pytest.mark.slow
 def test_right_poses_are_not_left_out() -> None:
     counted = 0
     for seed in range(4):

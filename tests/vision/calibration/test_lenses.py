@@ -49,6 +49,7 @@ def test_twelve_drawn_views_tell_a_lens(board: Board, tell) -> None:
     assert off < 0.4
 
 
+@pytest.mark.slow
 def test_the_told_sigma_of_a_lens_is_honest() -> None:
     camera, rng = Camera("one", LENS), np.random.default_rng(5)
     poses = [shown(BOARD, rng.uniform(430.0, 600.0), rng) for _ in range(10)]

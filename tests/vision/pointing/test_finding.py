@@ -42,6 +42,7 @@ def code_of(device: Device, pictures: list[np.ndarray], cameras: tuple[Camera, .
     return seen.code
 
 
+@pytest.mark.slow
 def test_the_centre_of_a_near_ball_is_not_the_middle_of_its_outline() -> None:
     """The ball is large and at the side, so that the two are 1.4 pixels apart."""
     camera = Camera("one", LENS, looking_at((0.0, -400.0, 300.0), MIDDLE))
