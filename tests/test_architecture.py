@@ -24,14 +24,14 @@ ROOMS: dict[str, frozenset[str]] = {
     "cell": frozenset({"base", "program", "sources", "robots"}),
     "checks": frozenset({"base", "program", "robots", "cell"}),
     "virtual": frozenset({"base", "program", "robots", "languages"}),
-    "controllers": frozenset({"base", "program", "sources"}),
+    "controllers": frozenset({"base", "program"}),
     "vision": frozenset({"base", "program", "sources", "robots", "cell", "controllers"}),
     "learning": frozenset({"base", "program", "robots", "vision"}),
     "deploy": frozenset({"base", "program", "languages", "controllers"}),
     "compiler": frozenset(
         {
             *("base", "program", "sources", "robots", "cell", "languages", "checks"),
-            *("virtual", "controllers", "deploy"),
+            *("virtual", "controllers"),
         }
     ),
     "blocks": frozenset(

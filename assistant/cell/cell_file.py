@@ -74,8 +74,7 @@ from assistant.cell.scene import MARGIN, Body, PlacedRobot, RobotReference, Scen
 from assistant.cell.scene import WORLD as WORLD_FRAME
 from assistant.program import settings_tables
 from assistant.program.geometry import Frame
-from assistant.program.settings_tables import Table
-from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.program.settings_tables import ENCODINGS, Table, read_toml
 
 MOST_NAMES: Final = 12
 """Of what a body may stand in, in a message."""

@@ -483,7 +483,7 @@ def _read_scene(
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.drawing_bodies import read_drawing
     from assistant.cell.scene import Scene
-    from assistant.sources.process.file import ENCODINGS, read_toml
+    from assistant.program.settings_tables import ENCODINGS, read_toml
     from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     if unit is not None:

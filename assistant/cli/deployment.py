@@ -314,7 +314,7 @@ def named_controllers(
 def history_here() -> Path | None:
     """The history of the project that the working folder is in, None without one."""
     from assistant.deploy.history import HISTORY
-    from assistant.sources.project_file import project_of
+    from assistant.program.project_file import project_of
 
     project = project_of(Path.cwd())
     if project is None:

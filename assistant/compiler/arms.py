@@ -191,7 +191,7 @@ def open_cell(
 
 
 def _scene_of(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnostic, ...]]:
-    from assistant.sources.process.file import ENCODINGS, read_toml
+    from assistant.program.settings_tables import ENCODINGS, read_toml
 
     if values and not path.exists():
         return None, ()

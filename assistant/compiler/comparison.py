@@ -51,10 +51,9 @@ from assistant.program.program import Procedure, Program, walk
 from assistant.program.pseudo.printer import block_text
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import head, rewrite
-from assistant.program.settings_tables import Wrong
+from assistant.program.settings_tables import ENCODINGS, Wrong, read_toml
 from assistant.program.statement_index import names_in_procedures, records_in_procedures
 from assistant.sources.cell_values import wanted_in_words
-from assistant.sources.process.file import ENCODINGS, read_toml
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -25,10 +25,10 @@ from assistant.base.source_text import SourceText, decode, folders_of, read_byte
 from assistant.languages.language_types import Choice
 from assistant.program import pseudo
 from assistant.program.program import Procedure, Program, Signal
+from assistant.program.project_file import Project, project_of
 from assistant.program.vendor_statements import with_effects
 from assistant.sources.process import NO_SEEN_SETTINGS, SeenSettings
 from assistant.sources.process.placement import check_drawn
-from assistant.sources.project_file import Project, project_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree

@@ -52,8 +52,16 @@ from assistant.compiler.program_files import programs_in
 from assistant.compiler.retarget import for_arm
 from assistant.compiler.seen_frames import with_located_frames
 from assistant.program import pseudo, settings_tables
-from assistant.program.settings_tables import Read, Table, Wrong, kind_of, nearest, shown
-from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.program.settings_tables import (
+    ENCODINGS,
+    Read,
+    Table,
+    Wrong,
+    kind_of,
+    nearest,
+    read_toml,
+    shown,
+)
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, words_of
 from assistant.virtual.tasks import Group, Part, Programs, groups

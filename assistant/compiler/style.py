@@ -46,11 +46,11 @@ from assistant.base.source_text import (
 )
 from assistant.program import settings_tables as kinds
 from assistant.program.program import Program
+from assistant.program.project_file import STYLE, project_of
 from assistant.program.rewriting import map_bodies
 from assistant.program.settings_tables import Page, Table
 from assistant.program.statements import Comment
 from assistant.resources import resource
-from assistant.sources.project_file import STYLE, project_of
 
 if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment

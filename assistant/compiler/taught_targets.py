@@ -25,9 +25,9 @@ from assistant.controllers.states import Position
 from assistant.program.expressions import Name
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.program import Procedure, Program
+from assistant.program.settings_tables import ENCODINGS
 from assistant.program.statements import Motion, Move, MoveCircular
 from assistant.sources import process_of
-from assistant.sources.process.file import ENCODINGS
 from assistant.sources.reading import Reading
 from assistant.sources.tables.taught import (
     TARGET_EXISTS,

@@ -103,8 +103,8 @@ def of_project(name: str, folder: FilePath) -> Named:
 
 def controllers_of(folder: FilePath) -> dict[str, Named]:
     """The controllers of a folder's project by their names; raises Unreadable and Refused."""
+    from assistant.program.project_file import CONTROLLERS, project_of
     from assistant.program.settings_tables import Page, Table
-    from assistant.sources.project_file import CONTROLLERS, project_of
 
     project = project_of(folder)
     if project is None or not isinstance(project.content, Mapping):

@@ -15,20 +15,14 @@ from typing import Any, Final
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import folders_of, read_bytes
+from assistant.base.text_merge import difference, merged, says_the_same
 from assistant.controllers import Address, Programs
 from assistant.controllers.states import Identity
 from assistant.deploy import rules
 from assistant.deploy.history import Entry, last_record, what_was_left
 from assistant.deploy.preconditions import check_clashes
 from assistant.deploy.record import NOTHING_INSTALLED, Held, Record, check_meant, of_another
-from assistant.deploy.site import (
-    Site,
-    difference,
-    difference_since,
-    module_difference,
-    of_deployments,
-)
-from assistant.deploy.text_merge import merged, says_the_same
+from assistant.deploy.site import Site, difference_since, module_difference, of_deployments
 from assistant.languages import Language, Tree
 
 

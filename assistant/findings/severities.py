@@ -37,7 +37,7 @@ from assistant.base.source_text import SourceText, comments
 from assistant.compiler.checker import CheckedText
 from assistant.findings import rulebook
 from assistant.findings.rulebook import is_adjustable
-from assistant.sources.project_file import (
+from assistant.program.project_file import (
     CONTROLLERS,
     DEPLOY,
     PROGRAMS,

@@ -1,4 +1,4 @@
-"""Settings files: tables read by a table of their keys, with a finding for each wrong value.
+"""Settings files: TOML read by tables of their keys, with a finding for each wrong value.
 
 Each reader takes what TOML gave and returns the value, or raises `Wrong` with the fault and its
 cure. Lengths are in mm, angles in degrees.
@@ -7,6 +7,8 @@ cure. Lengths are in mm, angles in degrees.
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -15,10 +17,10 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.diagnostics import Diagnostic, Rule, Span, error, warning
+from assistant.base.diagnostics import Diagnostic, Refused, Rule, Span, Unreadable, error, warning
 from assistant.base.length_units import UNITS
 from assistant.base.source_text import SourceText
-from assistant.base.toml_text import KeyPath, key_spans
+from assistant.base.toml_text import KeyPath, key_spans, parse_toml
 from assistant.program.geometry import Quaternion, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import IDENTIFIER, identifier
@@ -344,3 +346,47 @@ def nearest(given: str, known: Iterable[str]) -> str | None:
     plain: Final = {name.casefold(): name for name in known}
     close = get_close_matches(given.casefold(), plain, n=1, cutoff=0.7)
     return plain[close[0]] if close else None
+
+
+NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
+
+
+ENCODINGS: Final = ("utf-8-sig", "utf-8")
+
+
+ERROR_POSITION: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
+
+
+def read_toml(source: SourceText) -> Table:
+    """A document, every key with its place; raises Unreadable if it is no TOML.
+
+    Raises Refused if reading takes more than its budget.
+    """
+    try:
+        content = parse_toml(source.text, source.path)
+    except Refused:
+        raise
+    except tomllib.TOMLDecodeError as error:
+        raise Unreadable(_not_toml(source, str(error))) from None
+    except ValueError:  # as `int` refuses it, without a place
+        finding = source.finding(NOT_TOML, _long_number(source.text), reason="a number is too long")
+        raise Unreadable(finding) from None
+    except RecursionError:
+        raise Unreadable(_not_toml(source, "brackets are nested too deeply")) from None
+    return Table(Page.of(source), (), content)
+
+
+def _long_number(text: str) -> Span:
+    """The longest number of a text."""
+    numbers = (Span(*found.span()) for found in re.finditer(r"\d[\d_]*", text))
+    return max(numbers, key=lambda span: span.end - span.start)
+
+
+def _not_toml(source: SourceText, reason: str) -> Diagnostic:
+    place = ERROR_POSITION.search(reason)
+    said = ERROR_POSITION.sub("", reason)
+    said = shown(said[:1].lower() + said[1:], 200)
+    lines = source.text.count("\n") + 1
+    line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, None)
+    excerpt = source.line_text(line)
+    return NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)

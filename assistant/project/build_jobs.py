@@ -37,11 +37,11 @@ from assistant.compiler.style import style_of
 from assistant.controllers.address import without_passwords
 from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
+from assistant.program.project_file import PROJECT_FILES
 from assistant.program.settings_tables import listed
 from assistant.project import rules
 from assistant.project.project_file import Place, Recipe
 from assistant.sources import PROCESS_SUFFIX, READERS
-from assistant.sources.project_file import PROJECT_FILES
 
 Digests = Mapping[str, str | None]
 """File or folder (with a `/` at its end), from the project's folder → SHA-256 of its bytes or of

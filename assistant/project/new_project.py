@@ -20,6 +20,7 @@ from assistant.base.file_sets import write_all
 from assistant.base.length_units import UNITS, known_unit
 from assistant.base.source_text import read_bytes
 from assistant.program.program import TakenNames, identifier
+from assistant.program.project_file import read_project
 from assistant.program.settings_tables import shown
 from assistant.project import rules
 from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
@@ -27,7 +28,6 @@ from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS
-from assistant.sources.project_file import read_project
 
 COMMENT_COLUMN: Final = 30
 """Columns before a comment."""

@@ -29,13 +29,13 @@ from assistant.controllers.named import LONGEST_TIMEOUT, ROBOT_FILES, SECRET, ke
 from assistant.controllers.named import NAME as CONTROLLER_NAME
 from assistant.findings.severities import LEVELS, TABLE
 from assistant.languages.language_types import Choice, Frames, Setting
+from assistant.program import project_file as stated
 from assistant.program import settings_tables
 from assistant.program.program import IDENTIFIER
+from assistant.program.project_file import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
+from assistant.program.project_file import STYLE as STYLE_TABLE
 from assistant.program.settings_tables import Page, Read, Table, Wrong, listed, nearest, shown
 from assistant.project import rules
-from assistant.sources import project_file as stated
-from assistant.sources.project_file import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
-from assistant.sources.project_file import STYLE as STYLE_TABLE
 
 PROJECT_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
 """Of programs and targets: they become names of folders."""

@@ -21,6 +21,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, decode, encode, read_bytes
+from assistant.base.text_merge import StoredForm, in_layout, merged
 from assistant.base.toml_text import value_spans
 from assistant.compiler.loader import PSEUDO_ENCODINGS, lift_texts, parse_pseudo
 from assistant.compiler.taught_targets import branch_words, number_list
@@ -28,16 +29,15 @@ from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.repository import is_committed
 from assistant.deploy.rules import IN_WRITTEN
 from assistant.deploy.site import Site
-from assistant.deploy.text_merge import StoredForm, in_layout, merged
 from assistant.languages import Language
 from assistant.languages.language_types import Precision
 from assistant.program import pseudo
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.program import Program
+from assistant.program.settings_tables import ENCODINGS, read_toml
 from assistant.project import rules
 from assistant.robots import Robot
 from assistant.sources import process_of
-from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.sources.tables.taught import (
     ORIENTATIONS,
     TaughtTarget,

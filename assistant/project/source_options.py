@@ -8,9 +8,9 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.program import project_file as files
 from assistant.project.build_jobs import chosen_language, order_of, shown_path
 from assistant.project.project_file import Place, Project, Recipe, path_inside, project_of
-from assistant.sources import project_file as files
 
 SEVERAL_WAYS: Final = error(
     "PR304",

@@ -49,7 +49,7 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
-from assistant.program.settings_tables import Read, Table, Wrong
+from assistant.program.settings_tables import ENCODINGS, Read, Table, Wrong, read_toml
 from assistant.program.undeclared_names import (
     JOINT_SPEED,
     LINE_NAME,
@@ -61,7 +61,7 @@ from assistant.program.undeclared_names import (
     WantedKind,
 )
 from assistant.sources.process import NO_PROCESS, Process
-from assistant.sources.process.file import ENCODINGS, process_in, read_toml
+from assistant.sources.process.file import process_in
 
 V = TypeVar("V")
 

@@ -25,10 +25,19 @@ from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import decode, read_bytes
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.program.settings_tables import REPAIRED, Read, Table, Wrong, kind_of, listed, shown
+from assistant.program.settings_tables import (
+    ENCODINGS,
+    REPAIRED,
+    Read,
+    Table,
+    Wrong,
+    kind_of,
+    listed,
+    read_toml,
+    shown,
+)
 from assistant.sources.process import DEFAULT_TRUST, PoseServer, SeenSettings, Trust
 from assistant.sources.process import NO_SEEN_SETTINGS as NOT_STATED
-from assistant.sources.process.file import ENCODINGS, read_toml
 
 NOTHING_FOUND: Final = error(
     "SR010",

@@ -377,7 +377,7 @@ def _process_text(drawing: FilePath, file: FilePath) -> SourceText:
         seen: Survey = survey(drawing, NO_PROCESS)
         return SourceText(process_text(drawing.name, seen), str(file), "utf-8", "\n")
     from assistant.base.source_text import decode
-    from assistant.sources.process.file import ENCODINGS
+    from assistant.program.settings_tables import ENCODINGS
 
     return decode(read_file(file), str(file), ENCODINGS)
 

@@ -11,7 +11,7 @@ from assistant.base.diagnostics import Refused
 from assistant.compiler import check_files
 from assistant.compiler.loader import with_project_settings
 from assistant.findings.severities import severities_for
-from assistant.sources.project_file import project_of
+from assistant.program.project_file import project_of
 
 LONG = "1 MABCDEFGHIJKLMNOPQRST=1\n2 M_Out(1)=MABCDEFGHIJKLMNOPQRST\n3 Dly 1\n"
 """A name of 21 characters."""

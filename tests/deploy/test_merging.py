@@ -4,8 +4,8 @@ import random
 
 import pytest
 
+from assistant.base.text_merge import in_layout, merged, says_the_same
 from assistant.controllers.mitsubishi import programs
-from assistant.deploy.text_merge import in_layout, merged, says_the_same
 
 OWN = b"""\
 MODULE m

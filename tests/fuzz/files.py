@@ -34,12 +34,13 @@ from assistant.learning.maps.map_file import COLUMNS, load_map, save_map
 from assistant.learning.maps.map_training import start_map_with_shape, train_and_measure, usual_plan
 from assistant.learning.maps.proposals import MapInUse
 from assistant.program import pseudo
+from assistant.program.settings_tables import ENCODINGS
 from assistant.project import project_of
 from assistant.project.builds import BUILD_FILE, read_build
 from assistant.report.scenes import record as said
 from assistant.robots import robot_file
 from assistant.sources.cell_values import read_cell
-from assistant.sources.process.file import ENCODINGS, read_process
+from assistant.sources.process.file import read_process
 from tests.fuzz.target import (
     ROOT,
     Target,

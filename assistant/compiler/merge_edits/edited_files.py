@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, has_errors
 from assistant.base.source_text import comments
+from assistant.base.text_merge import difference, says_the_same
 from assistant.compiler.loader import language_of, lift_texts, load_text
 from assistant.compiler.merge_edits import rules
 from assistant.compiler.merge_edits.contour_origins import ContourOrigins
 from assistant.compiler.merge_edits.last_output import WRITTEN_SUFFIX, bytes_of
 from assistant.compiler.merge_edits.three_way_merge import Merge, MergeChoices
 from assistant.compiler.read_back_proof import prove_read_back
-from assistant.deploy.site import difference
-from assistant.deploy.text_merge import says_the_same
 from assistant.program.program import Program
 
 if TYPE_CHECKING:

@@ -115,28 +115,27 @@ masses kg; names are letters, digits and `_`, a letter first.
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.base.budgets import SETTINGS_FILE
-from assistant.base.diagnostics import Diagnostic, Refused, Span, Unreadable, error, has_errors
+from assistant.base.diagnostics import Refused, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.base.toml_text import parse_toml
 from assistant.program import settings_tables
 from assistant.program import settings_tables as values
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.motion import Speed
 from assistant.program.program import Interface, Signal
 from assistant.program.settings_tables import (
+    ENCODINGS,
     REPAIRED,
-    Page,
     Read,
     Table,
     Wrong,
     listed,
     nearest,
+    read_toml,
     shown,
 )
 from assistant.program.statements import Motion
@@ -487,7 +486,6 @@ def interface_of(top: Table) -> Interface | None:
     )
 
 
-NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
 TWO_ORIENTATIONS = error(
     "CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx"
 )
@@ -507,8 +505,6 @@ NO_MAIN = error(
 )
 ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
-ENCODINGS: Final = ("utf-8-sig", "utf-8")
-ERROR_POSITION: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 MOST_SIGNAL_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
@@ -633,41 +629,6 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         findings=findings,
         **plain,
     )
-
-
-def read_toml(source: SourceText) -> Table:
-    """A document, every key with its place; raises Unreadable if it is no TOML.
-
-    Raises Refused if reading takes more than its budget.
-    """
-    try:
-        content = parse_toml(source.text, source.path)
-    except Refused:
-        raise
-    except tomllib.TOMLDecodeError as error:
-        raise Unreadable(_not_toml(source, str(error))) from None
-    except ValueError:  # as `int` refuses it, without a place
-        finding = source.finding(NOT_TOML, _long_number(source.text), reason="a number is too long")
-        raise Unreadable(finding) from None
-    except RecursionError:
-        raise Unreadable(_not_toml(source, "brackets are nested too deeply")) from None
-    return Table(Page.of(source), (), content)
-
-
-def _long_number(text: str) -> Span:
-    """The longest number of a text."""
-    numbers = (Span(*found.span()) for found in re.finditer(r"\d[\d_]*", text))
-    return max(numbers, key=lambda span: span.end - span.start)
-
-
-def _not_toml(source: SourceText, reason: str) -> Diagnostic:
-    place = ERROR_POSITION.search(reason)
-    said = ERROR_POSITION.sub("", reason)
-    said = shown(said[:1].lower() + said[1:], 200)
-    lines = source.text.count("\n") + 1
-    line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, None)
-    excerpt = source.line_text(line)
-    return NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)
 
 
 def _read_unchanged(value: Any) -> Any:

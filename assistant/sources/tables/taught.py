@@ -49,7 +49,7 @@ from assistant.program.expressions import Name, Number
 from assistant.program.geometry import NO_EXTERNAL, Configuration, JointTarget, Pose, Target
 from assistant.program.motion import Kind
 from assistant.program.program import identifier
-from assistant.program.settings_tables import REPAIRED, Table, Wrong, kind_of
+from assistant.program.settings_tables import ENCODINGS, REPAIRED, Table, Wrong, kind_of, read_toml
 from assistant.program.statements import (
     Comment,
     Motion,
@@ -61,7 +61,7 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.sources.process import NO_PROCESS, Process
-from assistant.sources.process.file import ENCODINGS, process_in, read_toml
+from assistant.sources.process.file import process_in
 from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.columns import output_signal

@@ -30,8 +30,7 @@ from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.body_tables import PLACE_KEYS, pose_of
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.program.settings_tables import Table, Wrong, kind_of
-from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.program.settings_tables import ENCODINGS, Table, Wrong, kind_of, read_toml
 from assistant.vision import rules
 from assistant.vision.cameras.camera import WORLD, Camera, Lens
 

@@ -33,8 +33,7 @@ from assistant.cell.link_bodies import capsule_between
 from assistant.cell.scene import Sphere
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose, Quaternion, Vector
-from assistant.program.settings_tables import Table, Wrong, kind_of
-from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.program.settings_tables import ENCODINGS, Table, Wrong, kind_of, read_toml
 from assistant.vision import rules
 from assistant.vision.cameras.synthetic_pictures import Colour, VisibleBody
 

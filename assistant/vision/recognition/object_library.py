@@ -35,8 +35,7 @@ from assistant.base.source_text import decode, is_file, is_folder, read_bytes
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.program import IDENTIFIER
-from assistant.program.settings_tables import Read, Table, Wrong, kind_of
-from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.program.settings_tables import ENCODINGS, Read, Table, Wrong, kind_of, read_toml
 from assistant.sources.tables.npy_files import read_npz
 from assistant.vision.recognition.known_objects import (
     TOOL_INTO_FACE,

@@ -44,9 +44,8 @@ from assistant.cell.cell_file import read_scene
 from assistant.cell.scene import FLANGE, PlacedRobot, Scene
 from assistant.program import settings_tables
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.program.settings_tables import Table, Wrong, kind_of
+from assistant.program.settings_tables import ENCODINGS, Table, Wrong, kind_of, read_toml
 from assistant.robots import Robot
-from assistant.sources.process.file import ENCODINGS, read_toml
 from assistant.vision import rules
 from assistant.vision.cameras.camera import WORLD, Camera
 from assistant.vision.cameras.camera_file import Rig

@@ -1,4 +1,4 @@
-"""Merge of program texts: changes made on a controller, carried into the local text.
+"""Merge and difference of program texts: changes made on a controller, carried into the local text.
 
 A controller returns a program in its own layout: steps in order, other blanks, numbers with two
 decimals. The words of each line are compared in the form in which the controller compares programs,
@@ -7,6 +7,7 @@ so that a line that means the same stays as it was written locally.
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +17,7 @@ from difflib import SequenceMatcher
 from typing import Final
 
 from assistant.base.diagnostics import Refused
-from assistant.base.source_text import decode, ended_lines, line_end
+from assistant.base.source_text import decode, ended_lines, line_end, lines_of, visible
 
 StoredForm = Callable[[bytes], bytes]
 """The form in which a controller compares programs; see `Programs.stored`."""
@@ -249,3 +250,25 @@ def _line_form(word: str, digits: int | None = None) -> str | float:
 
 def _bytes(lines: Sequence[str], encoding: str) -> bytes:
     return "".join(lines).encode(encoding)
+
+
+"""To show a program in; differences are found on its bytes."""
+
+
+ABSENT_FILE: Final = "/dev/null"
+"""Where a program is that is not there, as a unified difference says it."""
+
+
+def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
+    """A unified diff of two versions of a program, "" if there is none. one, other: which ones."""
+    left, right = _shown_lines(before or b""), _shown_lines(after or b"")
+    origin = one if before is not None else ABSENT_FILE
+    target = other if after is not None else ABSENT_FILE
+    lines = difflib.unified_diff(left, right, origin, target, lineterm="")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _shown_lines(data: bytes) -> list[str]:
+    """The lines, with no character in them that a terminal would obey."""
+    lines = lines_of(decode(data, None, ENCODINGS).text)
+    return [visible(line) for line in lines if line]

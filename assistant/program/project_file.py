@@ -91,7 +91,7 @@ def project_of(folder: FilePath) -> Project | None:
 def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     """Our table in a file, None if it is not there; raises Unreadable."""
     from assistant.base.toml_text import key_spans
-    from assistant.sources.process.file import read_toml
+    from assistant.program.settings_tables import read_toml
 
     read = decode(
         read_bytes(file, allow_empty=True, most=SETTINGS_FILE), str(file), ("utf-8-sig", "utf-8")
