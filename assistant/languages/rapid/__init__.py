@@ -195,7 +195,9 @@ class Rapid(Language["File"]):
         program: Program,
         robot: Robot | None,  # noqa: ARG002
     ) -> File:
-        """What sets data up for moves stands anywhere: a change that reaches it is looked at."""
+        """Merge a changed program into the tree of its source text. Data that sets up trigger moves
+        can be anywhere, so a program with triggers is lifted again and compared.
+        """
         from assistant.languages.rapid.text.changes import merge
         from assistant.program.comparison import compare
         from assistant.program.passes.trigger_positions import sets_on_way

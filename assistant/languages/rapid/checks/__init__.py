@@ -24,16 +24,18 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
 MOST_STATEMENT_LINES: Final = 51
-"""Of a statement; a finding of a whole routine or table is not of one damaged place."""
+"""Maximum lines of one statement; a finding on a longer stretch marks a complete routine or table,
+not one damaged position.
+"""
 _NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _KNOWN_WORDS: Final = RESERVED | taken_names()
 
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:
-    """What is damaged in the modules of a program, None for nothing.
+    """Return the damage in the modules of a program, None if nothing is damaged.
 
-    The lines around a damaged one are damaged as well, and so are names that a blank may have
-    parted in two.
+    The lines next to a damaged line count as damaged too, and so do names that a blank may have
+    split in two.
     """
     return registry.damage_of(
         trees,
@@ -46,12 +48,12 @@ def damage_of(trees: Sequence[s.File]) -> Damage | None:
 
 
 def _joined_words(text: str) -> Iterator[str]:
-    """What two words beside each other would be as one."""
+    """Yield each pair of neighbouring names joined into one, in lower case."""
     yield from ((one + other).lower() for one, other in pairwise(_NAME.findall(text)))
 
 
 def _unknown_words(text: str) -> Iterator[str]:
-    """Names in a text that are no words of the language, in lower case."""
+    """Yield the names in a text that are not words of the language, in lower case."""
     for word in _NAME.findall(text):
         if word.lower() not in _KNOWN_WORDS:
             yield word.lower()

@@ -109,7 +109,9 @@ def duplicate_names(look: RuleContext) -> Found:
 
 
 def _name_key(declared: Declared) -> str | None:
-    """What a name is told apart by; nothing of rows, which have no name of their own here."""
+    """Return the key that identifies a declared name; None for runs of rows, which have no name
+    here.
+    """
     return declared.name.lower() or None
 
 
@@ -150,7 +152,7 @@ def number_sizes(look: RuleContext) -> Found:
 
 
 def short_number(text: str) -> str:
-    """A number as it can stand in a message."""
+    """Shorten a number for use in a message."""
     return text if len(text) <= LONGEST_PLAIN_NUMBER else text[: LONGEST_PLAIN_NUMBER - 1] + "…"
 
 
@@ -229,7 +231,7 @@ def _is_literal(value: s.Expression) -> bool:
 
 
 def _declared_kind(scope: Scope, name: str) -> str:
-    """What declares a name, empty where that is not sure, as for the numbers of errors."""
+    """Return the kind of declaration of a name, empty if it is uncertain, as for error numbers."""
     found = scope.find(name)
     if found is not None:
         return found.kind
@@ -261,7 +263,7 @@ def storage_places(look: RuleContext) -> Found:
 
 
 def _in_place(look: RuleContext) -> set[int]:
-    """The `id` of everything that stands in the module itself or in the body of a routine."""
+    """Return the `id` of every node directly in the module or in the body of a routine."""
     bodies = (look.module.items, *(routine.body for routine in look.routines))
     return {id(node) for body in bodies for node in body}
 
@@ -279,7 +281,7 @@ def array_dimensions(look: RuleContext) -> Found:
 
 
 def traps_and_aliases(look: RuleContext) -> Found:
-    """What CONNECT names is a trap; an alias is not of another alias."""
+    """Report a CONNECT to anything but a trap, and an alias of another alias."""
     for connect in look.all(s.Connect):
         found = look.find(connect.trap)
         if found is not None and found.kind != "TRAP":
@@ -295,7 +297,7 @@ _UNTRANSLATED: Final = (
 )
 """Instructions that the pseudo-program has no word for: their data may be of other modules."""
 _MOTION_ARGUMENTS: Final = 3
-"""Last arguments of a move: its speed, zone and tool, which have rules of their own."""
+"""Number of last arguments of a move with separate rules: speed, zone and tool."""
 
 
 def undeclared_names(look: RuleContext) -> Found:
@@ -406,7 +408,7 @@ def _listing_finding(look: RuleContext, rule: Rule, found: Listing[s.Node]) -> F
 
 
 def used_names(task: Task) -> NameSet:
-    """What a task mentions anywhere."""
+    """Return the names that a task mentions anywhere."""
     return _mentioned_names(nodes(task.modules))
 
 

@@ -33,7 +33,9 @@ def unreachable(look: RuleContext) -> Found:
 
 
 def _leaving_statement(statement: s.StatementNode) -> str:
-    """What keeps all ways through a statement from what stands behind it; empty for most."""
+    """Return what keeps every path through a statement from reaching the next one; empty for most
+    statements.
+    """
     match statement:
         case s.ReturnFrom():
             return "RETURN"
@@ -209,7 +211,7 @@ def cases_and_steps(look: RuleContext) -> Found:
 
 
 def _case_key(value: s.Expression) -> s.Expression | float | str | None:
-    """What is the same for the same value: of a number itself, of data the name."""
+    """Return a key that is equal for equal case values: the number, or the name of data."""
     match value:
         case s.StringLiteral() | s.BoolLiteral():
             return value

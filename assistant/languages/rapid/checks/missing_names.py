@@ -1,7 +1,7 @@
-"""Names that modules use and none of them declares, with what their uses tell of them.
+"""Names that modules use and none of them declares, with the types that their uses imply.
 
 A name may be data of another task or of a system module that was not read, a signal of the
-controller's configuration, or a routine. Also the states of the controller that a program reads,
+controller's configuration, or a routine. The list also has controller states that a program reads,
 work objects of mechanical units, and external axes, which a cell has to state.
 """
 
@@ -64,7 +64,9 @@ from assistant.program.undeclared_names import CallArgument, Wanted
 
 
 def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
-    """What the modules of one task use and nobody declares, in the order of the first uses."""
+    """Return the names that the modules of one task use and none declares, in the order of first
+    use.
+    """
     files = with_single_rows(files)
     task, met = Task(files), dict[str, NameUses]()
     stands = units_can_stand([module for file in files for module in file.modules])
@@ -93,8 +95,9 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
 
 
 class _ModuleWalk:
-    """Looks through one module. stands: mechanical units may be said to stand still. handling:
-    routines that run while an error is handled. handles: an error may be handled now.
+    """Collects the undeclared names of one module. stands: the cell may declare mechanical units
+    stationary. handling: routines that run while an error is handled. handles: the current
+    statement may run while an error is handled.
     """
 
     def __init__(
@@ -276,11 +279,11 @@ class _ModuleWalk:
                     self._note(f"{name}{TASK_COUNT_SUFFIX}", "num").usual = 1.0
 
     def _state(self, state: ControllerState) -> None:
-        """What the controller tells of itself, as data of the cell."""
+        """Record a controller state as data of the cell."""
         self._note(state.name, state.type).usual = state.usual
 
     def _base(self, type: str) -> str:
-        """A type that stands for itself: of an alias of numbers the number."""
+        """Return the type behind an alias: the number type for an alias of a number."""
         if not type:
             return ""
         return type if type in KIND_OF_TYPE else self.types.base(type) or type
@@ -457,7 +460,7 @@ class _ModuleWalk:
 
 
 def _is_cell_routine(low: str, routine: Signature) -> bool:
-    """Whether what a routine of the controller does is the cell's, by its name in lower case."""
+    """True if the cell defines the effect of a controller routine. low: its name in lower case."""
     if low in PROCESS_MOVES:
         return False
     return routine.option in CELL_OPTIONS or low in CELL_ROUTINES

@@ -21,7 +21,7 @@ from assistant.program.undeclared_names import CallArgument, Plain, Wanted, Want
 
 _SCALARS: Final[dict[str, Plain]] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": ""}
 _ANY_KIND: Final = ""
-"""Of a value that may be of any type."""
+"""Kind of a value that may have any type."""
 _BRACKETS: Final = "["
 
 
@@ -43,10 +43,10 @@ _RECORD_OF_PART: Final = {part: type for type, parts in _OWN_PARTS.items() for p
 
 @dataclass(slots=True)
 class RecordUses:
-    """A type, or a component that is a record itself.
+    """A type, or a component that is itself a record.
 
-    parts: by lower-case name. types: of one that is no record, how often its uses want each.
-    rows: values in brackets.
+    parts: by lower-case name. types: of a type or component that is not a record, how many uses
+    require each type. rows: values in brackets.
     """
 
     name: str
@@ -92,7 +92,7 @@ class UndeclaredRecords:
         self._taken = TakenNames()
 
     def is_open(self, type: str) -> bool:
-        """Whether a type may be a record whose components nobody tells."""
+        """True if a type may be a record with unknown components."""
         low = type.lower()
         if not low:
             return False
@@ -134,7 +134,9 @@ class UndeclaredRecords:
                 yield from made
 
     def _is_told(self, key: str, shape: RecordUses) -> bool:
-        """Whether it is worth a question: a type of an option only if a component is asked for."""
+        """True if the cell should be asked about the type: a type of a controller option only if
+        the program reads a component.
+        """
         return bool(shape.parts) or (bool(shape.rows) and self.types.kind(key) == "")
 
     def _made(self, name: str, shape: RecordUses) -> Iterator[Wanted]:
@@ -220,13 +222,13 @@ class UndeclaredRecords:
         return None
 
     def _fits(self, type: str, rows: Sequence[s.AggregateNode]) -> bool:
-        """Whether values in brackets may be of a type that is known."""
+        """True if values in brackets fit a known type."""
         components = self.types.components(self.types.base(type) or type) if type else None
         return bool(components) and all(len(row.items) == len(components or ()) for row in rows)
 
 
 def _kinds_of_values(rows: Sequence[s.AggregateNode]) -> list[str] | None:
-    """What the values of records are, one after the other; None if they are not alike."""
+    """Return the kinds of the values of records, in order; None if the records differ."""
     slots: list[str] = []
     for row in rows:
         kinds = list(map(_value_kind, row.items))
@@ -277,13 +279,14 @@ KIND_OF_TYPE: Final[Mapping[str, WantedKind]] = {
 SIGNAL_TYPE: Final = re.compile(r"signal([adg])([io])")
 _SIGNAL_LETTERS: Final = {"a": "analog", "d": "digital", "g": "group", "i": "input", "o": "output"}
 SIGNAL_NAME: Final = re.compile(r"(?i:([adg])([io])|s?(d)(i))(?=_|\d|[A-Z]|$)")
-"""How people name signals: `diReady`, `DO_3`, `sdiStart`."""
+"""Common signal names: `diReady`, `DO_3`, `sdiStart`."""
 
 TRAP_TYPE: Final = "trap"
-"""What stands for the type of the result of a routine that interrupts call."""
+"""Marker used as the result type of a routine that interrupts call."""
 WEAK_USE: Final = 0.01
-"""What a use counts that may be of another type as well: a number that is compared may be the state
-of a signal."""
+"""Weight of a use that allows another type as well: a number in a comparison may be the state of a
+signal.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,8 +304,8 @@ class GivenArgument:
 
 @dataclass(slots=True)
 class NameUses:
-    """What is known of one name. types: how often its uses want it to be of each. usual: of what
-    the controller tells of itself, what it mostly is. parts: its components that are asked for.
+    """Uses of one name. types: how many uses require each type. usual: usual value of a controller
+    state. parts: the components that the program reads.
     """
 
     name: str
@@ -339,7 +342,9 @@ def wanted_of(
 def _parameter_slots(
     calls: Sequence[Sequence[GivenArgument]],
 ) -> dict[int | str, list[GivenArgument]]:
-    """What all calls give for each parameter, by its place or the lower-case name of its option."""
+    """Return the arguments of all calls for each parameter, by its position or the lower-case name
+    of its option.
+    """
     slots: dict[int | str, list[GivenArgument]] = {}
     for call in calls:
         plain = (one for one in call if not one.argument.option)
@@ -402,7 +407,9 @@ def _resolved_argument(given: GivenArgument, data: Mapping[str, Wanted | None]) 
 
 
 def missing_data(met: NameUses, types: Types, records: Mapping[str, SolvedRecord]) -> Wanted | None:
-    """What a cell is asked for data. records: types that it is asked for as well."""
+    """Return the question to the cell about undeclared data. records: types that the cell is also
+    asked for.
+    """
     uses = tuple(met.uses)
     if met.usual is not None:
         (type,) = met.types

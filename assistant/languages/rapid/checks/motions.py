@@ -72,7 +72,9 @@ def motion_names(look: RuleContext) -> Found:
 def _names_of_move(
     look: RuleContext, named: set[str], given: Sequence[tuple[str, s.Node]]
 ) -> Found:
-    """given: names of speed, zone, tool and frame, each with the node to tell of it at."""
+    """Check the names in a move. given: names of speed, zone, tool and frame, each with the node to
+    report it at.
+    """
     *values, tool, frame = given
     for (name, node), type in zip(values, PREDEFINED_SETTINGS, strict=True):
         if name and name.lower() not in named and not look.find(name):
@@ -84,7 +86,7 @@ def _names_of_move(
 
 
 def unknown_setting(look: RuleContext, node: s.Node, name: str, type: str) -> Found:
-    """An undeclared name that looks like a predefined speed or zone, and is none."""
+    """Report an undeclared name that resembles a predefined speed or zone but is not one."""
     table, rule = PREDEFINED_SETTINGS[type]
     near = "" if name.lower() in table else nearest_predefined(name, table)
     if near:
@@ -105,7 +107,9 @@ def nearest_predefined(name: str, table: Mapping[str, Any]) -> str:
 
 
 MoveProgress = Literal["on the fly", "aside", ""]
-"""How the move before goes on: through its corner, beside the program, or it has ended."""
+"""Progress of the previous move: rounding its corner, running in parallel with the program, or
+ended.
+"""
 
 ZONE_POSITIONS: Final = {
     **dict.fromkeys(("movej", "movel", "movec", "moveabsj", "triggj", "triggl", "triggc"), -2),
@@ -173,7 +177,7 @@ def _follow_moves(
 
 
 def _reads_position(statement: s.Assignment | s.ProcedureCall) -> bool:
-    """Whether a statement asks where the robot is."""
+    """True if a statement reads the position of the robot."""
     return any(
         isinstance(node, s.FunctionCall) and node.name.lower() in POSITION_FUNCTIONS
         for node in nodes(statement)
@@ -357,7 +361,7 @@ class _KnownPositions:
         self._runs = [*look.task.once(_shared_positions), *local]
 
     def one(self, value: s.Expression, look: RuleContext, routine: s.Routine) -> Point:
-        """Of an expression."""
+        """Return the position of an expression, empty if it is unknown."""
         if isinstance(value, s.NameRef):
             found = look.find(value.name, routine)
             if found is None or found.kind != "CONST":

@@ -1,7 +1,7 @@
-"""What a rule sees: the modules of a task, one of them, scopes of names, types of expressions.
+"""Context of a rule: the modules of a task, one of them, scopes of names, types of expressions.
 
-A type is known as far as the given modules and the predefined tables tell. An expression whose type
-is uncertain has no kind, and no rule reports it: it may be a signal, or data of a module that was
+A type is known as far as the given modules and the predefined tables define it. An expression of
+uncertain type has no kind, and no rule reports it: it may be a signal, or data of a module that was
 not given.
 """
 
@@ -30,8 +30,8 @@ N = TypeVar("N", bound=s.Node)
 
 
 Declared = Declaration[s.Node]
-"""What declares a name: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of
-parameters `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
+"""Declaration of a name, by kind: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or
+`ALIAS`; for parameters `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
 """
 
 VALUELESS: Final = {
@@ -41,11 +41,11 @@ VALUELESS: Final = {
     "RECORD": "a type",
     "ALIAS": "a type",
 }
-"""What declares names that are no data, for people."""
+"""Kinds of declarations without a value, with their names in messages."""
 
 
 class Task(CachedResults):
-    """What all modules of a task declare: names that are global, and those of each module."""
+    """Declarations of all modules of a task: global names, and those of each module."""
 
     def __init__(self, files: Sequence[s.File], common: Sequence[s.File] = ()) -> None:
         """common: those of the files that other tasks have as well."""
@@ -66,7 +66,7 @@ class Task(CachedResults):
                     declare(own if declared.local else self.shared, item, declared)
 
     def levels(self, module: s.Node) -> tuple[Symbols[s.Node], Symbols[s.Node]]:
-        """What a module sees: its own LOCAL names, then the global ones."""
+        """Return the names visible in a module: its LOCAL names first, then the global ones."""
         return self.own.get(id(module), self.shared), self.shared
 
     def main(self, module: s.Module) -> s.Routine | None:
@@ -87,19 +87,19 @@ class Task(CachedResults):
 
     @cached_property
     def valueless(self) -> frozenset[str]:
-        """Names in lower case of modules, and of what some module declares that is no data."""
+        """Names in lower case of modules, and of declarations that are not data."""
         declared = (one for names in (self.shared, *self.own.values()) for one in names)
         found = {one.name.lower() for one in declared if one.kind in VALUELESS}
         return frozenset(found | {module.name.lower() for module in self.modules})
 
     @property
     def unsure(self) -> Severity:
-        """How bad a name is that another module may declare: less if only one is given."""
+        """Severity of a name that another module may declare: lower if only one module is given."""
         return Severity.WARNING if len(self.modules) > 1 else Severity.INFO
 
     @cached_property
     def mixed(self) -> bool:
-        """Whether the modules cannot all be of one task: two have a `main` or the same name."""
+        """True if the modules cannot all belong to one task: two have a `main` or the same name."""
         names = [module.name.lower() for module in self.modules]
         return len(self._mains) > 1 or len(set(names)) < len(names)
 
@@ -113,7 +113,9 @@ def declare(symbols: Symbols[s.Node], item: Any, declared: Declared) -> None:
 
 
 def declaration(item: Any, module: s.Module | None = None) -> Declared | None:
-    """What an item of a module or of a routine's body declares, None if it declares nothing."""
+    """Return the declaration made by an item of a module or of a routine's body, None if it
+    declares nothing.
+    """
     match item:
         case s.Data(scope, storage, type, name):
             return Declaration(name, storage, type, scope == "LOCAL", item, module)
@@ -145,16 +147,18 @@ class RuleContext(CachedResults):
 
     @cached_property
     def compiled(self) -> bool:
-        """Whether the module's header says that it is a whole program or a unit of one.
+        """True if the module's header identifies a complete program or a unit of one.
 
-        What others wrote may need modules that are not given, or come with others that are
-        never loaded together: what modules say of each other is certain in a compiled one only.
+        A module from elsewhere may need modules that are not given, or come with others that are
+        never loaded together: only in a compiled program are references between modules certain.
         """
         header = module_header(self.module)
         return bool(header.program or header.unit)
 
     def find(self, name: str, routine: s.Routine | None = None) -> Declared | None:
-        """What a name means in this module, inside one of its routines if that is given."""
+        """Return the declaration of a name in this module, or inside one of its routines if one is
+        given.
+        """
         inner = () if routine is None else (self.frame(routine),)
         return find_declaration(name, (*inner, *self.task.levels(self.module)))
 
@@ -181,7 +185,7 @@ class RuleContext(CachedResults):
         return by_type((node, node) for node in nodes(self.module))
 
     def all(self, kind: type[N]) -> Sequence[N]:
-        """Every node of one class, as they stand in the text."""
+        """Return every node of one class, in text order."""
         return self._by_type.get(kind, ())
 
     @property
@@ -253,11 +257,11 @@ class Types(NamedTypes):
         return None
 
     def atomic(self, base: str) -> bool:
-        """Whether a type surely has no components."""
+        """True if a type certainly has no components."""
         return self.kind(base) == "VALUE"
 
     def device(self, base: str) -> bool:
-        """Whether the configuration of the controller may name objects of a type."""
+        """True if the controller's configuration may name objects of a type."""
         return base == "" or self.kind(base) in ("DEVICE", "OTHER")
 
     def known(self) -> Iterator[str]:
@@ -268,7 +272,7 @@ class Types(NamedTypes):
 
 
 class Scope(Kinds[s.Expression]):
-    """What names mean at one place: in a module, in a routine, in loops inside it."""
+    """Meaning of names at one source location: in a module, in a routine, in loops inside it."""
 
     operators = OPERATORS
     without_value = frozenset({"switch", "anytype"})
@@ -298,7 +302,7 @@ class Scope(Kinds[s.Expression]):
         return self._found[low]
 
     def doubtful(self, found: Declared) -> bool:
-        """Whether several modules declare the name, or another one of a mixed set does."""
+        """True if several modules declare the name, or if another module of a mixed set does."""
         task = self.look.task
         if task.mixed and found.module is not None and found.module is not self.look.module:
             return True
@@ -358,7 +362,7 @@ class Scope(Kinds[s.Expression]):
         return self.of(standard.result) if standard and standard.result else None
 
     def read(self, node: s.Expression) -> Kind | None:
-        """Of a signal the number that it has."""
+        """Return the kind of a value as it is read: a number for a signal."""
         kind = self.kind(node)
         if kind is not None and kind.type in SIGNAL_TYPES:
             return None if kind.type.startswith("signalg") else Kind("num")
@@ -372,9 +376,10 @@ LEAF_NODES: Final = frozenset(
 
 
 def scoped_nodes(look: RuleContext) -> list[tuple[s.Node, Scope]]:
-    """The nodes as they stand in the text, without rows of runs, and without leaves.
+    """Return the nodes in text order with their scopes, without rows of runs and without leaves.
 
-    Names of routines, types and modules are no leaves: where data stands they are wrong.
+    Names of routines, types and modules do not count as leaves: they are wrong where data is
+    expected.
     """
     return list(_walk_scopes(look))
 

@@ -1,10 +1,10 @@
-"""Lines of long runs that are no plain ones, handed to the ordinary reader.
+"""Expand the irregular lines of long runs into ordinary nodes.
 
-A run holds lines of which no rule of a single line has anything to report, and which every language
-takes alike: moves to declared robtargets with a declared speed, zone, tool and work object, and
-declarations of robtargets whose names nothing else has. Any other line of a run is read as if it
-were alone. So a rule of moves or of declarations never looks into runs; only those that compare
-lines with each other, and those of numbers, do.
+A run holds lines for which no single-line rule has a finding and which every language treats alike:
+moves to declared robtargets with a declared speed, zone, tool and work object, and declarations of
+robtargets with unique names. Any other line of a run is read as a separate line. So a rule for
+moves or declarations never inspects runs; only rules that compare lines with each other, and rules
+for numbers, do.
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ from assistant.languages.rapid.tree.walk import lists, map_lists, nodes
 from assistant.languages.runs.columns import Names
 
 Fit = Literal["plain", "unknown", "odd"]
-"""What a name is where a move has it: data of the right kind, no data of the given modules, or
-something else."""
+"""Fit of a name in a move: data of the right kind, not data of the given modules, or something
+else.
+"""
 
 TYPES: Final = ("speeddata", "zonedata", "tooldata", "wobjdata")
 """Kinds of the words after the target of a move."""
@@ -45,10 +46,10 @@ STORAGES: Final = {
 def with_single_rows(
     files: Sequence[s.File], common: Sequence[s.File] = (), *, unknown: bool = True
 ) -> tuple[s.File, ...]:
-    """The files of a task, with an ordinary node for each line of a run that is no plain one.
+    """Return the files of a task, with an ordinary node for each irregular line of a run.
 
-    unknown: True also for the first line with a name that no given module declares, which a rule
-    reports; another language is told of it as of any other.
+    unknown: True also expands the first line with a name that no given module declares, which a
+    rule reports; another language treats it like any other line.
     """
     files = tuple(files)
     if not any(True for _ in _runs(files)):
@@ -146,7 +147,7 @@ def _shared_names(task: Task) -> dict[int, Truths]:
 
 
 def _with_targets(file: s.File, module: s.Module, shared: dict[int, Truths]) -> s.Module:
-    """Declarations that are in order and have names of their own stay in runs."""
+    """Return the module with only valid, uniquely named declarations in runs."""
     items: list[Any] = []
     after = changed = False
     for item in module.items:
@@ -166,7 +167,7 @@ def _with_targets(file: s.File, module: s.Module, shared: dict[int, Truths]) -> 
 
 
 def _declared(file: s.File, body: tuple[s.StatementNode, ...]) -> tuple[s.StatementNode, ...]:
-    """The statements of a routine: what it declares is data of its own, never a run."""
+    """Return the statements of a routine; its declarations are separate data, never a run."""
     if not any(isinstance(node, s.TargetRunNode) for node in body):
         return body
     found: list[s.StatementNode] = []

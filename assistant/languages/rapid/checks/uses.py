@@ -68,7 +68,7 @@ def _given_argument(argument: s.Argument) -> Given[s.Node]:
 
 
 def signature_of(routine: s.Routine) -> Signature:
-    """How a routine of the given modules is called."""
+    """Return the signature of a routine of the given modules."""
     slots = tuple(
         Slot(tuple(_parameter(p) for p in named), group.optional)
         for group in routine.parameters
@@ -253,7 +253,7 @@ def _value_of_kind(value: s.Expression, kind: Kind | None, scope: Scope) -> Foun
 
 
 def unfit_value(value: s.Expression, type: str, sizes: Sizes, scope: Scope) -> Found:
-    """What is wrong with a value where one of a type, or an array of it, is wanted."""
+    """Report the faults of a value where a type, or an array of it, is required."""
     for what, part, fields in scope.unfit(value, type, sizes):
         yield scope.look.finding(UNFIT_RULES[what], part, **fields)
 
@@ -408,7 +408,9 @@ def _routine_signature(name: str, scope: Scope) -> Signature | None:
 
 
 def _fits_routine(node: s.ProcedureCall | s.FunctionCall, routine: Signature, scope: Scope) -> bool:
-    """Whether the arguments of a call fit another routine: else that one is hardly meant."""
+    """True if the arguments of a call fit another routine; otherwise the call hardly means that
+    one.
+    """
     call = call_of(node, routine)
     return not any(argument_misfits(node, call, scope)) and all(
         scope.suiting(value, parameters) for value, parameters in call.bound()
@@ -449,7 +451,7 @@ def _argument_value(
 
 
 def _is_data(parameter: Parameter, scope: Scope) -> bool:
-    """Whether a name that stands for a parameter is data for sure, not a signal or a unit."""
+    """True if a name passed for a parameter is certainly data, not a signal or a unit."""
     base = scope.types.base(parameter.type) or ""
     return not scope.types.device(base) and (
         bool(parameter.mode) or base not in _SIGNAL_VALUE_TYPES
@@ -459,7 +461,7 @@ def _is_data(parameter: Parameter, scope: Scope) -> bool:
 def _changed_argument(
     value: s.Expression, parameter: Parameter, routine: Signature, scope: Scope
 ) -> Found:
-    """What is handed over to be changed must be data that can be."""
+    """Report an argument that the routine changes but that is not changeable data."""
     data = root(value)
     storage = _storage_of(data, scope) if data is not None else "value"
     moved = routine.name.lower() in MOVE_WORDS and parameter.type in ("tooldata", "wobjdata")

@@ -67,14 +67,18 @@ def file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
 
 
 def _access_of(word: str) -> str:
-    """What an instruction or function does to a file that it names."""
+    """Return the access of an instruction or function to a file that it names: `read`, `write`,
+    `both` or empty.
+    """
     if word in _WITHOUT_MODE:
         return ""
     return next((way for way in ("write", "read") if word.startswith(way)), "both")
 
 
 def _named_files(part: Any) -> Iterator[tuple[str, str]]:
-    """What names something, and the name: calls of texts that are kept, and other calls."""
+    """Yield each routine that names a file, with the name: calls in vendor statements, and other
+    calls.
+    """
     match part:
         case p.Opaque(verbatim.LANGUAGE, text):
             yield from _files_in_tree(verbatim.understood(verbatim.statements, text))
@@ -99,7 +103,9 @@ _STATE_CHANGES: Final = {
     "socketcreate": (0, 1), "socketconnect": (0, 2), "socketaccept": (1, 2),
     "socketbind": (0, 3), "socketlisten": (0, 4), "socketclose": (0, 5),
 }  # fmt: skip
-"""By lower-case instruction the place of its socket, and the state that this has behind it."""
+"""By lower-case instruction, the position of its socket argument and the state of the socket
+afterwards.
+"""
 
 
 class SocketStates:
@@ -131,7 +137,9 @@ class SocketStates:
         return {name: Variable("number", closed) for name in self.names.values()}
 
     def behind(self, word: str, names: list[str]) -> Iterator[p.Statement]:
-        """What an instruction makes of a state. names: that it is given, empty for others."""
+        """Yield the state change that an instruction makes. names: its arguments, empty for one
+        that is not a name.
+        """
         place, state = _STATE_CHANGES.get(word, (0, 0))
         own = self.names.get(names[place].lower()) if state and place < len(names) else None
         if own is not None:
@@ -152,7 +160,9 @@ class SocketStates:
 
 GATEWAY_OPTION: Final = GATEWAY
 GREETING: Final = "GATEWAY 1"
-"""Both say it when a line is open: the number is that of the words that they speak."""
+"""Greeting that both sides send when a connection opens: the number is the version of their
+protocol.
+"""
 
 
 class Gateways:
@@ -333,7 +343,9 @@ def _bound_ports(program: Program) -> Mapping[str, e.Expression]:
 
 
 def _argument_of_all_calls(value: e.Expression, of: Procedure, program: Program) -> e.Expression:
-    """What each call of a procedure gives for a parameter, if that is the same in all of them."""
+    """Return the argument that all calls of a procedure pass for a parameter, if it is the same in
+    each; else the value itself.
+    """
     names = [one.name.lower() for one in of.parameters]
     if isinstance(value, e.Name) and value.name.lower() in names:
         place, key = names.index(value.name.lower()), of.name.lower()
@@ -450,7 +462,7 @@ def _write(q: VendorCall) -> Replacement:
 
 
 def _option_values(q: VendorCall) -> Iterator[e.Expression]:
-    """What an option adds to a text; a record in brackets."""
+    """Yield the texts that an option adds to a text; a record is written in brackets."""
     for option, parts in (("num", ()), ("dnum", ()), ("pos", "xyz"), ("orient", _QUATERNION)):
         node = q.call.options.get(option)
         if node is None:
@@ -536,7 +548,7 @@ OMITTED_LOSS: Final = (
     "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
     "none is needed, if nobody connects before that",
 )
-"""What is lost of them, and what to do about it."""
+"""Loss when these instructions are omitted, and its cure."""
 OF_TEXTS: Final = frozenset(("socketsend", "socketreceive"))
 READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
 _LOWERINGS: Final[Mapping[str, Callable[[VendorCall], Replacement]]] = {

@@ -154,7 +154,7 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
 
 
 def _uses_undeclared_clock(program: Program, name: str) -> bool:
-    """Whether a clock that nothing declares is meant."""
+    """True if the name refers to a clock that nothing declares."""
     if any(name in effect_of(one).names for one in program.declarations):
         return False
     return any(name == one.lower() for one in names_in_procedures(program))
@@ -224,7 +224,9 @@ class _StopwatchLowering:
                 yield map_bodies(said, self.body)
 
     def asked(self, node: p.Statement) -> tuple[str, _Stopwatch] | None:
-        """What a statement asks of a clock."""
+        """Return the clock instruction of a statement and its clock, None for any other
+        statement.
+        """
         if not isinstance(node, p.Opaque) or not node.text.lower().startswith("clk"):
             return None
         match verbatim.understood(verbatim.statements, node.text):

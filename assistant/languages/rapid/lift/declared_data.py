@@ -47,10 +47,10 @@ STORAGES: Final = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}
 
 
 class DataLift:
-    """What the data of modules say.
+    """Lift the data of modules.
 
-    speeds, blends: by lower-case name, also unnamed ones. start: where the text of the module at
-    hand begins.
+    speeds, blends: by lower-case name, also unnamed ones. start: offset of the current module's
+    text.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class DataLift:
         return {self.original(self._spelled[n]): v for n, v in table.named(values).items()}
 
     def _take(self, item: s.Data, constant: bool) -> bool:
-        """Whether the pseudo-program has a place for the data."""
+        """Record the data; True if the pseudo-program can hold it."""
         type, name = item.type.lower(), self.original(item.name)
         if item.dimensions and type not in VALUE_OF_TYPE:
             return False
@@ -137,7 +137,7 @@ class DataLift:
         return True
 
     def _extent(self, node: s.Expression) -> float | int | None:
-        """Of an array: a number, or a constant that is one."""
+        """Return one extent of an array: a number, or a constant that is one."""
         if isinstance(node, s.NameRef):
             return self._extents.get(node.name.lower())
         return literal_number(node)
@@ -296,7 +296,7 @@ def _relative_spans(node: s.MoveRunNode, moves: Rows) -> Rows | None:
 
 
 def _target_value(values: Sequence[float]) -> e.Expression:
-    """A robtarget as it stands in an expression; one without orientation is mere numbers."""
+    """Return a robtarget as an expression; one without orientation becomes plain numbers."""
     if any(values[3:7]):
         return e.TargetValue(target(values))
     return e.Aggregate(
@@ -305,7 +305,7 @@ def _target_value(values: Sequence[float]) -> e.Expression:
 
 
 def _have_orientations(values: Floats) -> bool:
-    """Whether every target has an orientation at all."""
+    """True if every target has an orientation."""
     return bool(values[:, 3:7].any(axis=1).all())
 
 

@@ -117,7 +117,7 @@ if TYPE_CHECKING:
 _CELL_TABLES: Final = (
     "frames", "tools", "speeds", "blends", "signals", "targets", "joint_targets", "variables",
 )  # fmt: skip
-"""What a cell may have said anew since the program was lifted."""
+"""Tables that a cell may have changed since the program was lifted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class _Flattened:
 
 _NOT_FLATTENED: Final = _Flattened((), None, ())
 _LAST_FLATTENED: Final[list[_Flattened]] = []
-"""The program that was told last: one translation asks several times."""
+"""The last exported program: one translation requests it several times."""
 
 
 def _flattened(files: tuple[s.File, ...]) -> _Flattened:
@@ -164,7 +164,9 @@ def _with_signals(program: Program, signals: Mapping[str, Signal]) -> Program:
 
 
 def _idle_assignment_findings(program: Program) -> Iterator[Diagnostic]:
-    """What assigns only to what nothing reads, or what a speed or zone holds already."""
+    """Report assignments that only set unread data, or that give a speed or zone its present
+    value.
+    """
     said = list(program.statements())
     left = {node.span for node in said if not _is_omission_mark(node)}
     gone = {node.span: node.text for node in said if _is_omission_mark(node)}
@@ -191,7 +193,7 @@ def without_omission_marks(program: Program) -> Program:
 
 
 def _unread_findings(files: tuple[s.File, ...], found: FlatProgram) -> Iterator[Diagnostic]:
-    """What is left out, a finding for each declaration."""
+    """Report the omitted data, one finding for each declaration."""
     starts = starts_of(file.source for file in files)
     rows = zip(starts, found.unread, found.outside, found.remarks, strict=True)
     for start, unread, outside, remarks in rows:
@@ -241,7 +243,9 @@ def with_flat_data(program: Program) -> Adapted:
 
 
 def _heads(program: Program, lifted: Program) -> dict[str, Body] | None:
-    """What stands in front of the procedures now, by lower-case name; None for other changes."""
+    """Return the statements that were put in front of the procedures, by lower-case name; None for
+    other changes.
+    """
     if program.procedures is lifted.procedures:
         return {}
     if len(program.procedures) != len(lifted.procedures):
@@ -319,7 +323,9 @@ _DISPLACEMENT_ENDS: Final = {
     "pdispoff": re.compile(r"\bPDisp(?:On|Set|Add)\b", re.IGNORECASE),
     "eoffsoff": re.compile(r"\bEOffs(?:On|Set)\b", re.IGNORECASE),
 }
-"""What ends displacements of targets, and of external axes, with the words that begin them."""
+"""Instructions that end displacements of targets and of external axes, with the words that begin
+them.
+"""
 IDLE_TYPES: Final = PROCESS_DATA_TYPES | {"tasks", "syncident", "errnum", "intnum", *SIGNAL_TYPES}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
 NEAR_STOP_POINTS: Final = frozenset(("inpos20", "inpos50", "inpos100"))
@@ -419,7 +425,7 @@ _ERROR_NUMBER_LOSS: Final = (
 
 
 def _cell_state_findings(program: Program) -> Iterator[Diagnostic]:
-    """Where the cell says what the controller would tell of itself."""
+    """Report reads of controller states whose values the cell supplies."""
     if not any(name.lower() in STATE_OF for name in program.variables):
         return
     for statement, parts in statements_with(program, e.Name):
@@ -489,7 +495,7 @@ def _with_neutral_statements(program: Program, findings: Findings) -> Program:
 
 
 def _without_idle_declarations(program: Program) -> Program:
-    """The program without data of its own kinds that nothing is left of to take them."""
+    """Return the program without RAPID-only data that no remaining statement takes."""
     idle = {id(one) for one in program.declarations if _is_idle_declaration(one)}
     if not idle:
         return program
@@ -509,7 +515,7 @@ def _without_idle_declarations(program: Program) -> Program:
 
 
 def _is_idle_declaration(declaration: Declaration) -> bool:
-    """Whether it is of data that only instructions take which are said by other statements."""
+    """True for data that is used only by instructions with translations that do not need it."""
     match verbatim.understood(verbatim.items, declaration.text):
         case (s.Data(type=type),):
             return type.lower() in IDLE_TYPES
@@ -524,7 +530,7 @@ def _is_routine_declaration(declaration: Declaration) -> bool:
 
 
 def _has_words(program: Program, words: re.Pattern[str]) -> bool:
-    """Whether a kept text of the program has one of some words."""
+    """True if a vendor statement or declaration of the program has one of the words."""
     texts = [one.text for one in program.statements() if isinstance(one, p.Opaque)]
     texts += [one.text for one in program.declarations]
     return any(map(words.search, texts))
@@ -556,7 +562,9 @@ def _without_omitted(
     findings: Findings,
     booked: Mapping[str, int],
 ) -> Iterator[p.Statement]:
-    """What another language is told of a text: nothing, or the text."""
+    """Lower a vendor statement for another language: assign the number of a booked error, omit the
+    statement, or leave it unchanged.
+    """
     call = instruction_of(node)
     key = "" if call is None else _instruction_key(call)
     if (own := _booked_error(call)) in booked:
@@ -582,7 +590,9 @@ def _reporting_omitted_wait(findings: Findings) -> Callable[[p.Opaque], None]:
 
 
 def _reporting_stop(findings: Findings) -> Callable[[p.MoveStatement], None]:
-    """Tells of moves that stop on all ways, as something waits for that on one of them."""
+    """Return a function that reports a move that always stops, as a wait needs the stop on one
+    branch.
+    """
 
     def tell(move: p.MoveStatement) -> None:
         findings.append(rules.ALWAYS_STOPS(span=move.span))
@@ -591,7 +601,7 @@ def _reporting_stop(findings: Findings) -> Callable[[p.MoveStatement], None]:
 
 
 def _without_standstill(node: p.Opaque) -> Iterator[p.Statement]:
-    """What is left of a wait for the robot to stand still: the time to wait there."""
+    """Yield the remainder of a wait for standstill: the waiting time."""
     call = instruction_of(node)
     if call is not None:
         plain = tuple(one for one in call.arguments if not isinstance(one, s.Option))

@@ -90,7 +90,7 @@ def _with_function_names(module: s.Module, names: dict[str, str]) -> s.Module:
 
 
 def _has_duplicates(modules: Sequence[s.Module]) -> bool:
-    """Whether any name is declared twice, by columns of names."""
+    """True if any name is declared twice, compared in columns."""
     items = [item for module in modules for item in module.items]
     single = [item.name.lower() for item in items if isinstance(item, s.Data)]
     rows = Names.joined([item.run.names for item in items if isinstance(item, s.TargetRunNode)])
@@ -114,7 +114,7 @@ def _declared_data_names(module: s.Module) -> Iterator[tuple[str, tuple[str, boo
 
 
 def _used_names(modules: Sequence[s.Module]) -> Iterator[str]:
-    """What modules call anything: another name must not become that of something else there."""
+    """Yield every name that modules use: a renamed item must not take one of them."""
     for node in nodes(tuple(modules)):
         match node:
             case s.NameRef(name) | s.Data(name=name) | s.ParameterNode(name=name):

@@ -39,7 +39,7 @@ BUTTONS: Final[Mapping[str, Sequence[str]]] = {
     "btnyesno": ("resYes", "resNo"),
     "btnyesnocancel": ("resYes", "resNo", "resCancel"),
 }
-"""What the buttons of a box stand for, by the name of their `buttondata`."""
+"""Results of the buttons of a dialog box, by the name of its `buttondata`."""
 DISPLAY_OPTIONS: Final = frozenset(("wrap", "icon", "image", "uiactivesignal"))
 """Options of a box that only show."""
 LINES: Final = ("header", "message", "msgline2", "msgline3", "msgline4", "msgline5")
@@ -50,7 +50,9 @@ STOPPED: Final[Mapping[str, str]] = {
     "stop": "none is needed where nobody moves the robot while it stands",
     "break": "none is needed once the program is tried out",
 }
-"""What to do about stops that are plain ones elsewhere: without options, behind the move before."""
+"""Cures for stops that become plain stops in other languages: without options, after the previous
+move.
+"""
 ENDED: Final = e.Reason(
     "the question ends by itself, and the program goes on with an error or without an answer",
     "ask without a time and a break, or wait for inputs in the program",
@@ -96,7 +98,7 @@ def _error_message(q: VendorCall) -> Replacement:
 
 
 def _event_message(q: VendorCall) -> Replacement:
-    """ErrLog: a number, and texts that stand in the message of that number."""
+    """Lower ErrLog: a number, and the texts in the message of that number."""
     lines = [q.value(node) for node in q.call.given if node is not None]
     yield p.Message(_joined_lines(lines))
 
@@ -211,12 +213,12 @@ def _buttons(q: VendorCall, own: Sequence[s.Expression] | None) -> list[tuple[st
 
 
 def _is_button(button: s.Expression) -> bool:
-    """Whether it is a button: one without a text is none."""
+    """True if an element is a button: an empty text is not."""
     return button != s.StringLiteral("") and name_of(button).lower() != EMPTY_TEXT
 
 
 def _button_text(button: s.Expression) -> str:
-    """What stands on it, as far as that is known before the program runs."""
+    """Return the text of a button, as far as it is known before the program runs."""
     return button.value if isinstance(button, s.StringLiteral) else printed(button)
 
 

@@ -57,7 +57,7 @@ from assistant.program.rewriting import Body, map_bodies, with_names_replaced, w
 
 
 def with_unit_calls(program: Program) -> Program:
-    """A program whose calls of what stands in another module are calls of that unit."""
+    """Return the program with calls of procedures in another module as calls of that unit."""
     homes = {q.name.lower(): q.unit for q in program.procedures}
 
     def home(call: p.Call, own: str | None) -> str | None:
@@ -117,7 +117,7 @@ def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Pro
 
 
 def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
-    """Routines of a module that says nothing else, without those that stay as their text."""
+    """Lift routines of a module without other data, except those that stay vendor declarations."""
     return lift((s.File((s.Module("module", (), tuple(nodes)),)),)).procedures
 
 
@@ -288,7 +288,8 @@ class _Lift:
     def routine(
         self, node: s.Routine, unit: str | None, notes: Sequence[str]
     ) -> Procedure | Declaration:
-        """A procedure, or the whole text if the pseudo-program cannot say what it is.
+        """Lift a routine to a procedure, or to a vendor declaration if the pseudo-program cannot
+        express it.
 
         notes: the comments above it.
         """
@@ -319,7 +320,7 @@ class _Lift:
         )
 
     def stays(self, node: s.Routine) -> bool:
-        """Whether a routine is kept as its text."""
+        """True if a routine remains a vendor declaration."""
         return (
             self.parameters(node) is None
             or node.kind == "TRAP"

@@ -64,13 +64,13 @@ EMPTY: Final = MappingProxyType[str, Any]({})
 
 
 class NameResolver:
-    """What the names in instructions stand for.
+    """Meaning of the names in instructions.
 
-    original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
-    numbers: values of constants whose names mean nothing else anywhere, by lower-case name.
+    original: returns the original of a shortened name. speeds, blends: the declared ones by
+    lower-case name. numbers: values of constants whose names are unique, by lower-case name.
     timers: lower-case names of the clocks that are timers. alone: joint targets without external
-    axes, by lower-case names that mean nothing else anywhere.
-    used: signals as instructions use them, filled as statements are lifted.
+    axes, by unique lower-case name. used: signals as instructions use them, filled as statements
+    are lifted.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class NameResolver:
         return self.numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
 
     def _robot_alone(self, joints: e.Expression) -> e.Expression | None:
-        """A joint target that says nothing of external axes."""
+        """Return a joint target without external axes, None for any other value."""
         match joints:
             case e.JointValue(target) if not any(v == v for v in target.external):
                 return joints
@@ -174,7 +174,7 @@ class NameResolver:
 
 
 def lift_instruction(node: s.ProcedureCall, meaning: NameResolver) -> p.Statement | None:
-    """The statement that a call of an instruction is, None if there is none in this form."""
+    """Lift a call of an instruction to a statement, None if this form has no equivalent."""
     call = called(node)
     return None if call is None else lift_call(call, meaning)
 
@@ -224,7 +224,7 @@ _LOADED: Final = re.compile(rf"{re.escape(LOADED_FROM)}({_WORD.pattern})\.mod")
 
 
 def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
-    """Statements of RAPID in a program; an Opaque that is no RAPID comes back as it is."""
+    """Lift RAPID statements in a program; text that is not RAPID is returned as an Opaque."""
     try:
         read = verbatim.statements(text)
     except Refused:
@@ -235,7 +235,7 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
 
 
 def lift_of(program: Program) -> StatementLift:
-    """What lifts more statements of a program."""
+    """Return a lift for further statements of a program."""
     paths = PathLift((), DataLift((), (), str), str)
     return StatementLift(NameResolver(), paths, {q.name.lower() for q in program.procedures})
 
@@ -409,13 +409,15 @@ TRIGGER_REASONS: Final = Reasons(
 
 
 class TriggerReader:
-    """Understands kept texts. own: whether a lower-case name is that of a routine of the user's."""
+    """Reader of vendor statements about triggers. own: returns True for the lower-case name of a
+    user's routine.
+    """
 
     def __init__(self, meaning: NameResolver, own: Callable[[str], bool]) -> None:
         self.meaning, self.own = meaning, own
 
     def told(self, kept: VendorText) -> Told | None:
-        """What a text is to outputs on the way of moves."""
+        """Return the role of a vendor text for outputs during moves."""
         match _trigger_node(kept):
             case s.Data(storage=storage, type=type, name=name) as node if (
                 type.lower() == TRIGGER_TYPE
@@ -430,7 +432,7 @@ class TriggerReader:
         return None
 
     def _taking(self, known: TriggerMove, node: s.ProcedureCall) -> TriggeredMove:
-        """It can be said where plain variables alone are taken."""
+        """Read a trigger move; it is translated only if it takes plain variables alone."""
         call, names = called(node), tuple(one.name.lower() for one in triggers_taken(node))
         if call is None:
             return TriggeredMove(names, None)
@@ -441,9 +443,10 @@ class TriggerReader:
         return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
 
     def _set_up(self, known: TriggerSetup, name: str, node: s.ProcedureCall) -> TriggerSetUp:
-        """It can be said of one output, without more options or functions of the user's.
+        """Read a trigger set-up; it is translated for one output without further options or
+        functions of the user.
 
-        Those are to be called once, and there.
+        Such functions must be called once, at that position.
         """
         call, calls = called(node), (x for x in nodes(node) if isinstance(x, s.FunctionCall))
         if call is None or any(self.own(x.name.lower()) for x in calls):

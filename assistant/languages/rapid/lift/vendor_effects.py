@@ -105,7 +105,9 @@ _SIGNAL_TYPES: Final = {
 def signals_in(
     statements: Iterable[p.Statement], known: Callable[[str], bool]
 ) -> Iterator[tuple[str, Signal]]:
-    """The signals that kept texts name. known: whether a lower-case name is other data."""
+    """Yield the signals that vendor statements name. known: returns True for a lower-case name of
+    other data.
+    """
     for statement in statements:
         if isinstance(statement, p.Opaque) and statement.language == verbatim.LANGUAGE:
             read = verbatim.understood(
@@ -193,9 +195,11 @@ def with_places(program: Program, original: Callable[[str], str] = str) -> Progr
 
 
 def with_active_tool_frame(program: Program) -> tuple[Program, list[Span | None]]:
-    """The same for another language, which is told in variables what differs with the way.
+    """Do the same for another language, with variables for a tool or frame that differs between
+    branches.
 
-    And the places of what may read before the first move, in the flange and the base then.
+    Also return the positions of reads that may precede the first move, with the flange and the
+    base.
     """
     return with_active_places(program, _reads_position, _with_explicit_frames(str), vendor_steps)
 

@@ -105,7 +105,7 @@ class VendorCall:
         return None if node is None else self.value(node)
 
     def only(self, *names: str) -> bool:
-        """Whether it has no options but these."""
+        """True if the call has no options except these."""
         return set(self.call.options) <= set(names)
 
 
@@ -126,9 +126,10 @@ def with_lowered_calls(
     functions: Collection[str],
     saying: CallLowering,
 ) -> Program:
-    """The program with what is said of some of its calls; they stay where that raises Unsaid.
+    """Return the program with some of its calls lowered; a call remains unchanged if its lowering
+    raises NotExpressible.
 
-    instructions, functions: lower-case names; of functions those whose result is assigned.
+    instructions, functions: lower-case names; functions apply only where their result is assigned.
     """
     sizes = _array_sizes(program)
 

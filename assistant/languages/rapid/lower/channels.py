@@ -33,7 +33,9 @@ HOME_FOLDER: Final = "HOME:"
 FOR_EVER: Final = s.Option("Time", s.NameRef("WAIT_MAX"))
 SOCKET_STATUS: Final = ("SocketGetStatus", "SOCKET_CONNECTED")
 STATUS_COMPARISONS: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<>"}
-"""What asks for the status of a socket as a comparison of `connected` with 0 or 1 does."""
+"""Comparisons of `connected` with 0 or 1, and the operator of the same comparison on the status of
+a socket.
+"""
 
 
 def with_channels(job: Legalisation) -> Program:

@@ -70,13 +70,13 @@ TASK: Final = "TASK"
 LOCAL: Final = "LOCAL"
 MOTION_TYPES: Final = ("speeddata", "zonedata", TRIGGER)
 NO_LOAD: Final = Load(LEAST_MASS, LEAST_CENTRE)
-"""Of a tool that states none."""
+"""Load of a tool that states no load."""
 
 
 def data_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
-    """The data that a program declares; raises Refused for what RAPID cannot say.
+    """Yield the data that a program declares; raises Refused for data that RAPID cannot express.
 
-    What was one task's own where it was read stays that: a pseudo-program is of one task.
+    Data read as local to one task remain so: a pseudo-program belongs to one task.
     """
     own, local = _task_data(program), _own_to_module(program)
     for node in _module_data(program, names):
@@ -87,15 +87,16 @@ def data_nodes(program: Program, names: Naming) -> Iterator[s.Data]:
 
 
 def scope_of_paths(program: Program) -> str:
-    """Of the targets of paths."""
+    """Return the scope of the targets of paths."""
     return LOCAL if program.interface is not None and program.interface.local else ""
 
 
 def _own_to_module(program: Program) -> Callable[[s.Data], bool]:
-    """Whether data are seen in their module alone: others do not call them, or have the like.
+    """Return a predicate for data local to their module: other modules do not use them, or have
+    similar data.
 
-    The latter are speeds and zones that are called by what they are, and what is set on the way of
-    moves. What units that are loaded use as well is seen by all.
+    The second case covers speeds and zones named after their values, and data for outputs that
+    moves set. Data that loaded units use as well are global.
     """
     stands = program.interface
     if stands is None or any(one.unit is not None for one in program.procedures):
@@ -203,7 +204,7 @@ def path_moves(path: Path, stem: str, names: Naming) -> list[s.StatementNode]:
 
 
 def speed_name_in(names: Naming, speed: Speed | e.Name) -> str:
-    """What a program calls a speed."""
+    """Return the name of a speed in a program."""
     return names.get("speeds", speed.name) if isinstance(speed, e.Name) else speed_name(speed)
 
 
@@ -328,7 +329,7 @@ class _Mounts(Rewording):
             )
 
     def is_whole(self, value: e.Expression) -> bool:
-        """Whether a value is a tool or frame itself, or a record of one."""
+        """True if a value is a complete tool or frame, or a record of one."""
         match value:
             case e.Name(name):
                 low = name.lower()
@@ -356,9 +357,9 @@ class _Mounts(Rewording):
 
 
 def _mounts_in(read: Callable[[str], Any], texts: Iterable[str]) -> frozenset[str]:
-    """Lower-case names of the tools and work objects that kept texts declare.
+    """Return the lower-case names of the tools and work objects that vendor texts declare.
 
-    Functions that give one are among them.
+    The names include functions that return one.
     """
     nodes = (node for text in texts for node in verbatim.understood(read, text) or ())
     return frozenset(

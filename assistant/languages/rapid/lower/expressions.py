@@ -41,7 +41,9 @@ from assistant.program.program import Program
 
 
 def _declared_names(program: Program) -> Iterator[str]:
-    """Names that declarations in the words of RAPID declare; raises Refused if they are none."""
+    """Yield the names in RAPID declarations of the program; raises Refused if a declaration is not
+    RAPID.
+    """
     for declaration in program.declarations:
         if declaration.language == verbatim.LANGUAGE:
             for item in verbatim.items(declaration.text):
@@ -89,7 +91,9 @@ class Expressions:
         )
 
     def lower(self, expression: e.Expression, level: int = OR) -> s.Expression:
-        """Raises Refused for what RAPID cannot say."""
+        """Lower an expression, in parentheses if it binds less tightly than `level`; raises Refused
+        if RAPID cannot express it.
+        """
         node, own = self._lower(expression)
         return node if own >= level else s.Group(node)
 

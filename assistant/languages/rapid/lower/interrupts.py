@@ -178,7 +178,7 @@ class _InterruptLowering:
         )
 
     def moves(self, name: str) -> bool:
-        """Whether a procedure, or what it calls, moves the arm, which goes back for that."""
+        """True if a procedure, or one that it calls, moves the arm, which must then return."""
         known = {q.name.lower(): q for q in self.job.program.procedures}
         pending, seen = [name.lower()], set[str]()
         while pending:
@@ -307,7 +307,7 @@ class _BreakLowering:
         yield vendor_statement(f"IDelete {variable};")
 
     def order(self, owner: Procedure, until: e.Expression) -> str:
-        """What interrupts, but for its variable."""
+        """Return the instruction that orders the interrupt, without its variable."""
         found = self.signal(until)
         if found is not None:
             name, value = found
@@ -320,7 +320,7 @@ class _BreakLowering:
         return f"ITimer {TIMER_PERIOD:g}"
 
     def signal(self, until: e.Expression) -> tuple[str, int] | None:
-        """The digital signal whose value alone is asked for, and that value."""
+        """Return the digital signal that is the only condition, and its value."""
         match until:
             case e.Binary("=", e.Name(name), e.Number(0 | 1 as value)):
                 signal = self.signals.get(name.lower())

@@ -237,9 +237,9 @@ class MotionAdapter:
         return said
 
     def _only_percent(self, speed: Speed) -> bool:
-        """Whether it is less than all that the axes can, which is no speed of RAPID.
+        """True if a speed is less than the full axis speeds, which RAPID cannot express.
 
-        Also by an override: that of RAPID lessens the speed of the tool alone.
+        An override has the same effect: RAPID's override reduces only the speed of the tool.
         """
         if speed.joint is None or math.isfinite(speed.tcp):
             return False
@@ -396,7 +396,7 @@ def _understood(x: e.Verbatim) -> e.Expression:
 
 
 def _unset_target(x: e.Expression) -> e.Expression:
-    """A target that no move takes, as one that was given no value: its orientation is none."""
+    """Return a target that no move accepts, like one without a value: its quaternion is zero."""
     if x != e.NEVER_GIVEN:
         return x
     parts = ([0] * 3, [0] * 4, [0] * 4, [UNUSED] * 6)
@@ -544,7 +544,9 @@ def sayable(job: Legalisation) -> Program:
 
 
 def _declaration_rank(declaration: Declaration) -> int:
-    """Where it stands in a module: types, then data, then routines, whatever came first."""
+    """Return the position of a declaration in a module: types, then data, then routines, regardless
+    of the original order.
+    """
     try:
         items = verbatim.items(declaration.text)
     except Refused:
@@ -576,7 +578,9 @@ PASSES: Final[tuple[Pass, ...]] = (
     split,
     pure(with_comments_behind),
 )
-"""Parts of a program as RAPID has them, and then what it says in other words, in this order."""
+"""Legalisation passes in order: first the parts of a program in RAPID's form, then constructs that
+need another form.
+"""
 
 
 def _built_units(program: Program, findings: Findings) -> dict[str | None, File]:

@@ -1,11 +1,11 @@
-"""From the pseudo-program to the typed tree: modules, routines and statements.
+"""Lower the pseudo-program to the typed tree: modules, routines and statements.
 
-One module a unit. What another language calls by the name of its file becomes a module of its own,
-as it was a file of its own there; the task loads all modules, and such a call is a plain one. Long
-programs that are spread over units for want of room are loaded when they are called.
+Each unit becomes one module. A file that another language calls by its name becomes a separate
+module, as it was a separate file there; the task loads all modules, and the call is a plain one.
+Long programs, split into units for lack of room, are loaded when they are called.
 
 Each statement is a row of `tables.equivalents` or has a function in `STATEMENTS`. An output that a
-move sets on its way becomes an instruction that sets up a triggdata, and a move that takes it.
+move sets on its path becomes an instruction that sets up a triggdata, and a move that takes it.
 """
 
 from __future__ import annotations
@@ -158,7 +158,7 @@ def trigger_set_up(
     kind: str,
     lower: Callable[[e.Expression], s.Expression],
 ) -> s.ProcedureCall:
-    """What sets up the data of one output; kind: of the signal."""
+    """Return the call that sets up the data of one output. kind: of the signal."""
     measure = _MEASURE_OPTIONS[x.measure]
     arguments: list[s.Argument] = [s.Positional(variable), s.Positional(lower(x.amount))]
     if measure:
@@ -175,7 +175,7 @@ def trigger_set_up(
 def _untranslatable_triggers(
     word: str, triggers: tuple[p.Trigger, ...]
 ) -> Iterator[tuple[str, str]]:
-    """What RAPID has no instruction for, and what to do instead."""
+    """Yield the triggers without a RAPID instruction, each with its cure."""
     if word not in _TRIGGER_MOVES:
         yield (
             f"outputs on the way of a {word}",
@@ -211,10 +211,10 @@ Lowered = Iterator[s.StatementNode]
 
 
 class BodyLowering:
-    """What the statements of one procedure are lowered with.
+    """Context for lowering the statements of one procedure.
 
-    names: of the whole program. expressions: as they are seen in the procedure. findings: why
-    statements were left out.
+    names: of the complete program. expressions: with the names visible in the procedure. findings:
+    reasons for omitted statements.
     """
 
     def __init__(self, program: Program, names: Naming, procedure: Procedure) -> None:
@@ -459,7 +459,9 @@ STATEMENTS: Final[dict[type, Callable[[BodyLowering, Any], Lowered]]] = {
 
 
 def build(program: Program, unit: str | None = None) -> s.File:
-    """The tree of one unit of an adapted program; raises Refused for what RAPID cannot say."""
+    """Build the tree of one unit of an adapted program; raises Refused for constructs that RAPID
+    cannot express.
+    """
     names = NAMES.naming(program)
     here = [q for q in program.procedures if q.unit == unit]
     held = resident_units(program)
@@ -487,7 +489,7 @@ def module_name(program: Program, unit: str | None = None) -> str:
 
 
 def _declared_items(program: Program) -> list[s.Item]:
-    """What the declarations of a program say that only RAPID can say."""
+    """Return the items of a program's declarations that only RAPID can express."""
     found: list[s.Item] = []
     for declaration in program.declarations:
         if declaration.language != verbatim.LANGUAGE:

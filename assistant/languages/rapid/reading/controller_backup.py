@@ -69,7 +69,7 @@ def all_rows(text: str, prefix: str) -> Iterator[dict[str, str]]:
 
 
 def is_known(text: str) -> bool:
-    """Whether a text looks like a file of system parameters."""
+    """True if a text looks like a file of system parameters."""
     return _HEADER.match(text) is not None or next(sections(text), None) is not None
 
 
@@ -188,9 +188,9 @@ WELD_ON: Final = "weldon"
 
 
 def signals_file(module: FilePath) -> FilePath | None:
-    """The file with the signals of the controller that a module stands in a backup of.
+    """Return the file with the controller's signals, for a module in a backup.
 
-    `EIO.cfg` beside the module, or in `SYSPAR` of one of the folders above.
+    The file is `EIO.cfg` in the folder of the module, or in `SYSPAR` of one of the folders above.
     """
     folders = [module.absolute().parent, *module.absolute().parent.parents[:MOST_FOLDERS_ABOVE]]
     for place, folder in enumerate(folders):
@@ -203,7 +203,7 @@ def signals_file(module: FilePath) -> FilePath | None:
 
 
 def backup_configuration(module: FilePath, read: Texts) -> ControllerConfiguration:
-    """What the files of the controller that a module stands in a backup of state."""
+    """Return the configuration in the controller's files, for a module in a backup."""
     found = ControllerConfiguration()
     file = signals_file(module)
     text = None if file is None else read(file)
@@ -325,7 +325,7 @@ class _SystemParameters:
         return None, ""
 
     def base(self, task: str) -> str | None:
-        """Where a robot stands that does not stand at the world's origin, in words."""
+        """Describe the base of a robot that is not at the world's origin, None if it is."""
         for row in self.robots(task):
             places = [1000 * _parameter_number(row, f"base_frame_pos_{axis}") for axis in "xyz"]
             turn = [
@@ -379,7 +379,7 @@ def _parameter_number(row: Mapping[str, str], key: str, usual: float = 0.0) -> f
 _SHARED_LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": "C"}
 """By type: the letter of variables of all programs."""
 _SHARED_NUMBERS: Final = tuple(f"{number:02}" for number in range(20))
-"""What stands behind the letter and a line, as every controller has it."""
+"""Numbers after the letter and an underscore in shared names, the same on every controller."""
 
 _CHANGING_MODES: Final = frozenset(("INOUT", "VAR"))
 """Modes of the parameters that instructions of the controller change."""

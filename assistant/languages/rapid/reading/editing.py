@@ -1,4 +1,4 @@
-"""What editors ask about RAPID, answered by its scanner and tables."""
+"""Answer editor requests about RAPID with its scanner and tables."""
 
 from __future__ import annotations
 

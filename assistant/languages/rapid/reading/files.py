@@ -54,9 +54,9 @@ def newline_of(text: str) -> str:
 
 
 def recognises(data: bytes) -> bool:
-    """Whether the begin of a file looks like a module, a part of one, or a list of modules.
+    """True if the beginning of a file looks like a module, a part of one, or a list of modules.
 
-    An encrypted module does as well: reading it says what it is.
+    An encrypted module qualifies as well: reading it reports the encryption.
     """
     wide = UTF16.get(data[:2])
     text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
@@ -67,13 +67,13 @@ def recognises(data: bytes) -> bool:
 
 
 def _controls(text: str) -> list[int]:
-    """Where the control characters are, if there are more than a text has."""
+    """Return the offsets of control characters, empty if they are no more than a text has."""
     found = [match.start() for match in _CONTROL.finditer(text)]
     return found if len(found) > max(2, MOST_CONTROL * len(text)) else []
 
 
 def is_list(text: str) -> bool:
-    """Whether a text is the XML of a `.pgf`."""
+    """True if a text is the XML of a `.pgf`."""
     return _LIST.match(text) is not None
 
 
@@ -89,11 +89,11 @@ def _without_entities(name: str) -> str:
 
 
 ENTITIES: Final = (("&gt;", ">"), ("&lt;", "<"), ("&amp;", "&"))
-"""Of XML and what they stand for, in the order in which they are replaced."""
+"""XML entities and their characters, in the order of replacement."""
 
 
 def unreadable(source: SourceText) -> Diagnostic | None:
-    """What keeps a text from being read as RAPID at all."""
+    """Report why a text cannot be read as RAPID at all."""
     begin = source.text[:_LOOKED_AT]
     if controls := _controls(begin):
         at = controls[0]
@@ -125,7 +125,7 @@ def unreadable(source: SourceText) -> Diagnostic | None:
 
 
 def notes(source: SourceText) -> Iterable[Diagnostic]:
-    """What a controller does not take about the bytes of a file that can be read."""
+    """Report bytes in a readable file that a controller rejects."""
     if source.encoding.startswith("utf-16"):
         yield source.finding(rules.ENCODING, Span(0, 1))
     if (at := source.text.find("\r\r\n")) >= 0:
@@ -145,18 +145,18 @@ def task_folder(path: FilePath) -> FilePath:
 
 
 def is_shared_folder(folder: FilePath) -> bool:
-    """Whether a folder is TASK0 of a backup."""
+    """True if a folder is TASK0 of a backup."""
     found = _TASK_FOLDER.search(folder.as_posix())
     return found is not None and int(found[1]) == 0
 
 
 def is_task_folder(folder: FilePath) -> bool:
-    """Whether a folder is a task of a backup."""
+    """True if a folder is a task of a backup."""
     return _TASK_FOLDER.search(folder.as_posix()) is not None
 
 
 def is_system_module(path: FilePath) -> bool:
-    """Whether a file is a system module by its folder or suffix."""
+    """True if a file is a system module by its folder or suffix."""
     return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM_SUFFIXES
 
 

@@ -159,7 +159,7 @@ _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
 
 
 def unescaped(literal: str) -> str:
-    """What a string literal, quotes included, says."""
+    """Return the text of a string literal, given with its quotes."""
     return _ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else m[0][0], literal[1:-1])
 
 
@@ -168,7 +168,9 @@ def _module_attribute(children: Children) -> str:
 
 
 def _open_dimensions(children: Children) -> int:
-    """Of an array that a routine is given, -1 for the hole that the pendant leaves."""
+    """Return the number of open dimensions of an array parameter, -1 for the hole that the pendant
+    leaves.
+    """
     return len(children) if children[0] == "*" else -1
 
 
@@ -315,7 +317,7 @@ class Nodes(nodes.Nodes, rows=NODE_ROWS):
 class SingleNodes(
     Nodes, rows=dict.fromkeys(("statements", "items", "block"), without_place(tuple))
 ):
-    """Every line as a node of its own, however many are alike."""
+    """Builder with a separate node for every line, however many are alike."""
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:
@@ -395,7 +397,9 @@ def _read_part(text: str, start: str) -> Any:
 def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
-    """What the typed tree is made of, and the findings; or why the text cannot be read."""
+    """Return the content of the typed tree and the findings, or the reason that the text cannot be
+    read.
+    """
     from assistant.languages.rapid.reading.scanner import grammar, table_words
 
     text = with_line_feeds(source.text)
@@ -451,7 +455,9 @@ _OPERATOR_COUNT: Final = re.compile(
 
 
 def _too_long(text: str) -> int | None:
-    """Offset of an operator that is one too many in its expression, None if there is none."""
+    """Return the offset of the first operator beyond the maximum of an expression, None if every
+    expression is short enough.
+    """
     for stretch in _LONG_STRETCH.finditer(text):
         counts = [0]
         for match in _OPERATOR_COUNT.finditer(text, stretch.start(), stretch.end()):

@@ -588,7 +588,7 @@ CHANGES: Final = Changes(
 
 
 def _open_line(ending: str, behind: str = "^") -> re.Pattern[str]:
-    """What the rest of a line is like that begins a block and does not end it."""
+    """Return a pattern for the rest of a line that begins a block without ending it."""
     return re.compile(rf"{behind}(?!.*\b{ending}\b)", re.IGNORECASE)
 
 

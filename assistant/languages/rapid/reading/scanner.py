@@ -26,7 +26,7 @@ GRAMMAR_STARTS: Final = ("start", "statements", "items")
 
 @cache
 def grammar() -> Grammar:
-    """Of whole files (`start`), `statements` and `items`."""
+    """Return the grammar of complete files (`start`), `statements` and `items`."""
     return load(GRAMMAR_FILE, GRAMMAR_STARTS)
 
 
@@ -49,7 +49,9 @@ FOREIGN_AFTER: Final = {
     "OPEN_STRING": r'"[^"\r\n]*(?:\r?\n[^"\r\n;]*"(?=[^"\r\n]*$)|(?=;[ \t]*$)|$)',
     "STRANGE": r".",
 }
-"""What other languages write, by regular expressions; none of it is a terminal of the grammar."""
+"""Constructs of other languages, as regular expressions; the grammar has no terminal for any of
+them.
+"""
 
 
 FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKSLASH", "_ASSIGN")
@@ -64,7 +66,9 @@ def scanner() -> re.Pattern[str]:
 
 @cache
 def table_words() -> WordScanner:
-    """What the tables of the grammar read; a note is only one where one may stand."""
+    """Return the word scanner for the grammar tables; a note counts only where the grammar allows
+    one.
+    """
     return WordScanner(grammar(), scanner(), SILENT - {"NOTE"}, frozenset({"NOTE"}))
 
 
@@ -83,7 +87,7 @@ _BREAK: Final = re.compile(r"(?P<newline>\r*\n|\r)|(?P<mark>\ufeff)")
 
 
 def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
-    """The words between two offsets: comments and line ends are some as well, blanks are none.
+    """Yield the words between two offsets, including comments and line ends but not blanks.
 
     kind: `word`, `key` (a reserved word), `number`, `string`, `hole`, `mark`, `comment`, `header`
     or `newline` (a line end).
@@ -119,7 +123,7 @@ def _kinds_of_terminals() -> Mapping[str | None, str]:
 
 @cache
 def _table_pattern() -> re.Pattern[str]:
-    """What a table of numbers is made of."""
+    """Return the pattern for the elements of a table of numbers."""
     return re.compile(rf"(?P<number>{grammar().terminals['NUMBER'].regexp})|[^ \t]")
 
 
@@ -152,7 +156,7 @@ def _moved_words(found: Iterator[Word], by: int) -> Iterator[Word]:
 
 
 def _may_be_rows(text: str) -> bool:
-    """Whether no word in a table could need upper case."""
+    """True if no word in a table could need upper case."""
     lower = text.lower()
     return "true" not in lower and "false" not in lower
 

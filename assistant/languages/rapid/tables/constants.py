@@ -25,7 +25,7 @@ from assistant.program.undeclared_names import Plain
 
 LONGEST_NAME: Final = 32
 TYPE_ENDING: Final = "data"
-"""What the names of many types have in common."""
+"""Common ending of many type names."""
 LONGEST_STRING: Final = 80
 MOST_DIMENSIONS: Final = 3
 MOST_TARGETS: Final = 5000
@@ -50,7 +50,7 @@ LONGEST_PULSE: Final = 2000
 """Seconds of `\\PLength`; without it a pulse lasts 0.2 (RAPID reference manual, PulseDO)."""
 UNUSED: Final = 9e9
 LOADED_FROM: Final = "HOME:/"
-"""Where a unit that is loaded for a call stands on the controller."""
+"""Controller folder of a unit that is loaded for a call."""
 
 RESERVED: Final = frozenset(
     """
@@ -62,7 +62,7 @@ RESERVED: Final = frozenset(
 )
 
 CELL_MODULE: Final = "CellValues"
-"""The module with what a cell file says of names that nobody else declares."""
+"""Module with the cell file's values for undeclared names."""
 PREDEFINED_VALUES: Final = {"low": 0, "high": 1}
 """Constants of type dionum, by lower-case name (RAPID reference manual, data types)."""
 
@@ -180,8 +180,9 @@ COMPONENTS: Final[Mapping[str, tuple[str, str]]] = {
 
 @dataclass(frozen=True, slots=True)
 class ControllerState:
-    """name, type: of the data of the cell. usual: what stands for it until the cell says it, as a
-    virtual controller has it. options: those of the function that change nothing there.
+    """A controller state as data of the cell. name, type: of that data. usual: value until the cell
+    states one, as on a virtual controller. options: options of the function that do not change the
+    result.
     """
 
     name: str
@@ -230,8 +231,7 @@ SYSTEM_INFO: Final[Mapping[str, ControllerState]] = {
     "ctrllang": ControllerState("controller_language", "string", "en"),
     "systemname": ControllerState("controller_system", "string", "MYSYSTEM"),
 }
-"""What `GetSysInfo` tells, by its switch in lower case; the texts are made up like those of its
-examples."""
+"""Results of `GetSysInfo`, by its switch in lower case; the texts are modelled on its examples."""
 SYSTEM_INFO_NAMES: Final = frozenset(one.name for one in SYSTEM_INFO.values())
 """Names of what an option chooses."""
 STATE_BY_NAME: Final[Mapping[str, ControllerState]] = {
@@ -241,7 +241,7 @@ STATE_BY_NAME: Final[Mapping[str, ControllerState]] = {
 
 
 def state_of(word: str, options: Collection[str]) -> ControllerState | None:
-    """What a function or instruction gives, None of one that tells nothing of the controller.
+    """Return the controller state that a function or instruction reads, None for any other one.
 
     options: the names of its options.
     """

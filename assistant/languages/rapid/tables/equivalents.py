@@ -127,11 +127,13 @@ ORIENTATION_COMPONENT: Final = "rot"
 ARM_FUNCTIONS: Final = {"flange_at": "CalcRobT", "joints_at": "CalcJointT"}
 """Functions that RAPID gives a tool, here always tool0."""
 SIGNAL_FUNCTIONS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
-"""Functions that give what a signal's name says by itself (RAPID reference manual)."""
+"""Functions that return the same value as the signal's name alone (RAPID reference manual)."""
 
 
 OR, AND, RELATION, SUM, TERM, PRIMARY = range(6)
-"""How tightly an expression holds together; what is looser than its place gets parentheses."""
+"""Precedence levels of expressions; one with a lower level than its position requires gets
+parentheses.
+"""
 
 BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
     "or": ("OR", OR, OR, AND),
@@ -165,7 +167,7 @@ SPEED_PARTS: Final = ("v_tcp", "v_ori", "v_leax", "v_reax")
 ZONE_SIZES: Final = (
     "pzone_tcp", "pzone_ori", "pzone_eax", "zone_ori", "zone_leax", "zone_reax"
 )  # fmt: skip
-"""Components of speeds, and those of zones that are no stop points (3HAC050917)."""
+"""Components of speeds, and those of zones that are not stop points (3HAC050917)."""
 
 
 def speed_name(speed: Speed) -> str:
@@ -196,7 +198,7 @@ def speed_values(speed: Speed) -> list[float]:
 
 
 def zone_values(blend: Blend) -> list[float]:
-    """The six sizes of a zonedata that is no stop point."""
+    """Return the six sizes of a zonedata, zero for a stop point."""
     if blend.radius is None:
         return [0.0] * 6
     return [blend.radius, *(blend.details or usual_sizes(blend.radius))]

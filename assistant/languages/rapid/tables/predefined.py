@@ -25,7 +25,7 @@ from assistant.languages.signatures import Parameter, Signature, Slot, Type
 
 @cache
 def signature(name: str) -> Signature | None:
-    """The standard routine of that name in any case, None if there is none."""
+    """Return the standard routine of that name in any case, None for an unknown name."""
     row = rows().get(name.lower())
     return None if row is None else _signature(*row)
 
@@ -144,7 +144,7 @@ def types() -> Mapping[str, Type]:
 
 
 def is_handle(type: str) -> bool:
-    """Whether data of a type has no value: it is a VAR, without an initial one."""
+    """True if data of a type has no value: it is a VAR without initial value."""
     known = types().get(type.lower())
     return known is not None and known.kind == "HANDLE"
 

@@ -66,7 +66,7 @@ def gripper(signal: str, value: e.Expression) -> p.Gripper | None:
 
 TRIGGER_TYPE: Final = "triggdata"
 MOST_TRIGGERS: Final = 8
-"""Of one move: Trigg_1 and `\\T2` to `\\T8`."""
+r"""Maximum triggers of one move: Trigg_1 and `\T2` to `\T8`."""
 LONGEST_TRIGGER_TIME: Final = 0.5
 """Seconds of `\\Time`."""
 TRIGGER_OUTPUTS: Final[Mapping[str, Literal["digital", "analog", "group"]]] = {
@@ -76,7 +76,7 @@ TRIGGER_OUTPUTS: Final[Mapping[str, Literal["digital", "analog", "group"]]] = {
 }
 """Kinds of signals by the option that names one."""
 TRIGGER_MEASURES: Final[Mapping[str, Measure]] = {"": "end", "start": "start", "time": "time"}
-"""What a distance is, by the option that stands with it."""
+"""Meaning of a trigger distance, by the option given with it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ FURTHER_TRIGGERS: Final = tuple(f"t{number}" for number in range(2, MOST_TRIGGER
 
 
 ARC_OUTPUT: Final = "arc_on"
-"""The output that lights the arc; what is told of it is `signals.arc_on` of the process file."""
+"""The output that ignites the arc; `signals.arc_on` of the process file describes it."""
 DISPENSE_OUTPUT, BEAD_OUTPUT = "dispense_on", "dispense_bead"
 """Outputs: that the gun dispenses, and the number of the bead that it is set up for."""
 BRUSH_OUTPUT: Final = "paint_brush"
@@ -129,7 +129,7 @@ START_SUFFIX, READY_SUFFIX, PROGRAM_SUFFIX, RETRACT_SUFFIX = (
     "_program",
     "_retract",
 )
-"""What the signals of a spot welding gun have behind its name."""
+"""Suffixes of the signals of a spot welding gun."""
 DIGITAL_OUTPUT: Final = Signal("digital", "output")
 DIGITAL_INPUT: Final = Signal("digital", "input")
 GROUP_OUTPUT: Final = Signal("group", "output")
@@ -139,10 +139,11 @@ ProcessKind = Literal["arc", "spot", "bead", "paint"]
 
 @dataclass(frozen=True, slots=True)
 class ProcessMove:
-    """plain: the move without the process. points: how many places it states.
+    """A move with a process. plain: the move without the process. points: number of targets that it
+    states.
 
-    given: how many arguments stand between the speed and the zone, or before the tool where
-    the move states no zone. part: of a weld. beside: options that the equipment alone is told.
+    given: number of arguments between the speed and the zone, or before the tool if the move states
+    no zone. part: of a weld. beside: options for the equipment only.
     """
 
     kind: ProcessKind
@@ -187,7 +188,7 @@ BEAD_DATA: Final = "beaddata"
 UNTRANSLATED_TYPES: Final = frozenset(
     ("seamdata", "weavedata", "trackdata", "gundata", "gunnum", "anytype")
 )
-"""Types of arguments of which other languages are told nothing, a name at most."""
+"""Types of arguments that are not lowered for other languages, except perhaps as a name."""
 PROCESS_DATA_TYPES: Final = UNTRANSLATED_TYPES - {"anytype"} | {
     WELD_DATA,
     SPOT_DATA,

@@ -77,7 +77,9 @@ def _merged_routine(here: Any, old: Any, new: Any) -> Any:
 
 
 def _place_of_item(items: Sequence[s.Item], new: Any) -> int:
-    """Behind the last item of its kind; data before the first routine."""
+    """Return the position of a new item: after the last item of its kind; data before the first
+    routine.
+    """
     data = isinstance(new, s.Data | s.TargetRunNode)
     kinds: Any = (s.Data, s.TargetRunNode) if data else type(new)
     places = [at + 1 for at, item in enumerate(items) if isinstance(item, kinds)]
@@ -100,7 +102,7 @@ def _with_comments(items: Sequence[s.Item], old: list[str], new: list[str]) -> t
 
 
 _NEXT_OPTION: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*\\")
-"""A comma may stand in front of an optional argument."""
+"""Start of an optional argument, which a comma may precede."""
 _ENDED_BY_SEMICOLON: Final = (
     *(s.Assignment, s.ProcedureCall, s.GotoLabel, s.ReturnFrom, s.RaiseError, s.Word),
     *(s.Connect, s.CompactIf, s.MoveRunNode),
@@ -202,7 +204,9 @@ BEFORE_SIGN: Final = frozenset({"[", "(", ",", ":="})
 
 
 def module_pieces(text: str) -> Iterator[tuple[str, str]]:
-    """The declarations and statements of a text: what each says, and how it is written there."""
+    """Yield the declarations and statements of a text: the compared form and the source text of
+    each.
+    """
     piece: list[Word] = []
     depth = 0
     for word in words(text):
@@ -267,7 +271,7 @@ def _compared_number(text: str, digits: int) -> str:
 
 
 def _as_num(value: float) -> float:
-    """As a num holds it."""
+    """Round a value to the precision of a num."""
     try:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
     except OverflowError:

@@ -43,10 +43,11 @@ _COMMENT_MARK: Final = ": "
 
 @dataclass(slots=True)
 class Header:
-    """What the opening comments say. names: short → original. unit: of the program it is of.
+    """Content of the opening comments. names: short → original. unit: of the program that the
+    module belongs to.
 
-    resident: the task holds the unit, so that nobody loads it. there: declarations of what the
-    controller has.
+    resident: the task holds the unit, so the program does not load it. there: declarations of data
+    on the controller.
     """
 
     program: str = ""
@@ -61,7 +62,7 @@ class Header:
 
     @property
     def lines(self) -> int:
-        """How many lines it stands in."""
+        """Number of lines that the header occupies."""
         single = sum(map(bool, (self.program, self.robot, self.entry, self.unit)))
         return single + len(self.signals) + len(self.names) + len(self.there) + len(self.comments)
 
@@ -142,7 +143,7 @@ def read_header(comments: Sequence[str]) -> Header:
 
 
 def module_header(module: s.Module) -> Header:
-    """What the comments say that a module begins with."""
+    """Read the opening comments of a module."""
     lines = []
     for item in module.items:
         if not isinstance(item, s.CommentLine) or item.trailing:
@@ -152,13 +153,13 @@ def module_header(module: s.Module) -> Header:
 
 
 def header_declaration(data: s.Data) -> str:
-    """A declaration as a heading says it: on one line, without its semicolon."""
+    """Return a declaration as it is written in a heading: on one line, without its semicolon."""
     printed = print_file(s.File((s.Module("m", (), (data,)),)), "\n")
     return printed.split("\n")[1].strip().removesuffix(";")
 
 
 def controller_data(module: s.Module) -> Iterator[s.Data]:
-    """What the heading of a module says of data that the controller has."""
+    """Yield the data on the controller that the heading of a module declares."""
     for text in module_header(module).there:
         try:
             yield from (one for one in verbatim.items(text + ";") if isinstance(one, s.Data))

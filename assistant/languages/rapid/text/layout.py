@@ -80,7 +80,7 @@ class Spacing(layout.Spacing):
         self._in_late = False
 
     def before(self, token: Word) -> bool:
-        """Whether a blank stands before the next token."""
+        """True if a blank precedes the next token."""
         before, role = self._before, _token_role(token)
         ends = before in ("operand", "close")  # of an expression, if no operator follows
         self.begins_statement = (

@@ -23,7 +23,9 @@ def print_file(file: s.File, newline: str = NEWLINE) -> str:
 
 
 def print_nodes(nodes: Sequence[s.Item | s.StatementNode | s.Handler]) -> str:
-    """Declarations, statements or error handlers as text of their own, without a last line end."""
+    """Print declarations, statements or error handlers as separate text, without a final line
+    end.
+    """
     return PRINTER.text(nodes, "\n").strip("\n")
 
 
@@ -38,10 +40,10 @@ def expression(node: s.Expression | s.Whole) -> str:
 
 
 def string(value: str) -> str:
-    """A literal; other characters of Latin-1 than ASCII as two hex digits.
+    """Return a string literal; Latin-1 characters beyond ASCII are written as two hex digits.
 
-    What only UTF-8 can say, which RobotWare 7 reads, stays as it is; raises Refused for what would
-    end the line.
+    Characters that only UTF-8 can express, which RobotWare 7 reads, remain unchanged; raises
+    Refused for characters that would end the line.
     """
     pieces = []
     for c in value:
@@ -181,7 +183,7 @@ TEMPLATES: Final = Templates(
         s.Infix: _infix,
     }
 )
-"""What stands in the text of each construct."""
+"""Text template of each construct."""
 
 
 def _trails(node: Any) -> bool:
@@ -204,4 +206,4 @@ PRINTER: Final = BlockPrinter(
     trails=_trails,
     stands_apart=_stands_apart,
 )
-"""Prints what stands on lines of its own."""
+"""Printer for constructs on separate lines."""

@@ -68,7 +68,7 @@ def error_handlers(text: str) -> tuple[s.Handler, ...] | None:
 
 
 def expression(text: str) -> s.Expression:
-    """The expression of a text; raises Refused if it is none of RAPID."""
+    """Parse the expression in a text; raises Refused if it is not a RAPID expression."""
     read = statements(f"x:={text}\n;")
     if len(read) == 1 and isinstance(read[0], s.Assignment):
         return read[0].value
@@ -76,7 +76,7 @@ def expression(text: str) -> s.Expression:
 
 
 def understood(read: Callable[[str], T], text: str) -> T | None:
-    """What `items`, `statements` or `expression` reads in a text, None if it is no RAPID."""
+    """Parse a text with `items`, `statements` or `expression`, None if it is not RAPID."""
     try:
         return read(text)
     except Refused:
@@ -84,7 +84,9 @@ def understood(read: Callable[[str], T], text: str) -> T | None:
 
 
 def declares(text: str) -> str:
-    """Storage and type of data, or the word of another declaration; empty if it is none."""
+    """Return the storage and type of data, or the word of another declaration; empty for any other
+    text.
+    """
     found = understood(items, text) or understood(statements, text) or ()
     match found[:1]:
         case (s.Data(storage=storage, type=type),):
@@ -116,7 +118,9 @@ _effect_nodes: Final = Walk(lambda kind: issubclass(kind, s.Node) and kind not i
 
 
 def effect_of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
-    """What nodes do; anything with a hole or a call whose name is worked out. text: of them."""
+    """Return the effect of nodes; an unknown effect for a hole or a call with a computed name.
+    text: of the nodes.
+    """
     done = _EFFECTS.of(tuple(tree))
     if done is None:
         return unknown_effect(text)
@@ -127,7 +131,7 @@ def effect_of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
 
 @lru_cache(maxsize=1 << 14)
 def effect_of_text(text: str, kind: VendorTextKind) -> Effect:
-    """What a text does; anything if it is no RAPID."""
+    """Return the effect of a text; an unknown effect if it is not RAPID."""
     try:
         match kind:
             case "expression":
@@ -195,7 +199,7 @@ _EFFECTS: Final = Effects(
         s.Placeholder: NodeEffect(untold=True),
     },
 )
-"""What each kind of statement, declaration and expression does."""
+"""Effects of each kind of statement, declaration and expression."""
 
 
 def _named_words(value: Any) -> Iterator[str]:
@@ -214,9 +218,9 @@ def _parameters(known: Signature) -> Iterator[Parameter]:
 def _paired(
     arguments: Sequence[s.Argument], known: Signature | None
 ) -> Iterator[tuple[s.Expression, Parameter | None]]:
-    """The value of each argument with its parameter, None where that is not known.
+    """Yield the value of each argument with its parameter, None for an unknown one.
 
-    Of alternatives it is the one that is handed back.
+    Among alternatives the parameter is the one that the routine may change.
     """
     required = iter(()) if known is None else iter(known.required)
     named = {q.name.lower(): q for q in _parameters(known)} if known is not None else {}

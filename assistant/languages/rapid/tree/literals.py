@@ -52,7 +52,9 @@ def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
 
 
 def plain_row(node: Any) -> alike.Row | None:
-    """What a declaration or a move may be joined with, and its row or rows; None for others."""
+    """Return the group that a declaration or a move can join, and its row or rows; None for other
+    nodes.
+    """
     match node:
         case s.TargetRunNode(scope, run):
             return ("targets", scope), run
@@ -202,7 +204,7 @@ _TARGET_SHAPES: Final = ([3, 4, 4, 6], [6, 6])
 
 
 def is_target(node: Any) -> bool:
-    """Whether a node is a target or joint target in brackets."""
+    """True if a node is a target or joint target in brackets."""
     return isinstance(node, s.AggregateNode) and _bracket_shape(node.items) in _TARGET_SHAPES
 
 
@@ -237,7 +239,9 @@ def still_axis_name(axis: str) -> str:
 
 
 def axes_to_ask(modules: Sequence[s.Module]) -> list[str]:
-    """Axes that a cell is to tell of, as other languages cannot say what is done with them."""
+    """Return the axes that the cell has to describe, as other languages cannot express their
+    use.
+    """
     used = used_axes(modules)
     if not used:
         return []
@@ -289,7 +293,7 @@ def still_frame_name(unit: str) -> str:
 
 
 def units_can_stand(modules: Sequence[s.Module]) -> bool:
-    """Whether no statement waits for what a unit brings, as a conveyor does."""
+    """True if no statement waits for an object on a unit, as with a conveyor."""
     return not any(
         isinstance(node, s.ProcedureCall)
         and isinstance(node.name, str)

@@ -38,9 +38,9 @@ FEWEST_IN_RUN: Final = 8
 POSITION_PLACES: Final = 4
 QUATERNION_PLACES: Final = 9
 JOINT_PLACES: Final = 6
-"""Of joints and external axes, degrees or mm."""
+"""Decimals of joints and external axes, degrees or mm."""
 SIZES_PLACES: Final = 6
-"""Of masses, inertias, speeds and zone sizes."""
+"""Decimals of masses, inertias, speeds and zone sizes."""
 TARGET_DECIMALS: Final = FewestDecimals((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
 TARGET_PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
 """Columns of position, quaternion, confdata and external axes."""
@@ -73,7 +73,7 @@ class TargetRun(Run):
 
 @dataclass(frozen=True, slots=True)
 class MotionNames:
-    """What a plain move names behind its target; frame empty without WObj."""
+    """Names after the target of a plain move; frame empty without WObj."""
 
     speed: str
     zone: str
@@ -176,7 +176,7 @@ class NumberLiteral(Node):
 
 @dataclass(frozen=True, slots=True)
 class StringLiteral(Node):
-    """value: what it says, escapes undone."""
+    """value: the text of the literal, escapes undone."""
 
     value: str
 
@@ -297,7 +297,7 @@ Argument = Positional | Option | Conditional
 
 @dataclass(frozen=True, slots=True)
 class CommentLine(Node):
-    """text: after the `!`, without outer blanks. trailing: stands behind something on its line."""
+    """text: after the `!`, without outer blanks. trailing: follows something else on its line."""
 
     text: str
     trailing: bool = False
@@ -526,7 +526,7 @@ StatementNode = (
     | IfThen | CompactIf | ForLoop | WhileLoop | TestOf | CommentLine | Placeholder | MoveRunNode
     | Data | TargetRunNode
 )  # fmt: skip
-"""What stands in a body; declarations of a routine do as well."""
+"""Statements and declarations in the body of a routine."""
 
 Item = Record | Alias | Data | TargetRunNode | Routine | CommentLine | Placeholder
 
@@ -542,7 +542,7 @@ class Module(Node):
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The text that a tree was read from, with what was read: other parts are new."""
+    """Source text of a tree, with the parts read from it: other parts are new."""
 
     source: SourceText
     parts: tuple[Module | CommentLine, ...]

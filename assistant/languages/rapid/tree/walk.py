@@ -167,9 +167,10 @@ MEETING_TYPE: Final = "syncident"
 
 
 def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
-    """What the modules of a file declare for their whole task, with what it is.
+    """Yield the names that the modules of a file declare for their task, each with its kind.
 
-    Persistent data of a module that has no other is shared data: every task may declare it.
+    Data of a module that has only persistent data and task meeting points is shared data: every
+    task may declare it.
     """
     for module in file.modules:
         kind = "shared data" if _is_shared(module) else "data"

@@ -117,7 +117,7 @@ def _aggregate_extents(value: s.AggregateNode, dimensions: int) -> tuple[int, ..
 
 
 def takes_arrays(routine: s.Routine) -> bool:
-    """Whether it is given any."""
+    """True if a routine has an array parameter."""
     return any(
         isinstance(one, s.ParameterNode) and one.dimensions
         for group in routine.parameters
@@ -279,7 +279,7 @@ def _argument_pairs(
 
 
 def _whole_array(value: Any) -> str:
-    """The list that is handed over as a whole, empty for anything else."""
+    """Return the name of an array passed complete, in lower case, empty for anything else."""
     match value:
         case s.NameRef(name) | s.Element(s.NameRef(name), (s.Whole(),)):
             return name.lower()
@@ -287,7 +287,9 @@ def _whole_array(value: Any) -> str:
 
 
 def _counted_parameters(routines: dict[str, s.Routine]) -> frozenset[ParameterKey]:
-    """The parameters whose size is asked for, and that callers outside give."""
+    """Return the array parameters whose size the program reads and whose arguments come from
+    outside callers.
+    """
     called = {name for one in routines.values() for name in called_in((one.body, one.handlers))}
     late = any(
         isinstance(node, s.ProcedureCall) and not isinstance(node.name, str)

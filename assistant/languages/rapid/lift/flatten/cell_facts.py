@@ -48,7 +48,9 @@ from assistant.program.rewriting import rewrite
 
 
 def with_cell_states(modules: Sequence[s.Module]) -> Sequence[s.Module]:
-    """The modules that ask the cell's data; themselves where the cell says nothing of it."""
+    """Return the modules with controller states read from the cell's data; unchanged if the cell
+    states none.
+    """
     known = {
         item.name.lower()
         for module in modules
@@ -102,7 +104,9 @@ def _task_number_variable(options: Mapping[str, s.Expression | None]) -> s.Expre
 def _cell_answer(
     node: s.FunctionCall | s.ProcedureCall, known: Set[str]
 ) -> s.Expression | s.StatementNode | None:
-    """What a call gives of what is known, None for any other one, and for one that does more."""
+    """Return the cell's value for a call; None for a call with another meaning or with further
+    effects.
+    """
     options = [one.name for one in node.arguments if isinstance(one, s.Option)]
     state = state_of(str(node.name), options)
     if state is None or state.name not in known:

@@ -1,13 +1,13 @@
-"""Bytes, lines and files of channels, as statements that other languages have.
+"""Bytes, lines and files of channels, in statements that other languages have.
 
-All data of type rawbytes share one array of numbers, 1024 bytes each: `VAR rawbytes b` becomes the
-number of its bytes, which routines get instead. `PackRawBytes` becomes a call of a routine of
-`tables/bytes.txt` (reference manual of instructions: PackRawBytes, UnpackRawBytes and their kin,
-SocketSend, SocketReceive). A socket of bytes connects to a gateway that takes bytes alone: texts on
-that socket, under any name of it, go as the bytes of their characters. A loop that receives a text
-byte by byte, up to the end of a line or a comma, becomes `ReadStr` or `ReadNum`: `lower/` writes
-channels of other languages as such loops. A file that is removed becomes an empty one, also where
-the program asks first if it exists.
+All data of type rawbytes share one array of numbers, 1024 bytes each: `VAR rawbytes b` becomes its
+number in that array, which routines take instead. `PackRawBytes` becomes a call of a routine of
+`tables/bytes.txt` (reference manual of instructions: PackRawBytes, UnpackRawBytes and related
+instructions, SocketSend, SocketReceive). A socket of bytes connects to a gateway that accepts only
+bytes: texts on that socket, under any of its names, are sent as the bytes of their characters. A
+loop that receives a text byte by byte, up to the end of a line or a comma, becomes `ReadStr` or
+`ReadNum`: `lower/` writes channels of other languages as loops of this kind. A removed file becomes
+an empty one, also where the program first asks if it exists.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from assistant.program.rewriting import rewrite
 LENGTH_ARRAY: Final = "raw_length"
 ROWS: Final = 8
 IN_ROW: Final = 128
-"""Bytes stand in rows, for controllers whose arrays end at 999: 1024 of each."""
+"""Bytes per row, for controllers whose arrays end at 999: 1024 bytes in rows for each data."""
 WHOLE_SIZES: Final = {
     "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
 }  # fmt: skip
@@ -201,7 +201,7 @@ def length_of(raw: Any) -> s.Element:
 
 
 def _named_list(node: s.Expression | None) -> Any:
-    """The list that is given, None if it is none by its name."""
+    """Return the array passed by its name, None for anything else."""
     match node:
         case s.NameRef():
             return node
@@ -352,7 +352,9 @@ ComponentNames = tuple[str, ...]
 
 
 def with_raw_bytes(modules: Sequence[s.Module]) -> Sequence[s.Module]:
-    """The modules with numbers for their bytes; themselves if there are none, or not only such."""
+    """Return the modules with numbers in place of raw bytes; unchanged if they have no raw bytes,
+    or some without an equivalent.
+    """
     if not any(map(_is_of_bytes, nodes(tuple(modules)))):
         return modules
     said = _RawBytes(modules)
@@ -429,7 +431,9 @@ class _RawBytes:
         return found if isinstance(found, int) else None
 
     def can_be_said(self) -> bool:
-        """Whether each of them has a number, and nothing has a name of what is added."""
+        """True if all raw bytes can be numbered and no name clashes with the added data and
+        routines.
+        """
         names = {name.lower() for name in inner_names(self.routines)} | set(self.types)
         names |= {one.name.lower() for one in self.routines}
         added = {BYTES_PREFIX, LENGTH_ARRAY, *(one.name.lower() for one in library())}
@@ -441,7 +445,7 @@ class _RawBytes:
         return all(self.types[name] == BYTES_TYPE for name in self.lists) and not self._recurs()
 
     def _recurs(self) -> bool:
-        """Whether a routine with bytes of its own may be called while it runs."""
+        """True if a routine with local raw bytes may be called recursively."""
         calls: dict[str, set[str]] = {}
         for one in self.routines:
             called = calls.setdefault(one.name.lower(), set())
@@ -679,7 +683,9 @@ def _tested_text(condition: s.Expression | None, last: s.Expression) -> str | No
 
 
 def _number_target(some: Body, text: s.NameRef) -> s.Variable | None:
-    """What gets the number of a text; the program ends where it is none."""
+    """Return the variable that takes the number read from a text; the program ends if the text is
+    not a number.
+    """
     match some:
         case (
             s.Assignment(s.NameRef() as read, s.FunctionCall(str(word), (given, target))),

@@ -218,7 +218,9 @@ def _with_signal(node: s.StatementNode, name: str, signal: str) -> s.StatementNo
 
 
 def _choice_items(one: ChosenSignal) -> list[s.Item]:
-    """What holds a choice, and what gives the value of the signal that is chosen."""
+    """Return the data that holds a choice, and the function that returns the value of the chosen
+    signal.
+    """
     if not one.choice:
         return []
     read = VALUE_FUNCTIONS[one.data.type.lower()]
@@ -243,10 +245,12 @@ _READING_INSTRUCTIONS: Final = frozenset(
     {"tpwrite", "errwrite", "errlog", "eventlog", "aliasio", "getdataval", "write", "strlen",
      "strpart", "strfind", "strmatch", "strtoval", "valtostr"}
 )  # fmt: skip
-"""What is given a text and does not change it, beside routines of the program that take a value."""
+"""Instructions that take a text without changing it, besides routines of the program with value
+parameters.
+"""
 
 TextScope = s.Routine | None
-"""Where a name stands: in a routine, or in the modules."""
+"""Scope of a name: a routine, or the modules."""
 
 
 class KnownTexts:
@@ -380,7 +384,7 @@ def _value_parameters(routine: s.Routine) -> Iterator[str]:
 
 
 def _declared_names(routine: s.Routine) -> frozenset[str]:
-    """What a routine declares, in lower case."""
+    """Return the names that a routine declares, in lower case."""
     return frozenset(
         node.name.lower() for node in nodes(routine) if isinstance(node, s.Data | s.ParameterNode)
     )
@@ -388,7 +392,9 @@ def _declared_names(routine: s.Routine) -> frozenset[str]:
 
 _CHOICE_INSTRUCTIONS: Final = ("aliasio", "getdataval")
 LEAST_CHOICES: Final = 2
-"""Letters that a name has to begin with before names of signals are taken for what it may be."""
+"""Minimum known first letters of a text before signals with that beginning count as its possible
+values.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -404,7 +410,7 @@ class SignalChoices:
 
 
 def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
-    """The modules with choices; themselves where there are none."""
+    """Return the modules with signal choices; unchanged if they have none."""
     chosen: list[ChosenSignal] = []
     if any(map(chooses, nodes(tuple(modules)))):
         chosen = _SignalVariables(modules).found()
@@ -432,7 +438,7 @@ def chosen_signals(files: Sequence[s.File]) -> Mapping[str, Signal]:
 
 
 class _SignalVariables:
-    """What signal variables may stand for."""
+    """Possible signals of each signal variable."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
         self.texts = KnownTexts(modules)
@@ -515,14 +521,14 @@ class _SignalVariables:
         return like or None
 
     def _start(self, source: s.Expression, inside: s.Routine) -> str:
-        """What a text surely begins with."""
+        """Return the text that an expression certainly begins with."""
         while isinstance(source, s.Infix) and source.operator == "+":
             source = source.left
         texts = self.texts.of(source, inside)
         return next(iter(texts)) if texts is not None and len(texts) == 1 else ""
 
     def _is_only_used_well(self, one: ChosenSignal) -> bool:
-        """Whether every use of a variable is one that a choice may stand for."""
+        """True if a choice can replace every use of a variable."""
         if len(one.names) == 1:
             return True
         for item in self.items if one.inside is None else (one.inside,):
@@ -542,7 +548,7 @@ def _starts_with(name: str, start: str) -> bool:
 
 
 def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expression | None:
-    """What a variable was given right before, in the same list of statements."""
+    """Return the value assigned to a variable directly before, in the same list of statements."""
     for node in reversed(before):
         match node:
             case s.Assignment(s.NameRef(target), value):
@@ -558,7 +564,9 @@ def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expressi
 
 
 def _is_supported(node: s.StatementNode, name: str) -> bool:
-    """Whether a statement, without the blocks in it, may name a variable as it does."""
+    """True if a statement, without its inner blocks, uses a variable only in supported
+    positions.
+    """
     if isinstance(node, s.ProcedureCall | s.Data):
         return True
     shallow = _own_expressions(node)
@@ -585,7 +593,7 @@ def _own_expressions(node: Any) -> Any:
 
 
 def _is_value_read(node: Any, name: str) -> bool:
-    """Whether it is a function of the value of a signal, or the signal compared."""
+    """True if a function reads the value of the signal."""
     match node:
         case s.FunctionCall(str(word), (s.Positional(s.NameRef(inner)),)):
             return inner.lower() == name and word.lower() in READ_FUNCTIONS
@@ -593,7 +601,7 @@ def _is_value_read(node: Any, name: str) -> bool:
 
 
 def _bare_uses(shallow: Any, name: str) -> int:
-    """How often it stands for its value by itself: as a side of an operation, or as the whole."""
+    """Count the uses of the name as a plain value: as an operand, or as the complete expression."""
     count = sum(is_named(one, name) for one in shallow)
     for node in nodes(shallow):
         match node:

@@ -1,10 +1,10 @@
-"""Arrays of clocks, and finely read clocks, as clocks that other languages can count.
+"""Arrays of clocks, and clocks read in high resolution, as clocks that other languages can count.
 
-`ClkRead` with the option `HighRes` is a plain `ClkRead`. A clock in an array becomes three numbers:
-the seconds that it ran before, 1 while it runs, and when it was started last by one clock that all
+`ClkRead` with the option `HighRes` becomes a plain `ClkRead`. A clock in an array becomes three
+numbers: the seconds that it ran before, 1 while it runs, and its last start on one clock that all
 arrays share and nothing stops: `ClkRead(c{i})` is
-`c_ran{i}+c_runs{i}*(ClkRead(clocks)-c_since{i})`. What is written to a file or line is read from
-the clock before.
+`c_ran{i}+c_runs{i}*(ClkRead(clocks)-c_since{i})`. A clock value written to a file or socket is read
+into a variable first.
 """
 
 from __future__ import annotations

@@ -192,7 +192,9 @@ class _Constants:
         return number if number is not None and math.isfinite(number) else None
 
     def _named(self, low: str) -> TypedValue | None:
-        """The value of a name; none while it is looked for, as of data declared by themselves."""
+        """Return the value of a name; None while its own declaration is evaluated, as for data
+        declared in terms of itself.
+        """
         if low in self._own:
             node, self._own[low] = self._own[low], None
             found = None if node is None else self._declared(node)
@@ -469,7 +471,7 @@ def _is_constant_value(value: s.Expression, type: str) -> bool:
 def _holds_throughout(
     one: _Setting, steady: Mapping[str, _Setting], layouts: RecordLayouts
 ) -> bool:
-    """Whether no move can meet another value; without a speed nothing moves."""
+    """True if no move can run with another value; without a speed nothing moves."""
     if one.node.value is not None or layouts.base(one.node.type) == "speeddata":
         return True
     speeds = {
@@ -483,11 +485,13 @@ def _holds_throughout(
 
 
 _ARGUMENTS_AFTER: Final = 2
-"""Of the places that a move states: the speed on the way there, and the seam or the gun."""
+"""Arguments between the targets of a move and its process data: the speed on the path, and the seam
+or the gun.
+"""
 _ZERO: Final = s.NumberLiteral("0")
-"""Stands for a seam, of which nothing is said."""
+"""Placeholder for a seam, which is not translated."""
 _PROCESS_KINDS: Final = ("arc", "spot")
-"""Kinds of processes of whose data a part is said."""
+"""Kinds of processes whose data are translated in part."""
 
 
 def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:

@@ -1,9 +1,9 @@
-"""What names of data stand for in a program, and the names of the parts of records.
+"""Meaning of data names in a program, and names for the parts of records.
 
-`ProgramData` holds the data of all modules, `NameUses` how names are used anywhere. Data of every
+`ProgramData` holds the data of all modules, `NameUses` the uses of names anywhere. Data of every
 controller have the values of the instruction and data type manual (3HAC050917): tool0, wobj0,
-load0, speeddata, zonedata. External axes that no target gives a position are not in the cell: their
-components are 9E9 to RAPID, and an assignment to them moves nothing.
+load0, speeddata, zonedata. External axes for which no target states a position are not in the cell:
+RAPID has 9E9 for their components, and an assignment to them moves nothing.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
 
 
 def is_unused_axis(node: Any, unused: frozenset[str]) -> bool:
-    """Whether a component of a target is that of an external axis that there is none of."""
+    """True if a component of a target belongs to an external axis that the cell does not have."""
     match node:
         case s.Component(s.Component(_, part), axis):
             return part.lower() == EXTERNAL_COMPONENT and axis.lower() in unused
@@ -69,9 +69,9 @@ def is_unused_axis(node: Any, unused: frozenset[str]) -> bool:
 
 
 def only_computes(routine: s.Routine | None, divisors: Set[str]) -> bool:
-    """Whether a function does nothing but work out a value, in which no error can arise.
+    """True if a function only computes a value and cannot raise an error.
 
-    divisors: names in lower case of what is never 0.
+    divisors: lower-case names of data that are never 0.
     """
     match routine:
         case s.Routine(kind="FUNC", body=(s.ReturnFrom(value=value),), handlers=()):
@@ -183,7 +183,7 @@ class ProgramData:
 
     @property
     def has_axes(self) -> bool:
-        """Whether anything states the place of an external axis."""
+        """True if anything states the position of an external axis."""
         return not self.unused.issuperset(EXTERNAL_AXES)
 
     def data_of(self, name: str) -> Datum | None:
@@ -201,15 +201,15 @@ class ProgramData:
         return None
 
     def only_works_out(self, name: str) -> bool:
-        """Whether a function of the modules changes nothing; name: in lower case."""
+        """True if a function of the modules changes nothing. name: in lower case."""
         routine = self.routines.get(name)
         own = set() if routine is None else {one.name.lower() for one in parameter_nodes(routine)}
         return only_computes(routine, {PI} - self._declared - own)
 
     def datum(self, node: s.Data | s.ParameterNode, shared: bool = False) -> Datum:
-        """What a declaration declares, with names for its parts if it is taken apart.
+        """Return the datum of a declaration, with names for its parts if it is split.
 
-        shared: it stands in a module.
+        shared: the declaration is in a module.
         """
         type, moves, steady = self.layouts.base(node.type), False, False
         if isinstance(node, s.ParameterNode):
@@ -235,12 +235,14 @@ class ProgramData:
         return Datum(node.name, type, dimensions, names, value, sizes)
 
     def _is_data(self, key: str, steady: bool) -> bool:
-        """Whether a tool, frame, speed or zone is used by its parts, or as one value of many."""
+        """True if a tool, frame, speed or zone is used by its parts, or as one of several
+        values.
+        """
         named, uses = key in self.uses.named, self.uses
         return (steady and key in uses.parted) or (not named and (not steady or key in uses.read))
 
     def stays(self, node: s.Data) -> bool:
-        """Whether data that is taken apart is also used whole, by its name."""
+        """True if data that is split is also used complete, by its name."""
         type = self.layouts.base(node.type)
         if type in SPEED_AND_ZONE and node.name.lower() in self.uses.written:
             return False
@@ -252,7 +254,7 @@ class ProgramData:
         return self.name.made
 
     def datum_of(self, node: s.ParameterNode) -> Datum:
-        """What a parameter is, the same whoever asks."""
+        """Return the datum of a parameter, the same one for every caller."""
         if id(node) not in self._parameters:
             self._parameters[id(node)] = self.datum(node)
         return self._parameters[id(node)]
@@ -267,18 +269,18 @@ class ProgramData:
         return self._results[id(routine)]
 
     def plain_type(self, type: str) -> str:
-        """What an alias stands for, if every controller knows that; else the type itself."""
+        """Return the type behind an alias if every controller has it; else the type itself."""
         layouts = self.layouts
         plain = layouts.is_whole(type) or layouts.kind(type) in ("HANDLE", "DEVICE")
         return layouts.base(type) if plain else type
 
 
 class NameUses:
-    """How names are used anywhere, whatever they mean there, in lower case.
+    """Uses of names anywhere, regardless of their meaning there, in lower case.
 
-    written: may be changed. named: given to a routine or a move by their names. parted: a
-    component is asked for. read: used in any other way, as where a routine of the program takes
-    the parts. parted: see `component_parameters`.
+    written: may be changed. named: passed by name to a routine or a move. parted: a component is
+    read. read: used in any other way, as where a routine of the program takes the parts. parted
+    (argument): see `component_parameters`.
     """
 
     def __init__(self, modules: Sequence[s.Module], parted: Set[int]) -> None:
@@ -363,9 +365,9 @@ def _parameter_slots(routine: s.Routine) -> tuple[Slot, ...]:
 def _may_change(
     argument: s.Argument, slots: Sequence[Slot], required: Iterator[Slot], standard: bool
 ) -> bool:
-    """Whether a routine may change what it is given with an argument.
+    """True if a routine may change the data passed in an argument.
 
-    standard: every controller has it, so that it only reads tools, frames, speeds and zones.
+    standard: every controller has the routine, so it only reads tools, frames, speeds and zones.
     """
     if isinstance(argument, s.Positional):
         slot = next(required, None)
@@ -386,7 +388,7 @@ def parameter_nodes(routine: s.Routine) -> Iterator[s.ParameterNode]:
 
 
 def predefined_type(name: str) -> str:
-    """Of data that every controller has, empty if there is none of the name."""
+    """Return the type of data that every controller has, empty for an unknown name."""
     found = predefined().get(name.lower())
     return "" if found is None else found.type
 
@@ -426,13 +428,16 @@ VMAX_SPEED: Final = 10000.0
 
 
 ARM_MAXIMA: Final[Mapping[str, float]] = {"maxrobspeed": 5000.0, "maxrobreorientspeed": 500.0}
-"""What functions that ask for the most of the arm are taken to give: mm/s and deg/s.
+"""Assumed results of functions that return a maximum of the arm: mm/s and deg/s.
 
-Those of `vmax` of the arms that they are usual for (3HAC050917, speeddata)."""
+Values of `vmax` for the usual arms (3HAC050917, speeddata).
+"""
 
 
 def arm_maximum(name: str) -> s.NumberLiteral | None:
-    """What a function in lower case is taken to give that asks for the most of the arm."""
+    """Return the assumed result of a function that returns a maximum of the arm. name: in lower
+    case.
+    """
     return s.NumberLiteral(f"{ARM_MAXIMA[name]:g}") if name in ARM_MAXIMA else None
 
 

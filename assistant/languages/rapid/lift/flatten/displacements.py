@@ -32,7 +32,7 @@ _ENDING: Final = "pdispoff"
 _FRAME: Final = "wobj"
 _BASE: Final = "wobj0"
 _UNDISPLACED_CALLS: Final = frozenset(("calcrobt", "calcjointt", "eoffson", "pdispon"))
-"""Of what takes a work object: what is no motion and no reading."""
+"""Calls with a work object that neither move nor read a position."""
 _READS_IN_ACTIVE: Final = frozenset(("crobt", "cpos"))
 """Without a work object they read in that of the move before."""
 
@@ -42,9 +42,10 @@ Call = s.ProcedureCall | s.FunctionCall
 def with_displacements(
     modules: Sequence[s.Module], fresh: FreshNames
 ) -> tuple[Sequence[s.Module], str]:
-    """The modules without such instructions, and the name of the displacement.
+    """Return the modules without displacement instructions, and the name of the displacement.
 
-    As they are, and no name, where there is none, or a work object is not told by its name.
+    Return them unchanged, with an empty name, if they have no displacement or if a call does not
+    give its work object by name.
     """
     every = list(nodes(tuple(modules)))
     own = {one.name.lower() for one in every if isinstance(one, s.Routine)}
@@ -66,7 +67,7 @@ def _call_word(call: Call) -> str:
 
 
 def _takes_frame(call: Call) -> bool:
-    """Whether a routine that every controller has moves or reads in a work object."""
+    """True if a routine of every controller moves or reads positions in a work object."""
     word = _call_word(call)
     known = signature(word)
     slots = () if known is None else known.slots
@@ -75,7 +76,7 @@ def _takes_frame(call: Call) -> bool:
 
 
 def _has_module_frame(call: Call, hidden: set[str]) -> bool:
-    """Whether the work object of a call has a name of a module, if it takes one."""
+    """True if the call takes no work object, or one with a name of a module."""
     if not _takes_frame(call) and _call_word(call) != "pdispon":
         return True
     for one in call.arguments:
@@ -133,7 +134,7 @@ class _DisplacementRewriting:
         return s.Option("WObj", s.NameRef(self.base))
 
     def set(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
-        """What stands for an instruction that sets or ends a displacement."""
+        """Yield the statements that replace an instruction which sets or ends a displacement."""
         match node:
             case s.ProcedureCall(str(name), (s.Positional(shift),)) if name.lower() == "pdispset":
                 yield self._given(node, shift)
@@ -214,7 +215,9 @@ def with_arm_kinematics(modules: Sequence[s.Module], displaced: str) -> Sequence
 
 
 def _kinematics_call(node: s.FunctionCall, displaced: str) -> s.Expression | None:
-    """None where the flange is asked for in the base, or by what an option says."""
+    """Return a kinematics call for the flange in the base; None if the call already has that form
+    or has an unsupported option.
+    """
     call = called(node)
     options = {} if call is None else {name.lower(): one for name, one in call.options.items()}
     if call is None or options.keys() - {"wobj"} or len(call.given) != 2:

@@ -79,7 +79,7 @@ def _bound_call(
 
 
 def accepts_call(routine: s.Routine, call: s.ProcedureCall) -> bool:
-    """Whether a routine may be given what a call gives: any other would be an error."""
+    """True if a routine accepts the arguments of a call; any other call is an error."""
     required = sum(not group.optional for group in routine.parameters)
     options = {
         one.name.lower()
@@ -94,7 +94,7 @@ def accepts_call(routine: s.Routine, call: s.ProcedureCall) -> bool:
 
 
 def _known_end(value: Any) -> tuple[bool, str]:
-    """Whether something unknown stands in front, and the text that a sum surely ends with."""
+    """Return True for an unknown beginning, and the text that a sum certainly ends with."""
     match value:
         case s.StringLiteral(text):
             return False, text
@@ -112,7 +112,7 @@ _END_PROGRAM: Final = p.Stop(end=True)
 def choice_of_calls(
     node: p.Opaque, program: Program, meaning: NameResolver
 ) -> Iterator[p.Statement]:
-    """What a call by a text is, nothing if that is not said."""
+    """Yield the statements for a call by a text, nothing if it has no equivalent."""
     if node.language != verbatim.LANGUAGE:
         return
     match verbatim.understood(verbatim.statements, node.text):
@@ -135,7 +135,7 @@ def choice_of_calls(
 
 
 def _names_module(text: e.Expression) -> bool:
-    """Whether a text has a part that tells a module: its routines have no such names here."""
+    """True if a part of a text names a module: its routines have no such names here."""
     match text:
         case e.Text(value):
             return ":" in value
@@ -207,7 +207,7 @@ MOST_NAMES: Final = 40
 _READS: Final = "getdataval"
 _WRITES: Final = "setdataval"
 _NO_SUCH: Final = s.RaiseError(s.NameRef("ERR_SYM_ACCESS"))
-"""What both raise for a name that there is no data of (3HAC050917: GetDataVal)."""
+"""Error that both instructions raise for a name without data (3HAC050917: GetDataVal)."""
 
 DataType = tuple[str, int]
 """Type without aliases, and number of dimensions."""
@@ -216,7 +216,7 @@ DataType = tuple[str, int]
 def with_named_data(
     modules: Sequence[s.Module],
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
-    """The modules with such choices, and what there is to be told of each module."""
+    """Return the modules with data chosen by name, and the findings of each module."""
     words = (_READS, _WRITES)
     told: list[list[Diagnostic]] = [[] for _ in modules]
     every = nodes(tuple(modules))
@@ -332,7 +332,7 @@ _NO_VALUES: Final = ("", "DEVICE", "HANDLE", "OTHER")
 
 
 def _may_match(text: s.Expression, name: str) -> bool:
-    """Whether a text may be a name, by what of its begin and its end is written out."""
+    """True if a text may equal a name, judged by its literal beginning and end."""
     low = name.lower()
     begin, end = _known_edge(text, 0), _known_edge(text, -1)
     if isinstance(text, s.StringLiteral):

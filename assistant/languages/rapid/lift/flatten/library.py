@@ -39,14 +39,14 @@ BITS: Final = {"bitand": "BitAndDnum", "bitor": "BitOrDnum", "bitxor": "BitXOrDn
 ANGLE_FUNCTIONS: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
 """By option of EulerZYX."""
 TEXT_READERS: Final = {"num": "number_of_text", "bool": "truth_of_text"}
-"""What reads a text as data of a type: StrToVal."""
+"""Library function that reads a text as data of a type: StrToVal."""
 TIME_DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 """By option of GetTime, where its two digits begin in the time of day."""
 BYTE_FORMATS: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
 """By option of ByteToStr and StrToByte: the base, and how many digits a byte has (manual)."""
 LARGEST_BYTE: Final = 255
 FRAME_FUNCTION: Final = "frame_through"
-"""What DefFrame is here."""
+"""Library function in place of DefFrame."""
 LARGEST_EXACT: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
 TEST_AND_SET: Final = SAME_CALLS["testandset"]
@@ -75,7 +75,9 @@ _LIBRARY_FUNCTIONS: Final = frozenset(
 ARM_FUNCTIONS: Final[Mapping[str, str]] = {
     "calcrobt": "target_of_joints", "calcjointt": "joints_of_target",
 }  # fmt: skip
-"""What asks the arm with a tool in a work object, and what says it by the flange in the base."""
+"""Kinematics functions with a tool in a work object, and their library equivalents for the flange
+in the base.
+"""
 
 
 class ExpressionTypes(Protocol):
@@ -88,7 +90,7 @@ class ExpressionTypes(Protocol):
         """The target or pose that a node is the orientation of, if other languages keep it."""
 
     def is_own(self, name: str) -> bool:
-        """Whether the program has a routine of that name."""
+        """True if the program has a routine of that name."""
 
 
 @cache
@@ -248,7 +250,7 @@ def _to_digits(value: s.Expression, base: int, places: int) -> s.Expression:
 
 
 def _is_first_character(text: s.Expression) -> bool:
-    """Whether a text is the first character of another one."""
+    """True if a text is the first character of another one."""
     match text:
         case s.FunctionCall(name, (_, s.Positional(s.NumberLiteral("1")), last)):
             return name.lower() == "strpart" and last == s.Positional(s.NumberLiteral("1"))
@@ -347,7 +349,7 @@ def _number_literal(value: float) -> s.Expression:
 
 
 def is_written_out(value: Any) -> bool:
-    """Whether it is numbers alone."""
+    """True if a value consists only of literal numbers."""
     match value:
         case s.AggregateNode(items):
             return all(map(is_written_out, items))

@@ -44,7 +44,7 @@ ABSENT_VALUES: Final[Mapping[str, s.Expression]] = {
     "robtarget": s.AggregateNode((*_NOWHERE.items, s.AggregateNode((_ZERO,) * 4), _OUTSIDE)),
     "jointtarget": s.AggregateNode((s.AggregateNode((_ZERO,) * 6), _OUTSIDE)),
 }
-"""What is handed over where an optional value is left out; nothing reads it."""
+"""Values passed where an optional value is omitted; nothing reads them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +72,9 @@ Parameters = Mapping[str, _Parameter]
 def with_required(
     modules: Sequence[s.Module], layouts: RecordLayouts, name: Callable[[str], str]
 ) -> Sequence[s.Module]:
-    """The modules without optional parameters, as far as their types can be said otherwise.
+    """Return the modules without optional parameters, as far as their types have an equivalent.
 
-    name: gives one that nothing else has.
+    name: returns a unique name.
     """
     routines: dict[str, list[s.Routine]] = {}
     for item in (item for module in modules for item in module.items):
@@ -169,7 +169,7 @@ def _required_parameters(
 
 
 def absent_value(type: str, layouts: RecordLayouts) -> s.Expression | None:
-    """A value of a type, None if there is none that can be written."""
+    """Return a value of a type, None if no value of the type can be written."""
     if type in ABSENT_VALUES:
         return ABSENT_VALUES[type]
     if type in SETTING_TYPES - SPEED_AND_ZONE or layouts.parts(type) is None:
@@ -282,7 +282,7 @@ def _arguments(
 def _argument_values(
     known: _Parameter, argument: s.Option | s.Conditional | None, caller: Parameters
 ) -> tuple[s.Expression, ...] | None:
-    """What is handed over for a parameter; None for what nobody understands."""
+    """Return the arguments passed for a parameter; None if the argument is not understood."""
     there: s.Expression = s.BoolLiteral(argument is not None)
     value: s.Expression | None = None
     match argument:
@@ -342,7 +342,7 @@ def without_unused_parameters(modules: Sequence[s.Module]) -> Sequence[s.Module]
 
 
 def _is_equipment_data(group: s.ParameterGroup, own: frozenset[str]) -> bool:
-    """Whether a parameter is of data that only equipment is told. own: records of the program."""
+    """True if a parameter is of data for equipment only. own: records of the program."""
     match group.alternatives:
         case (s.ParameterNode(type=type),) if type.lower() not in own:
             known = predefined.types().get(type.lower())
@@ -404,7 +404,7 @@ def _used_arguments(arguments: Sequence[s.Argument], left_out: _Removed) -> Iter
 
 
 def _is_late_bound(node: Any) -> bool:
-    """Whether a call gives arguments to a routine whose name is worked out."""
+    """True if a call passes arguments to a routine whose name is computed."""
     late = isinstance(node, s.ProcedureCall) and not isinstance(node.name, str)
     return late and bool(node.arguments)
 

@@ -95,11 +95,11 @@ OmittedAxes = tuple[tuple[Span | None, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class FlatProgram:
-    """files: with plain data. kept: statements in them that stay as they are written, by `id`,
-    with why. unread: what is left out, of each file. outside: where external axes are left out that
-    there are none of, and which. remarks: other findings of each, at places in it.
-    signals: that are not named where they are used. gone: names of signals that nothing has any
-    more.
+    """A program with plain data. files: its files. kept: statements in them that stay as written,
+    by `id`, with the reason. unread: the omitted variables of each file. outside: positions where
+    components of missing external axes are omitted, and which components. remarks: other findings
+    of each file, at positions in it. signals: signals that statements use without their names.
+    gone: names of signals that nothing uses any more.
     """
 
     files: tuple[s.File, ...]
@@ -214,8 +214,8 @@ def _flat_module(program: ProgramData, module: s.Module, kept: dict[int, str]) -
 
 
 def _start_of_notes(items: Sequence[s.Item]) -> int:
-    """Where the comments begin that stand above what comes next; at the top of a module behind
-    them, as a heading may stand there.
+    """Return the index of the comments directly above the next item; at the top of a module the
+    index after them, as they may be a heading.
     """
     notes = takewhile(lambda one: isinstance(one, s.CommentLine) and not one.trailing, items[::-1])
     return len(items) - sum(1 for _ in notes) or len(items)

@@ -28,13 +28,13 @@ ComponentPath = tuple[str, ...]
 """Names of components in lower case, the outermost first; empty of the whole."""
 
 SETTING_TYPES: Final = frozenset(("tooldata", "wobjdata", "speeddata", "zonedata"))
-"""Records that moves name: they have a place of their own in the pseudo-program."""
+"""Records that moves name: they have separate tables in the pseudo-program."""
 READ_ONLY_TYPES: Final = SETTING_TYPES | {"loaddata"}
 """Types of data that instructions only read, though they want them to be PERS."""
 SPEED_AND_ZONE: Final = frozenset(("speeddata", "zonedata"))
 """Those of them that a move may also state by their parts."""
 MOST_PARTS: Final = 400
-"""Of one record; larger ones stay whole."""
+"""Maximum parts of one record; a larger one is not split."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class RecordLayouts:
         return low
 
     def kind(self, type: str) -> str:
-        """What a type is in the words of its table, empty if nothing declares it."""
+        """Return the kind of a type as its table names it, empty for an undeclared type."""
         found = self._types.get(self.base(type))
         return "" if found is None else found.kind
 
@@ -93,13 +93,13 @@ class RecordLayouts:
         return () if found is None else tuple((found.components or {}).items())
 
     def component(self, type: str, name: str) -> str | None:
-        """The type of a component without aliases, None if there is none of that name."""
+        """Return the type of a component without aliases, None for an unknown component."""
         low = name.lower()
         found = (of for inner, of in self.components(type) if inner.lower() == low)
         return next(map(self.base, found), None)
 
     def is_whole(self, type: str) -> bool:
-        """Whether the pseudo-program has one variable for a value of a type."""
+        """True if the pseudo-program has one variable for a value of a type."""
         return self.base(type) in VALUE_OF_TYPE
 
     def parts(self, type: str) -> tuple[Part, ...] | None:
@@ -142,7 +142,7 @@ RecordValue = Mapping[ComponentPath, s.Expression]
 
 
 class NotExpressible(Exception):
-    """Something that a program with plain data cannot say. why: a clause."""
+    """A construct that a program with plain data cannot express. why: a clause."""
 
     def __init__(self, why: str) -> None:
         super().__init__(why)
@@ -207,7 +207,7 @@ _ANYWHERE: Final = ("", "")
 def _receiving_parameters(
     routines: RoutineTable, routine: str, name: str
 ) -> Iterator[tuple[str, str]]:
-    """The parameters that a parameter is handed to as a whole."""
+    """Yield the parameters to which a parameter is passed complete."""
     said = known = 0
     for node in nodes(routines[routine]):
         match node:
@@ -232,7 +232,9 @@ def _receiving_parameters(
 def _argument_parameters(
     routine: s.Routine | None, arguments: Sequence[s.Argument], name: str
 ) -> Iterator[tuple[str, str]]:
-    """Where some arguments hand it to, as far as that is a required parameter of the program."""
+    """Yield the required parameters of the program to which arguments pass a name, or a marker for
+    any other receiver.
+    """
     required = iter(() if routine is None else [g for g in routine.parameters if not g.optional])
     for argument in arguments:
         if isinstance(argument, s.Positional):
@@ -264,9 +266,11 @@ Body = tuple[s.StatementNode, ...]
 
 
 def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozenset[str]:
-    """Which of both types say of each value, anywhere, that nothing moves it but its pose.
+    """Return which of both types are stationary: no value of the type, anywhere, lets anything but
+    its pose move it.
 
-    A tool is on the robot, a work object stands in the room; the program changes neither.
+    A tool is mounted on the robot and a work object is fixed in the room; the program changes
+    neither.
     """
     found = set(_POSES)
     for node in nodes(tuple(modules)):
@@ -329,9 +333,10 @@ def changed_frame(
     displaced: str = "",
     steady: bool = False,
 ) -> ChangedFrame:
-    """names: of its parts, by their ways. displaced: a pose that is put behind work objects.
+    """Return the frame that the program changes. names: of its parts, by their paths. displaced: a
+    pose appended to work objects.
 
-    steady: nothing else changes it, so that parts which say nothing are left out.
+    steady: nothing else changes the frame, so that identity parts are omitted.
     """
     parts = _POSES[type]
     frame = frame_of(literal_values(node.value)) if steady and displaced and type == FRAME else None
@@ -413,7 +418,7 @@ class _FrameUpdates:
         return {one: None for name in names for one in self.by_part.get(name, ())}
 
     def changes(self, call: s.ProcedureCall | s.FunctionCall) -> bool:
-        """Whether a routine may change what it is given."""
+        """True if a routine may change its arguments."""
         name = call.name.lower() if isinstance(call.name, str) else ""
         known = signature(name)
         if name in self.own or known is None:

@@ -53,7 +53,9 @@ from assistant.languages.rapid.tree.walk import lists, nodes, root, worked_out_t
 
 
 def flat_declarations(node: s.Data, datum: Datum, values: Values) -> Iterator[s.Data]:
-    """What is declared instead of some data; raises Unsaid for a value that cannot be said."""
+    """Yield the declarations that replace some data; raises NotExpressible for a value without an
+    equivalent.
+    """
     program = values.program
     if not datum.names:
         value = None if node.value is None else values.given(node.value, datum.type)
@@ -74,11 +76,13 @@ def flat_declarations(node: s.Data, datum: Datum, values: Values) -> Iterator[s.
 ArrayCell = tuple[tuple[int, ...], s.Expression]
 """The indices and the value of an element."""
 MOST_ELEMENTS: Final = 120
-"""Of an array that is given values in brackets; of more it stays one statement."""
+"""Maximum elements of an array whose assignment in brackets is split; a larger one stays one
+statement.
+"""
 
 
 def differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
-    """Whether values in brackets are more or fewer than the elements of an array."""
+    """True if brackets hold more or fewer values than the array has elements."""
     if not sizes:
         return False
     first, *others = sizes
@@ -92,10 +96,11 @@ def differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bo
 def element_assignments(
     node: s.Assignment, kind: Kind | None, variable: Callable[[str, str], s.NameRef]
 ) -> Iterator[s.Assignment]:
-    """An assignment, of values in brackets to an array one for each element.
+    """Yield an assignment, split into one for each element if it assigns values in brackets to an
+    array.
 
-    kind: of what is assigned. variable: gives a new one of a type: values go by way of variables
-    where one is asked for that was an element before.
+    kind: of the target. variable: returns a new variable of a type; values pass through variables
+    if one of them reads an element of the same array.
     """
     match node:
         case s.Assignment(s.NameRef(name), s.AggregateNode() as value) if kind and kind[1]:
@@ -179,7 +184,7 @@ def _quaternion_assignment(
 
 
 def changes_speeds_or_zones(files: Sequence[s.File]) -> bool:
-    """Whether a program assigns to a speed or zone that is one value."""
+    """True if a program assigns to a speed or zone that is one value."""
     written = {
         target.name.lower()
         for file in files
@@ -196,7 +201,7 @@ def changes_speeds_or_zones(files: Sequence[s.File]) -> bool:
 
 
 def has_parted_settings(run: MoveRun, find: Callable[[str], Datum | None]) -> bool:
-    """Whether moves in columns name a speed or zone that is taken apart. find: of data by name."""
+    """True if moves in columns name a speed or zone that is split. find: returns data by name."""
     named = {name for how in run.motions.table for name in (how.speed, how.zone)}
     return any(found is not None and found.names for found in map(find, named))
 
@@ -369,9 +374,9 @@ class RoutineBody:
                 yield node
 
     def _asked(self, condition: s.Expression, again: bool = False) -> Any:
-        """A value that a block asks for, as it is written where it cannot be said.
+        """Return the flat form of a block's condition or value, unchanged if it has no equivalent.
 
-        again: it is asked for where nothing can be called before.
+        again: the block evaluates it where no statement can run first.
         """
         held = self.before
         self.before = None if again else held
@@ -421,13 +426,15 @@ class RoutineBody:
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
 
     def _configured(self, target: Any, value: Any) -> list[tuple[Any, s.Expression]] | None:
-        """What is assigned where a target takes a configuration, None of any other assignment."""
+        """Return the assignments that give a target a configuration, None for any other
+        assignment.
+        """
         if self.program.has_axes or not takes_configuration(target, value):
             return None
         return list(with_configuration(target, value, self._variable("configured", "robtarget")))
 
     def _never_fits(self, node: s.Assignment) -> bool:
-        """Whether an array is given values in brackets that are too many or too few, with why."""
+        """Report an array that is assigned too many or too few values in brackets; True if so."""
         match node:
             case s.Assignment(s.NameRef(name), s.AggregateNode() as value):
                 datum = self.values.find(name)
@@ -438,7 +445,7 @@ class RoutineBody:
         return False
 
     def _is_setting(self, target: Any, kind: Kind) -> bool:
-        """Whether a tool, frame, speed or zone is assigned that is one variable."""
+        """True if the target is a tool, frame, speed or zone held in one variable."""
         return kind[0] in SETTING_TYPES and not self.values.is_apart(target)
 
     def _turned(self, node: s.Assignment, turn: s.Component, value: Any) -> s.StatementNode:
@@ -457,7 +464,7 @@ class RoutineBody:
         return replace(node, target=turn, value=function_call("OrientZYX", *angles))
 
     def _held(self, value: s.Expression) -> s.Expression:
-        """A number that is asked for several times, as it is or in a variable of its own."""
+        """Return a number that is used several times, unchanged or as a new variable."""
         if isinstance(value, s.NameRef | s.NumberLiteral) or is_written_out(value):
             return value
         if self.before is None:
@@ -486,7 +493,9 @@ class RoutineBody:
             yield replace(node, target=self.values.plain(target), value=place)
 
     def _without_axes(self, type: str, value: s.AggregateNode) -> s.AggregateNode:
-        """A target in brackets without the places of external axes that there are none of."""
+        """Return a target in brackets without the positions of external axes that the cell does not
+        have.
+        """
         *rest, extax = value.items
         named = isinstance(extax, s.NameRef | s.Component)
         if type == "pose" or self.program.has_axes or not named:
@@ -495,7 +504,7 @@ class RoutineBody:
         return replace(value, items=(*rest, NO_EXTERNAL_AXES))
 
     def _both_stay(self, node: Any) -> bool:
-        """Whether a variable is a component of data that is not taken apart."""
+        """True if a variable is a component of data that is not split."""
         base, _, path = self.values.steps(node)
         datum = None if base is None else self.values.find(base.name)
         return datum is not None and not datum.names and path != ("trans",)
@@ -503,7 +512,9 @@ class RoutineBody:
     def _copied(
         self, node: s.StatementNode, places: RecordValue, parts: RecordValue, kind: Kind
     ) -> Iterator[s.StatementNode]:
-        """Each part assigned; by way of variables where a part that was assigned is asked for."""
+        """Yield an assignment for each part, through variables if one part reads another that was
+        assigned.
+        """
         changed: set[str] = set()
         if not places.keys() <= parts.keys():
             raise NotExpressible("what it is given is of another type")
@@ -531,7 +542,9 @@ class RoutineBody:
             yield s.Assignment(places[path], held[path], span=node.span)  # type: ignore[arg-type]
 
     def _still_called(self, value: Any, node: s.StatementNode) -> Iterator[s.StatementNode]:
-        """What is left of a number that nothing takes: a routine that may do more is called."""
+        """Yield what remains of a number that nothing takes: the call of a routine that may have
+        effects.
+        """
         own = {n.name.lower() for n in nodes(value) if isinstance(n, s.FunctionCall)}
         if not all(map(self.program.only_works_out, own & self.program.own)):
             yield s.Assignment(self._variable("unused", "num"), value, span=node.span)
@@ -594,7 +607,7 @@ class RoutineBody:
         return held
 
     def _of_own_task(self, call: s.FunctionCall) -> s.FunctionCall:
-        """A read of the arm of its own task, behind a check of a name that is worked out."""
+        """Return a read of the arm of the same task, after a check of a computed task name."""
         own = self.program.data_of(OWN_TASK)
         name = worked_out_task(call)
         if own is None or name is None or self.before is None:
@@ -608,7 +621,7 @@ class RoutineBody:
         return isinstance(self.direct, s.FunctionCall) and self.direct.span == call.span
 
     def _place(self, call: s.FunctionCall) -> RecordValue:
-        """Where the robot stands, read before the statement at hand."""
+        """Return the position of the robot, read before the current statement."""
         if self.before is None:
             raise NotExpressible(
                 f"`{call.name}` gives back a record where it cannot be read before"

@@ -79,7 +79,7 @@ class Kinds:
         return self.names[low] if low in self.names else self.program.data_of(low)
 
     def kind(self, node: Any) -> Kind | None:
-        """What an expression is, None if that is not known."""
+        """Return the type and dimensions of an expression, None if they are unknown."""
         match node:
             case s.NameRef(name):
                 found = self.find(name)
@@ -120,11 +120,11 @@ class Kinds:
         return None
 
     def is_record(self, kind: Kind | None) -> bool:
-        """Whether something is a record that is taken apart."""
+        """True if the kind is a record that is split."""
         return kind is not None and self.layouts.parts(kind[0]) is not None
 
     def _side(self, node: Any) -> Kind | None:
-        """What one side of an operator is: values in brackets there are a position."""
+        """Return the kind of one side of an operator: values in brackets are a position there."""
         return (POS, 0) if isinstance(node, s.AggregateNode) else self.kind(node)
 
     def whole_turn(self, node: Any) -> s.Variable | None:
@@ -133,7 +133,7 @@ class Kinds:
 
 
 CONJUNCTIONS: Final = {"=": "AND", "<>": "OR"}
-"""What joins the comparisons of parts."""
+"""Operators that join the comparisons of parts."""
 _JOINT_TARGET: Final = "jointtarget"
 COMPARED_TYPES: Final = frozenset(("robtarget", "pose", _JOINT_TARGET))
 _ANGLES: Final = ("X", "Y", "Z")
@@ -142,7 +142,7 @@ NEAR_FUNCTION: Final = "pose_near"
 
 
 class _ComparedValues(Protocol):
-    """What tells the parts of values, see `Values`."""
+    """Protocol for values whose parts are compared, see `Values`."""
 
     program: ProgramData
 
@@ -156,7 +156,9 @@ class _ComparedValues(Protocol):
 def compared_records(
     values: _ComparedValues, operator: str, left: Any, right: Any, kind: Kind
 ) -> s.Expression:
-    """Two records, targets or poses compared; as they are where not all of one can be told."""
+    """Return the comparison of two records, targets or poses, part by part; as one comparison if
+    the parts of one are unknown.
+    """
     if values.is_record(kind):
         first, second = values.spread(left, kind), values.spread(right, kind)
         types = {one.path: one.type for one in values.program.layouts.parts(kind[0]) or ()}
@@ -201,7 +203,7 @@ def _near_pose(
 
 
 def _compared_pairs(operator: str, pairs: Sequence[tuple[Any, Any]]) -> s.Expression:
-    """Whether all parts of two values are equal, or any is not."""
+    """Return the condition that all parts of two values are equal, or that any differs."""
     each: list[s.Expression] = [s.Infix(operator, one, two) for one, two in pairs]
     return s.Group(reduce(lambda one, two: s.Infix(CONJUNCTIONS[operator], one, two), each))
 
@@ -209,7 +211,9 @@ def _compared_pairs(operator: str, pairs: Sequence[tuple[Any, Any]]) -> s.Expres
 def _compared_parts(
     place: s.NameRef | s.Component | s.Element, type: str
 ) -> Sequence[s.Expression]:
-    """What of a target or pose is compared: where it is, and the angles of its orientation."""
+    """Return the compared parts of a target or pose: its position, and the angles of its
+    orientation.
+    """
     if type == _JOINT_TARGET:
         robax = s.Component(place, "robax")
         return [s.Component(robax, f"rax_{axis}") for axis in range(1, 7)]
@@ -225,11 +229,11 @@ _TARGET_PARTS: Final = {
     "jointtarget": ("robax", "extax"),
 }
 ASSEMBLED_TYPES: Final = frozenset(_TARGET_PARTS)
-"""Types whose values in brackets other languages are told part by part."""
+"""Types whose values in brackets are lowered part by part for other languages."""
 _DEFAULT_PARTS: Final = {"trans": (0, 0, 0), ORIENTATION: (1, 0, 0, 0)}
 _CONFIGURATION: Final = "robconf"
 NO_EXTERNAL_AXES: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
-"""The places of external axes that there are none of."""
+"""Positions of external axes that the cell does not have."""
 _EXTERNAL_AXES: Final = tuple(f"eax_{letter}" for letter in "abcdef")
 _ROBOT_AXES: Final = tuple(f"rax_{axis}" for axis in range(1, 7))
 
@@ -237,9 +241,10 @@ _ROBOT_AXES: Final = tuple(f"rax_{axis}" for axis in range(1, 7))
 def assembled_parts(
     type: str, place: Any, value: s.AggregateNode
 ) -> Iterator[tuple[Any, s.Expression]]:
-    """What is assigned, and to what, so that a place has a value; first the whole one.
+    """Yield the assignments that give a variable its value, as targets and values; the complete
+    value first.
 
-    Raises Unsaid where a part of it is not told so.
+    Raises NotExpressible if a part of it has no equivalent.
     """
     items = dict(zip(_TARGET_PARTS[type], value.items, strict=False))
     if len(items) != len(value.items) or len(items) != len(_TARGET_PARTS[type]):
@@ -277,7 +282,7 @@ def assembled_parts(
 
 
 def takes_configuration(target: Any, value: Any) -> bool:
-    """Whether a target takes the configuration of another, or one that is written out."""
+    """True if a target takes the configuration of another target, or a literal one."""
     match target, value:
         case s.Component(_, name), s.Component(_, other):
             return (name.lower(), other.lower()) == (_CONFIGURATION, _CONFIGURATION)
@@ -289,7 +294,7 @@ def takes_configuration(target: Any, value: Any) -> bool:
 def with_configuration(
     target: s.Component, value: s.Expression, held: s.NameRef
 ) -> Iterator[tuple[Any, s.Expression]]:
-    """What is assigned then, and to what; external axes are not kept.
+    """Yield the assignments that do so, as targets and values; external axes are lost.
 
     held: a variable for a target.
     """
@@ -328,7 +333,7 @@ TASK_LIST_TYPE: Final = "tasks"
 """The function that gives a position alone."""
 TEXT_FUNCTION: Final = "valtostr"
 QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
-"""What stands before and after a text that ValToStr writes."""
+"""Quotation mark before and after a text that ValToStr writes."""
 
 CallParts = Callable[[s.FunctionCall], RecordValue]
 """The parts of what a function of the program gives back, which is called before."""
@@ -357,12 +362,12 @@ def _no_aggregate_variable(type: str, value: s.AggregateNode) -> s.Expression:  
 
 
 class Values(Kinds):
-    """Expressions where some names mean something.
+    """Expressions with the meaning of their names.
 
-    names: of the routine, in front of those of the program. called, built, hold: see `CallParts`,
-    `AggregateVariable`, `CallVariable`.
+    names: those of the routine, which precede those of the program. called, built, hold: see
+    `CallParts`, `AggregateVariable`, `CallVariable`.
 
-    own_task: makes a read of the arm of a task that is worked out one of its own.
+    own_task: turns a read of the arm of a computed task into a read for the same task.
     """
 
     def __init__(
@@ -382,7 +387,7 @@ class Values(Kinds):
     # ----------------------------------------------------------------------------- plain
 
     def plain(self, node: Any) -> Any:
-        """An expression that is no record; raises Unsaid."""
+        """Return the flat form of an expression that is not a record; raises NotExpressible."""
         node = library_call(self, node)
         match node:
             case s.Component(turn, name) if name.lower() in QUATERNION and (
@@ -442,7 +447,9 @@ class Values(Kinds):
         return None
 
     def _shown(self, value: Any) -> s.Expression | None:
-        """What ValToStr writes, but for what other languages write alike: numbers."""
+        """Return the text that ValToStr writes; None for values that other languages write in the
+        same way, such as numbers.
+        """
         kind = self.kind(value)
         if self.is_record(kind):
             assert kind is not None
@@ -531,7 +538,7 @@ class Values(Kinds):
         return tuple(made)
 
     def _mounted(self, value: Any) -> bool:
-        """Whether a value is the name of a tool or work object that the program changes."""
+        """True if a value is the name of a tool or work object that the program changes."""
         match value:
             case s.NameRef(name) if name.lower() in self.program.moving:
                 return self.find(name) is self.program.data_of(name.lower())
@@ -581,7 +588,7 @@ class Values(Kinds):
         return self.plain(node)
 
     def is_apart(self, node: Any) -> bool:
-        """Whether a value is one of a variable that is taken apart, or worked out of some."""
+        """True if a value is a split variable, or computed from one."""
         match node:
             case s.Group(inner):
                 return self.is_apart(inner)
@@ -603,7 +610,7 @@ class Values(Kinds):
         return s.AggregateNode(tuple(items))
 
     def _variable(self, node: Any) -> Any:
-        """Data or a part of it that is no record that is taken apart; raises Unsaid."""
+        """Return data, or a part of it, that is not a split record; raises NotExpressible."""
         base, index, path = self.steps(node)
         if base is None:
             return node
@@ -732,7 +739,9 @@ class Values(Kinds):
         return {one.path: self._inside(reduce(s.Component, one.path, node)) for one in parts}
 
     def _inside(self, node: Any) -> Any:
-        """A part of a variable; what RAPID has for an external axis that there is none of."""
+        """Return a part of a variable; RAPID's unused value for an external axis that the cell does
+        not have.
+        """
         if not is_unused_axis(node, self.program.unused):
             return node
         self.program.outside.append((self.program.at, node.name.lower()))

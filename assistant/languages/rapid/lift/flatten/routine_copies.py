@@ -1,13 +1,13 @@
-"""Routines that take tools, frames, signals, devices or arrays, as copies that name them.
+"""Copy routines that take tools, frames, signals, devices or arrays, so that each copy names them.
 
 `PROC pick(robtarget p, PERS tooldata t)` called with `tGrip` and with `tSuck` becomes
 `pick_tGrip(robtarget p)` and `pick_tSuck(robtarget p)`: moves, waits and files need names that are
-known where they are. A call without an optional parameter gets a copy without it, in which
-`Present(x)` is FALSE. A routine that is always called in one way keeps its name. Calls with
-computed arguments stay, and the routine with them. An array by value is the array itself if the
-routine does not change it while it runs, else a copy in an array of the module. A routine of a
-library has callers that were not read: a tool or frame that they pass is one of the program, which
-the caller sets first; a signal or the line of a socket is asked for in the cell file.
+known in their scope. A call without an optional parameter gets a copy without it, in which
+`Present(x)` is FALSE. A routine with one kind of call keeps its name. Calls with computed arguments
+remain, and so does their routine. An array by value is the array itself if the routine does not
+change it while it runs, else a copy in an array of the module. A library routine has callers that
+were not read: a tool or frame that they pass becomes one of the program, which the caller sets
+first; the cell file has to name a signal or the connection of a socket.
 """
 
 from __future__ import annotations
@@ -106,7 +106,9 @@ class ChangedData:
         return frozenset(found)
 
     def own(self, routine: s.Routine) -> frozenset[str]:
-        """What a routine itself assigns to, or hands to what may change it."""
+        """Return the names that a routine assigns to, or passes to a routine that may change
+        them.
+        """
         if id(routine) not in self._own:
             changed = assigned_names(routine)
             self._own[id(routine)] = frozenset(changed)  # for one that calls itself
@@ -117,7 +119,7 @@ class ChangedData:
         return self._own[id(routine)]
 
     def by(self, call: s.ProcedureCall | s.FunctionCall) -> set[str]:
-        """What a call hands to a routine that may change it."""
+        """Return the names that a call passes to a routine that may change them."""
         known = self._known.get(call.name.lower()) if isinstance(call.name, str) else None
         changed: set[str] = set()
         if known is None:
@@ -148,12 +150,14 @@ class ChangedData:
 
 
 def _is_only_read(slot: Parameter) -> bool:
-    """Whether an instruction only reads what it wants to be persistent."""
+    """True if an instruction only reads an argument that it requires to be persistent."""
     return slot.mode == "PERS" and slot.type in READ_ONLY_TYPES
 
 
 CallArguments = tuple[s.Expression | None, ...]
-"""What a call gives for the parameters that a copy has not, in their order; None for nothing."""
+"""Arguments of a call for the parameters that a copy does not have, in their order; None for an
+omitted one.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,17 +173,17 @@ class CopiedParameter:
 
     @property
     def is_copied(self) -> bool:
-        """Whether it is an array by its value."""
+        """True if the parameter is an array passed by value."""
         return bool(self.node.dimensions) and not self.node.mode
 
 
 @dataclass(slots=True)
 class CallPattern:
-    """A routine that copies are made of. ways: what it is called with, and the name of the copy.
+    """A routine and its copies. ways: the arguments of its calls, and the name of the copy for
+    each.
 
-    stays: somebody calls it in a way that no copy is for. hidden: names of its own, and changed:
-    those that it assigns to, in lower case. runs: it has moves in columns, whose settings are
-    names.
+    stays: some call has no matching copy. hidden: its local names, and changed: names that it
+    assigns to, in lower case. runs: it has moves in columns, whose settings are names.
     """
 
     node: s.Routine
@@ -216,9 +220,10 @@ INITIAL_VALUES: Final = {
 
 
 class UnreadCallers:
-    """What callers give that nobody knows: one for all parameters of a type and a name.
+    """Arguments of unread callers: one for all parameters with the same type and name.
 
-    data: what is declared for it, by the routine in lower case that first has it.
+    data: the declarations for them, by the lower-case name of the first routine with that
+    parameter.
     """
 
     def __init__(self, items: Sequence[s.Item], layouts: RecordLayouts, taken: TakenNames) -> None:
@@ -242,7 +247,7 @@ class UnreadCallers:
         return frozenset(found)
 
     def of(self, routine: s.Routine, one: s.ParameterNode, optional: bool) -> s.NameRef | None:
-        """What stands for a parameter; None where it is taken for not given."""
+        """Return the argument for a parameter; None if the parameter counts as omitted."""
         type = self._layouts.base(one.type)
         if optional and type not in INITIAL_VALUES:
             return None
@@ -263,7 +268,7 @@ class UnreadCallers:
 
 ENTRY: Final = "main"
 MOST_COPIES: Final = 60
-"""Of one routine; more is no program that anybody reads."""
+"""Maximum copies of one routine; a program with more is unreadable."""
 _NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
@@ -312,7 +317,7 @@ class _Copies:
         self.starts = ENTRY in found
         self.callers = UnreadCallers(items, self.layouts, self.taken)
         self.free: dict[str, list[str]] = {}
-        """By routine in lower case that nobody calls, what it is given."""
+        """Arguments of routines without callers, by the routine's lower-case name."""
         self.changes = ChangedData(found)
         declared = [item for item in items if isinstance(item, s.Data)]
         names = Counter(item.name.lower() for item in declared)
@@ -328,7 +333,9 @@ class _Copies:
                 self.written |= self.changes.by(one)
 
     def _parameters(self, routine: s.Routine) -> tuple[CopiedParameter, ...]:
-        """Those that copies have not; none if one of the routine cannot be told."""
+        """Return the parameters that copies do not have; empty if one of the routine's parameters
+        is unknown.
+        """
         if routine.kind == "TRAP":
             return ()
         again = routine.name.lower() in self.again
@@ -389,7 +396,9 @@ class _Copies:
         return whole
 
     def _more(self, copies: dict[str, list[s.Routine]], made: dict[int, s.Item]) -> bool:
-        """Whether there were copies to make, which may call others; at last what stays."""
+        """Make the outstanding copies, which may call further ones, and finally the routines that
+        remain; True if any were made.
+        """
         before = sum(map(len, copies.values())) + len(made)
         for name, one in self.routines.items():
             for new, given in list(one.ways.values())[len(copies[name]) :]:
@@ -405,20 +414,24 @@ class _Copies:
         return sum(map(len, copies.values())) + len(made) > before
 
     def _is_idle(self, one: CallPattern) -> bool:
-        """Whether a routine is for devices that nobody gives it: there is nothing to say of it."""
+        """True if no call passes the devices that a routine requires, so that it is not
+        translated.
+        """
         devices = any(self._is_free(q) and q.place >= 0 for q in one.parameters)
         return devices and self.starts and not (one.ways or one.stays or self._is_late(one))
 
     def _is_late(self, one: CallPattern) -> bool:
-        """Whether a call by a text may be one of a routine; functions are never called so."""
+        """True if a call by a text may reach a routine; such a call never reaches a function."""
         return one.node.kind == "PROC" and any(accepts_call(one.node, call) for call in self.late)
 
     def _is_free(self, q: CopiedParameter) -> bool:
-        """Whether only callers know what it is, and no value stands for it."""
+        """True if the parameter is a device, tool or work object, which only callers know."""
         return self._is_device(q.node) or self.layouts.base(q.node.type) in INITIAL_VALUES
 
     def _free(self, copies: Mapping[str, Sequence[s.Routine]], made: Mapping[int, s.Item]) -> bool:
-        """Whether there were routines of a library that are left to programs which call them."""
+        """Give library routines arguments that a calling program sets; True if there were any such
+        routines.
+        """
         if self.starts:
             return False
         left = {
@@ -466,7 +479,7 @@ class _Copies:
     def _call(
         self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
     ) -> s.ProcedureCall | s.FunctionCall:
-        """A call of a copy; the call itself, if there is none for it."""
+        """Return the call of a copy; the call itself if no copy fits it."""
         split = self._split(node, one, own)
         if split is None:
             one.stays = True
@@ -487,7 +500,9 @@ class _Copies:
     def _split(
         self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
     ) -> tuple[CallArguments, tuple[s.Argument, ...]] | None:
-        """What a call gives for what a copy has not, and what is left; None if it is not known."""
+        """Return the arguments that a copy does not take, and the remaining ones; None if they are
+        unknown.
+        """
         plain = [a for a in node.arguments if isinstance(a, s.Positional)]
         required = sum(not group.optional for group in one.node.parameters)
         if len(plain) != required or any(a.name is not None for a in plain):
@@ -520,7 +535,7 @@ class _Copies:
     def _fits(
         self, value: s.Expression, q: CopiedParameter, one: CallPattern, own: set[str]
     ) -> bool:
-        """Whether a copy may have a value in the place of a parameter."""
+        """True if a copy may have the value in place of the parameter."""
         found = root(value)
         if found is None and q.node.dimensions:
             return False
@@ -562,7 +577,7 @@ class _Copies:
     def _may_change(
         self, one: CallPattern, q: CopiedParameter, value: Any, given: CallArguments
     ) -> bool:
-        """Whether an array may be changed while a routine runs that is given it by its value."""
+        """True if an array passed by value may change while the routine runs."""
         low, changed = value.name.lower(), self.changes.of(one.node.name.lower())
         if changed is None or q.key in changed or low in changed:
             return True

@@ -165,7 +165,9 @@ def with_routine_names(item: s.Item, names: Mapping[str, str]) -> s.Item:
 
 
 def argument_key(value: s.Expression) -> str:
-    """What tells the ways of calling a routine apart, and a copy's name from others."""
+    """Return a key that distinguishes the calls of a routine, and the name of one copy from
+    others.
+    """
     return value.name.lower() if isinstance(value, s.NameRef) else printed(value)
 
 
@@ -176,7 +178,7 @@ def is_literal(node: s.Expression) -> bool:
 
 
 def is_table_row(value: s.Expression) -> bool:
-    """Whether a value is a row of a table by its number."""
+    """True if a value is a table row with a literal index."""
     if not isinstance(value, s.Element) or not isinstance(value.value, s.NameRef):
         return False
     numbers = (None if isinstance(i, s.Whole) else literal_number(i) for i in value.indices)

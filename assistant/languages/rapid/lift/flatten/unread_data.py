@@ -18,11 +18,13 @@ from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.program.rewriting import rewrite
 
 MOST_ROUNDS: Final = 12
-"""What is read only for the sake of what nothing reads is left out in the next round."""
+"""Maximum rounds of removal; a variable that only unread variables read is removed in the next
+round.
+"""
 
 
 OMISSION_MARK: Final = "\0"
-"""The comment that stands where a statement was left out, until the program is told to others."""
+"""Comment in place of an omitted statement, until the program is exported to another language."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ def _dead_variables(modules: Sequence[s.Module], program: ProgramData) -> set[st
 
 
 def _calls_own_routine(value: Any, program: ProgramData) -> bool:
-    """Whether working a value out calls a routine of the program's own."""
+    """True if computing a value calls a routine of the program."""
     return any(
         isinstance(node, s.FunctionCall) and node.name.lower() in program.own
         for node in nodes(value)

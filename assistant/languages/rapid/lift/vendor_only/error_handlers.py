@@ -25,18 +25,22 @@ ERRNO: Final = "errno"
 ANY_ERROR: Final = "long_jmp_all_err"
 WAIT_TIMEOUT: Final = "err_wait_maxtime"
 MOST_STATEMENTS: Final = 40
-"""Of what a handler does about one error: it is written wherever that error may happen."""
+"""Maximum statements for one error in a handler: they are repeated wherever that error may
+occur.
+"""
 
 
 def handlers_of(node: p.Statement) -> tuple[s.Handler, ...]:
-    """The handlers that a kept text says, none for any other statement."""
+    """Return the handlers in a vendor statement, empty for any other statement."""
     if isinstance(node, p.Opaque) and node.language == verbatim.LANGUAGE:
         return verbatim.understood(verbatim.error_handlers, node.text) or ()
     return ()
 
 
 def handles(handler: s.Handler | None, error: str) -> bool:
-    """Whether a handler is for an error, by its lower-case name: without a list for any."""
+    """True if a handler covers an error, given by its lower-case name: a handler without a list
+    covers any.
+    """
     if handler is None:
         return False
     listed = {one.name.lower() for one in handler.numbers if isinstance(one, s.NameRef)}
@@ -44,7 +48,9 @@ def handles(handler: s.Handler | None, error: str) -> bool:
 
 
 def raised_error(node: p.Statement) -> str | None:
-    """The lower-case name of the error that a kept text raises, empty for the same one again."""
+    """Return the lower-case name of the error that a vendor statement raises, empty if it raises
+    the current one again.
+    """
     match _single_statement(node):
         case s.RaiseError(s.NameRef(name)):
             return name.lower()
@@ -74,7 +80,9 @@ def _single_statement(node: p.Statement) -> s.StatementNode | None:
 def reduced_handler(
     handler: s.Handler, error: str, lift: StatementLift, span: Span | None
 ) -> Body | None:
-    """What a handler does about an error; None if that asks more of the error than which it is."""
+    """Return the statements of a handler for one error; None if they read more of the error than
+    its identity.
+    """
     body = tuple(_with_known_error(lift.block(handler.body), error))
     body = tuple(_with_error_name(node, error) for node in body)
     body = _with_own_lines(map_spans(body, lambda _: span))
@@ -118,7 +126,7 @@ def _asks_error(node: p.Statement) -> bool:
 
 
 def _with_known_error(body: Iterable[p.Statement], error: str) -> Iterator[p.Statement]:
-    """Statements with the ways alone that are taken for an error."""
+    """Yield statements with only the branches that run for one error."""
     for node in body:
         node = map_bodies(node, lambda inner: tuple(_with_known_error(inner, error)))
         node = _with_known_head(node, error)

@@ -42,9 +42,10 @@ class _Handled:
 
 
 class RaisedErrors:
-    """numbers: by which errors are told. leaves: by procedure, what it may leave to its callers.
+    """Errors that procedures raise. numbers: the numbers of errors. leaves: by procedure, the
+    errors that it may leave to its callers.
 
-    label: counts the places that are jumped to.
+    label: counts the labels that are jumped to.
     """
 
     def __init__(self, program: Program, lift: StatementLift, findings: Findings) -> None:
@@ -112,12 +113,12 @@ class RaisedErrors:
                 pending |= dict.fromkeys(self.callers[key])
 
     def raised(self, key: str) -> set[str]:
-        """What may happen in a procedure, without what its handler does."""
+        """Return the errors that may occur in a procedure, without the effect of its handler."""
         left = {name for one in self.called[key] for name in self.leaves.get(one, ())}
         return left | self.begun[key]
 
     def _after(self, key: str, error: str) -> set[str]:
-        """What of an error in a procedure is left behind its handler."""
+        """Return the errors that remain after a procedure's handler has treated one."""
         handler = self.known[key].handler
         if error == EXIT_CYCLE or not h.handles(handler, error):
             return {error}
@@ -126,7 +127,9 @@ class RaisedErrors:
         return {name or error for name in names if name is not None}
 
     def left(self, key: str, error: str) -> Body | None:
-        """What the handler of a procedure does about an error, None if that is not said."""
+        """Return the statements of a procedure's handler for an error, None if they have no
+        translation.
+        """
         if (key, error) not in self.about:
             one, body = self.known[key], None
             if one.handler is not None and one.text is not None and h.handles(one.handler, error):
@@ -191,7 +194,7 @@ def _called_names(body: Body) -> set[str]:
 
 
 RETRIES: Final = 4
-"""How often a statement is tried again (system parameters: No Of Retry)."""
+"""Maximum retries of a statement (system parameters: No Of Retry)."""
 REMAINING_RETRIES: Final = "remainingretries"
 _STOP: Final = p.Stop(end=True)
 
@@ -245,7 +248,9 @@ class ErrorLowering:
             yield node
 
     def searched(self, node: p.Statement) -> Iterator[p.Statement]:
-        """A search, which may end in an error; the text itself where it cannot be said."""
+        """Yield a search, which may end in an error; the vendor statement itself if it cannot be
+        expressed.
+        """
         errors = self.errors
         search = stopped_moves.search_of(node, errors.program, errors.meaning)
         if search is None:
@@ -270,7 +275,7 @@ class ErrorLowering:
         yield from self.tried(act, None, taken[0], taken) if taken else act
 
     def _is_taken(self, error: str) -> bool:
-        """Whether a handler is for an error, this one or one above."""
+        """True if this procedure or a caller has a handler for the error."""
         if self.errors.left(self.key, error) is not None:
             return True
         return error in self.errors.leaves[self.key]
@@ -304,9 +309,10 @@ class ErrorLowering:
         error: str,
         left: list[str] | None,
     ) -> Iterator[p.Statement]:
-        """An act and what is done about its error; over: what tells of it, None for always.
+        """Yield an action and the handling of its error. over: condition of the error, None if it
+        always occurs.
 
-        left: errors of a call, of which the number of the error tells.
+        left: errors of a call, which the error number identifies.
         """
         again, behind = self.errors.label("again"), self.errors.label("behind")
         number = self.errors.error
@@ -338,7 +344,7 @@ class ErrorLowering:
             yield p.Label(behind)
 
     def cared(self, error: str, again: str, behind: str, called: bool = False) -> Body:
-        """What is done about an error, with jumps to where it is tried again, or behind it."""
+        """Return the handling of an error, with jumps to the retry and to the next statement."""
         clear: Body = (p.Assign(self.errors.error, ZERO),) if called else ()
         if error == EXIT_CYCLE:
             return (*clear, p.Return()) if self.key == self.errors.entry else (p.Return(),)
@@ -368,7 +374,9 @@ class ErrorLowering:
             yield _STOP
 
     def settled(self, body: Body, error: str, again: str, behind: str, *, tail: bool) -> Body:
-        """Statements of a handler as they are said. tail: whether `behind` follows them."""
+        """Return the translated statements of a handler. tail: the label `behind` follows
+        directly.
+        """
         made: list[p.Statement] = []
         for place, node in enumerate(body):
             last = tail and place == len(body) - 1
@@ -413,7 +421,7 @@ class ErrorLowering:
 
 
 def _always_exits(body: Body) -> bool:
-    """Whether nothing leads behind statements of a handler but what says where."""
+    """True if the statements of a handler always end with an explicit exit."""
     if not body:
         return False
     match body[-1]:
@@ -431,7 +439,9 @@ def _always_exits(body: Body) -> bool:
 
 
 def with_errors(program: Program, lift: StatementLift, findings: Findings) -> Program:
-    """The program with its handlers where their errors may happen. lift: of what stands in them."""
+    """Return the program with the statements of its handlers where their errors may occur. lift:
+    lifts those statements.
+    """
     if not any(_involves_errors(node) for node in program.statements()):
         return program
     return _with_error_tests(RaisedErrors(program, lift, findings))

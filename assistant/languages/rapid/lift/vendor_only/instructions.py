@@ -47,12 +47,12 @@ from assistant.program.program import Program
 
 @dataclass(frozen=True, slots=True)
 class VendorLowering:
-    """What instructions of a program are said with.
+    """Context for lowering the instructions of a program.
 
     switched: lower-case names of outputs that something besides pulses may switch on. displaced:
-    whether anything displaces external axes. welds: mm/s of welds, and lists: how many tasks each
-    has, by lower-case name. spots, beads: numbers of programs of spot welds, and of beads, found
-    when first asked for. points: that tasks meet at, filled as they are said.
+    True if anything displaces external axes. welds: mm/s of welds, and lists: number of tasks in
+    each list, by lower-case name. spots, beads: program numbers of spot welds and of beads,
+    collected at the first request. points: meeting points of tasks, filled during lowering.
     """
 
     program: Program
@@ -80,7 +80,7 @@ InstructionLowering = Callable[[VendorLowering, Called[s.Expression], p.Opaque],
 
 
 def lowered_instruction(telling: VendorLowering, node: p.Opaque) -> Sequence[p.Statement]:
-    """What another language is told of a text: the text itself where it has no word for it."""
+    """Lower an instruction for another language: the statement itself if it has no equivalent."""
     call = instruction_of(node)
     if call is None or word_of(call) == "callbyvar":
         said = [*choice_of_calls(node, telling.program, telling.meaning)]
@@ -214,7 +214,7 @@ def _velocity(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) 
 def _process_move(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
 ) -> Replacement:
-    """A move with a process; what its equipment is told beside signals is told as left out."""
+    """Lower a move with a process; report data of the equipment, besides signals, as omitted."""
     kind = (
         "brush" if call.word.lower() == BRUSH_INSTRUCTION else PROCESS_MOVES[call.word.lower()].kind
     )
@@ -282,7 +282,9 @@ def _meet_tasks(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque
 def _synchronised_moves(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
 ) -> Replacement:
-    """`SyncMoveOn`, `SyncMoveOff`: tasks meet there; between them each arm moves by itself."""
+    """Lower `SyncMoveOn` and `SyncMoveOff`: tasks meet there; between them each arm moves
+    independently.
+    """
     given = call.given
     if len(given) == 1 and len(lists := synchronised_lists(telling.program)) == 1:
         given = (*given, s.NameRef(*lists))

@@ -91,7 +91,9 @@ class _Ordered:
 
 
 def with_interrupts(program: Program, findings: Findings) -> Program:
-    """The program that watches for its interrupts. Those that cannot be said stay as their text."""
+    """Return the program that watches for its interrupts. Interrupts without an equivalent remain
+    vendor statements.
+    """
     asked = [node for node in program.statements() if _interrupt_instruction(node) is not None]
     if not asked:
         return program
@@ -121,7 +123,7 @@ def _interrupt_instruction(node: p.Statement) -> tuple[str, str, Call | s.Connec
 
 
 def _interrupt_name(node: s.Expression) -> str | None:
-    """What an interrupt is called here: its variable, an element with its number."""
+    """Return the name of an interrupt: its variable, with the number of an element."""
     match node:
         case s.NameRef(name):
             return name
@@ -147,7 +149,7 @@ class _InterruptLowering:
         self.kept = given | {n.lower() for r in program.procedures for n in r.variables}
         """Interrupts that stay as their text, by lower-case name."""
         self.names = TakenNames()
-        """Of interrupts, which are apart from all others."""
+        """Names of interrupts, separate from all other names."""
         self.answers: dict[str, str] = {}
         self._gather()
         self.made: dict[str, list[_Ordered]] = {}
@@ -183,7 +185,7 @@ class _InterruptLowering:
         self.made[key] = made
 
     def _can_answer(self, trap: str) -> bool:
-        """Whether nothing that a trap routine does raises an error."""
+        """True if nothing in a trap routine raises an error."""
         pending, seen = [trap], set[str]()
         while pending:
             procedure = self.known.get(key := pending.pop())
@@ -201,7 +203,7 @@ class _InterruptLowering:
     # ------------------------------------------------------------------------- what is watched
 
     def place(self, given: s.Expression | None) -> e.Expression | None:
-        """What an expression names."""
+        """Return the variable that an expression names, None for any other expression."""
         value = None if given is None else self.meaning.expression(given)
         return value if isinstance(value, e.Name | e.Member | e.Index) else None
 
@@ -353,7 +355,7 @@ def with_moves_ended_by_interrupts(program: Program) -> Program:
 
 
 def with_interrupt_wait_timers(program: Program) -> Program:
-    """The program whose interrupts have a timer of their own for the longest time of waits."""
+    """Return the program with a separate timer for the timeouts of waits in interrupts."""
     inside = _called_procedures(program, _answer_procedures(program))
     if not inside:
         return program
@@ -390,7 +392,7 @@ def with_interrupt_errors(program: Program, error: e.Name) -> Program:
 
 
 def _answer_procedures(program: Program) -> set[str]:
-    """What interrupts call, in lower case."""
+    """Return the procedures that interrupts call, in lower case."""
     return {one.call.procedure.lower() for one in interrupts(program)}
 
 

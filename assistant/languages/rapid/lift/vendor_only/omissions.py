@@ -30,7 +30,7 @@ from assistant.program.rewriting import records, with_vendor_statements_replaced
 from assistant.program.vendor_statements import effect_of
 
 Loss = tuple[str, str]
-"""What is lost, and what to do about it."""
+"""Loss of an omission, and its cure."""
 
 _NO_CURE: Final = "none is needed"
 _USE_EQUIVALENT: Final = "set what the other controller has of the kind, or leave it"
@@ -73,7 +73,7 @@ NO_EXTERNAL_AXES: Final = (
     "no target states a place of an external axis that it would move",
     _NO_CURE,
 )
-"""What is lost of an offset of external axes where there are none."""
+"""Loss when an offset of external axes is omitted in a program without external axes."""
 OMITTED_INSTRUCTIONS: Final[Mapping[str, Loss]] = {
     "tperase": ("what stands on the teach pendant stays there", _NO_CURE),
     "tpshow tp_latest": ("the teach pendant shows what it shows", _NO_CURE),
@@ -160,7 +160,7 @@ OMITTED_OPTIONS: Final[Mapping[str, Mapping[str, Loss]]] = {
 
 
 def has_external_axes(program: Program) -> bool:
-    """Whether any target or path of a program states a place of an external axis."""
+    """True if any target or path of a program states the position of an external axis."""
     given: list[Target | JointTarget] = [*program.targets.values()]
     given += program.joint_targets.values()
     if any(map(_states_external_axis, given)):
@@ -189,7 +189,7 @@ MOST_EXTERNAL_AXES: Final = 2
 
 
 def with_needed_declarations(program: Program, findings: Findings) -> Program:
-    """The program without declarations that say nothing, with a finding for each."""
+    """Return the program without unneeded declarations, with a finding for each."""
     data = {d: item for d in program.declarations if (item := _declared_data(d)) is not None}
     if data:
         said = Counter(_used_names(program))
@@ -260,7 +260,7 @@ def _without_names(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
 
 
 def _is_out_of_reach(tool: Tool) -> bool:
-    """Whether the tip of a tool is where none can be, as after a calibration that went wrong."""
+    """True if the tip of a tool is at an impossible distance, as after a failed calibration."""
     return not all(abs(value) < FARTHEST_TIP for value in tool.tip.position)
 
 
@@ -318,6 +318,6 @@ def _names_in_record(value: Any) -> Iterator[str]:
 
 
 def _is_used(said: Counter[str], item: s.Data, declaration: Declaration | p.Opaque) -> bool:
-    """Whether anything but its own declaration speaks of some data."""
+    """True if anything but its declaration names some data."""
     low = item.name.lower()
     return said[low] > (low in effect_of(declaration).names)

@@ -91,9 +91,10 @@ def _is_process_call(node: p.Opaque) -> bool:
 def _plain_move(
     known: ProcessMove, call: Called[s.Expression], meaning: NameResolver, more: frozenset[str]
 ) -> p.MoveStatement | None:
-    """The move of an instruction, None where it states what no move does.
+    """Return the move of an instruction, None if it states anything that a plain move does not
+    have.
 
-    more: options that its process is told.
+    more: options for its process.
     """
     between = known.points + 1
     zone = known.kind != "spot"

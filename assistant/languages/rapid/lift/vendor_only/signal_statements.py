@@ -113,9 +113,10 @@ def _digital_output(call: Called[s.Expression], meaning: NameResolver) -> str | 
 
 
 def with_aliases(program: Program) -> Program:
-    """The program without names that stand for one signal, the same all through it.
+    """Return the program without aliases that mean one signal throughout.
 
-    Such a name is declared, given its signal by one `AliasIO` and in no kept text besides.
+    The removed aliases are declared, get their signal from one `AliasIO`, and appear in no other
+    vendor statement.
     """
     given: Counter[str] = Counter()
     meant: dict[str, str] = {}
@@ -151,7 +152,9 @@ def with_aliases(program: Program) -> Program:
 
 
 def _alias_of(node: p.Opaque) -> tuple[str, str] | None:
-    """The signal and the lower-case name that it gets; None if it is not said by its name."""
+    """Return the signal and its lower-case alias; None if the statement does not give the signal by
+    name.
+    """
     call = instruction_of(node)
     if call is None or word_of(call) != "aliasio":
         return None
@@ -171,7 +174,7 @@ def _declared_signals(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
 
 
 def _is_named_in_text(program: Program, alias: str) -> bool:
-    """Whether a text that stays names it."""
+    """True if a vendor statement or declaration that remains names the alias."""
     word = re.compile(rf"\b{re.escape(alias)}\b", re.IGNORECASE)
     for record in records((program.procedures, program.declarations)):
         if isinstance(record, p.Opaque | e.Verbatim | Declaration) and word.search(record.text):

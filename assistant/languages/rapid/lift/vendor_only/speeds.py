@@ -43,14 +43,17 @@ if TYPE_CHECKING:
 
 
 LIMIT_NAME: Final = "speed_limit"
-"""Name of the variable that holds mm/s that a move may state; a number behind it where taken."""
+"""Name of the variable for the maximum speed of a move, in mm/s; a number is appended if the name
+is taken.
+"""
 _FULL: Final = e.Number(100)
 
 
 def with_speed_limit(program: Program) -> tuple[Program, str]:
-    """The program in which a variable holds the limit of VelSet, and its name, empty for none.
+    """Return the program in which a variable holds the limit of VelSet, and the name of that
+    variable, empty without one.
 
-    There is none where no move states more than any of the limits.
+    The variable is omitted if no move states a higher speed than any of the limits.
     """
     given = [
         found
@@ -253,10 +256,11 @@ _WAIT_STANDSTILL: Final = "WaitRob\\InPos;"
 
 
 def with_timed_moves(program: Program, arm: Robot | None, findings: Findings) -> Program:
-    """The program whose joint moves to joints get a share of the axes' speeds for their times.
+    """Return the program whose timed joint moves to joint targets use a percentage of the axis
+    speeds.
 
-    Where another move may leave the arm in a corner to which nothing states the joints, it stops
-    before each of them.
+    If another move may leave the arm in a corner with unknown joints, the arm stops before each
+    timed move.
     """
     meaning = NameResolver(
         speeds={name.lower(): speed for name, speed in program.speeds.items()},

@@ -38,7 +38,9 @@ FLANK_OPTIONS: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel
 PATH_INSTRUCTIONS: Final = frozenset(
     ("STOREPATH", "RESTOPATH", "CLEARPATH", "STOPMOVE", "STARTMOVE")
 )
-"""What handlers of these errors do about the way of the search, of which nothing is left here."""
+"""Instructions in the handlers of these errors for the path of the search, which is not
+translated.
+"""
 POSITION_LOSS: Final = (
     "it is read where the arm has stopped, a little behind the place where the signal changed",
     "search so slowly that this does not matter",
@@ -52,7 +54,7 @@ _IS_FOUND: Final = e.Binary("=", e.Apply("broken_off"), e.Number(1))
 
 
 def is_search(node: p.Statement) -> bool:
-    """Whether a statement is the text of a search."""
+    """True if a statement is a search in vendor text."""
     if not isinstance(node, p.Opaque) or node.text[:6].lower() != "search":
         return False
     call = instruction_of(node)
@@ -61,8 +63,9 @@ def is_search(node: p.Statement) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """move: to the end of the way. active: when what is looked for is there. flank: its switch in
-    lower case, empty without one. place: takes the place where it is found.
+    """A search move. move: to the end of the path. active: the condition that the searched signal
+    is active. flank: its switch in lower case, empty without one. place: receives the position
+    where the signal is found.
     """
 
     move: p.Move | p.MoveCircular
@@ -73,12 +76,12 @@ class Search:
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """What may go wrong."""
+        """Names of the errors that the search may raise."""
         return (SIGNAL_MISSED,) if self.flank else (SIGNAL_EARLY, SIGNAL_MISSED)
 
     @property
     def losses(self) -> Iterator[tuple[str, tuple[str, str]]]:
-        """What is not said, with what that means and what to do."""
+        """Parts of a search that are not translated, each with its effect and cure."""
         yield "the very place of the search", POSITION_LOSS
         if self.flank in ("posflank", "negflank"):
             yield rf"\{self.flank} on the way", PAUSE_LOSS
@@ -111,7 +114,7 @@ class Search:
 
 
 def without_path_recovery(body: Body) -> Body:
-    """What a handler does about a search, without what it does about the rest of its way."""
+    """Return the handler of a search without its statements about the remaining path."""
     left = (node for node in body if exit_word(node) not in PATH_INSTRUCTIONS)
     return tuple(map_bodies(node, without_path_recovery) for node in left)
 
@@ -147,7 +150,9 @@ def search_of(node: p.Statement, program: Program, meaning: NameResolver) -> Sea
 def _activity_of(
     value: e.Expression, name: str, program: Program, meaning: NameResolver
 ) -> Callable[[bool], e.Expression]:
-    """What says that a signal or a persistent truth is active, or that it is not."""
+    """Return a function for the condition that a signal or persistent bool is active, or that it is
+    not.
+    """
     if any(name.lower() == one.lower() for one in program.variables):
         return lambda active: value if active else e.Unary("not", value)
     meaning.used.append((name, Signal("digital", "input")))
@@ -188,7 +193,7 @@ def with_held_moves(program: Program, findings: Findings) -> Program:
 
 
 def _holds_moves(node: p.Statement) -> bool:
-    """Whether moves are held behind a statement, as far as its text tells."""
+    """True if a statement may hold the moves after it, judged by its text."""
     return isinstance(node, p.Opaque) and _STOP_MOVE in node.text.lower()
 
 
@@ -231,7 +236,7 @@ def _instruction_word(node: p.Statement) -> str:
 
 
 def _is_released(behind: Body) -> bool:
-    """Whether moves are let go before anything may move the arm or lead elsewhere."""
+    """True if moves are released before anything can move the arm or branch."""
     for node in behind:
         if _instruction_word(node) == _START_MOVE:
             return True

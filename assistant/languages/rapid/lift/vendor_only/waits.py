@@ -44,10 +44,10 @@ def flagged_wait(
 
 
 def _is_free_of_effects(asked: e.Expression, program: Program) -> bool:
-    """Whether it does not matter how often it is worked out while the program waits for it.
+    """True if a condition may be evaluated any number of times while the program waits for it.
 
-    How often functions of the user's are called is the controller's own; they may do no more than
-    give values to variables, end the program, and ask a gateway how many bytes it has.
+    The controller decides how often it calls functions of the user; they may only assign variables,
+    end the program, and ask a gateway for its number of bytes.
     """
     if is_repeatable(asked):
         return True
@@ -83,7 +83,7 @@ def _ends_program(node: p.Statement) -> bool:
 
 
 def wait_condition(wait: p.WaitSignal | p.WaitUntil) -> e.Expression:
-    """What is waited for."""
+    """Return the condition of a wait."""
     if isinstance(wait, p.WaitUntil):
         return wait.condition
     return e.Binary("=", e.Name(wait.signal), wait.value)
@@ -145,7 +145,7 @@ def _is_task_row(row: s.Expression) -> bool:
 
 
 def _names_task(row: s.Expression) -> bool:
-    """Whether a row of a list names a task: those that are not needed are empty."""
+    """True if a row of a list names a task: unused rows are empty."""
     match row:
         case s.AggregateNode((s.StringLiteral(name),)):
             return bool(name.strip())
@@ -188,7 +188,7 @@ SYNC_DUE: Final = "all_there"
 def task_sync(
     call: Called[s.Expression], lists: Mapping[str, e.Expression]
 ) -> Iterator[p.Statement]:
-    """A wait for all tasks of a list; the arm stands there where it says so."""
+    """Yield a wait for all tasks of a list; with `InPos` the arm stops there first."""
     match call.given:
         case (s.NameRef(point), s.NameRef(listed)) if listed.lower() in lists:
             if call.options.keys() - {"inpos"}:
