@@ -1,1 +1,3 @@
-"""What the checks of every language share: how rules are asked, and what many of them look at."""
+"""Shared parts of the checks of every language: how rules run, and the views that many of them
+use.
+"""

@@ -18,7 +18,9 @@ Callees = Callable[[T], Iterable[T]]
 
 
 def call_chain(goal: T, start: T, called: Callees[T]) -> list[T] | None:
-    """What is called from a start to a goal, both included; None if it does not lead there."""
+    """Return the chain of calls from a start to a goal, both included; None if no chain leads
+    there.
+    """
     left: list[tuple[T, ...]] = [(start,)]
     seen: set[T] = set()
     while left:
@@ -32,7 +34,7 @@ def call_chain(goal: T, start: T, called: Callees[T]) -> list[T] | None:
 
 
 def call_depth(start: T, called: Callees[T], above: tuple[T, ...] = ()) -> int:
-    """How many calls stand inside each other at most; a circle ends where it closes."""
+    """Return the greatest depth of nested calls; a cycle ends where it closes."""
     if start in above:
         return 0
     inner = (call_depth(other, called, (*above, start)) for other in called(start))
@@ -44,11 +46,11 @@ S = TypeVar("S")
 
 @dataclass(frozen=True, slots=True)
 class Reachability(Generic[S]):
-    """How control goes through lists of statements.
+    """Control flow through nested lists of statements.
 
-    blocks: the lists directly inside a statement. leaves: what keeps control from what stands
-    behind a statement, in words; empty for most. entered: whether jumps may lead into it. silent:
-    whether it does nothing that is missed.
+    blocks: the lists directly inside a statement. leaves: why control does not reach the code after
+    a statement, in words; empty for most. entered: True if jumps may lead into it. silent: True if
+    it does nothing that would be missed.
     """
 
     blocks: Callable[[S], Sequence[Sequence[S]]]
@@ -69,7 +71,7 @@ class Reachability(Generic[S]):
                 yield from self.dead(block)
 
     def falls_through(self, body: Sequence[S]) -> bool:
-        """Whether the end of a list of statements can be reached."""
+        """True if control can reach the end of a list of statements."""
         return not self._ends(body)[-1]
 
     def _ends(self, body: Sequence[S]) -> list[str]:

@@ -22,13 +22,13 @@ class CachedResults:
     """Keeps what functions make of an object, for the next rule that asks."""
 
     def once(self, work: Callable[[Self], T]) -> T:
-        """What a function makes of the object, worked out when it is first asked for."""
+        """Return the result of a function of this object; compute it at the first request only."""
         if work not in self._worked:
             self._worked[work] = work(self)
         return cast("T", self._worked[work])
 
     def first(self, what: str, name: str) -> bool:
-        """Whether this is the first time that this is said of a name, in any case."""
+        """True at the first call with this topic and name, in any case."""
         known = (what, name.lower()) in self._told
         self._told.add((what, name.lower()))
         return not known
@@ -52,11 +52,11 @@ def by_type(nodes: Iterable[tuple[object, T]]) -> dict[type, list[T]]:
 
 @dataclass(frozen=True, slots=True)
 class LineFormat:
-    """How the lines of a language are cut.
+    """How to split the lines of a language.
 
-    begin: what may stand in front of what a line says, such as its number. token: a string, a
-    comment, or any other character. comments: how comments begin, in lower case. longest:
-    characters of a line that are looked at.
+    begin: what may precede the code of a line, such as its number. token: a string, a comment, or
+    any other character. comments: how comments begin, in lower case. longest: number of characters
+    of a line that are searched.
     """
 
     begin: re.Pattern[str]
@@ -65,9 +65,10 @@ class LineFormat:
     longest: int = 1000
 
     def word(self, text: str, span: Span, word: str) -> Span | None:
-        """Where a word first stands in a span: not in a string or comment, in any case.
+        """Return the span of a word's first occurrence in a span: not in a string or comment, in
+        any case.
 
-        Blanks inside of it stand for any blanks.
+        Blanks inside the word match any blanks.
         """
         low = " ".join(word.split()).lower()
         pattern = re.compile(re.escape(low).replace(r"\ ", r"[ \t]+"), re.IGNORECASE)
@@ -86,7 +87,9 @@ class LineFormat:
         return None
 
     def said(self, text: str, span: Span) -> Span:
-        """What of the first line of a span says something: without number, comment, line end."""
+        """Return the span of the code in a span's first line: without number, comment and line
+        end.
+        """
         start = self.start(text, span)
         end = last = start
         for token in self.token.finditer(text, start, min(span.end, start + self.longest)):
@@ -98,14 +101,16 @@ class LineFormat:
         return Span(start, end if end > start else max(last, start))
 
     def start(self, text: str, span: Span) -> int:
-        """Where what a line says begins; the line itself if it says nothing."""
+        """Return the offset where the code of a line begins; that of the line itself if it has no
+        code.
+        """
         found = self.begin.match(text, span.start, span.end)
         at = found.end() if found else span.start
         return at if at < span.end and not text[at : at + 1].isspace() else span.start
 
 
 def _is_whole(text: str, start: int, end: int) -> bool:
-    """Whether a range of a text is not a part of a longer name or number."""
+    """True if a range of a text is not part of a longer name or number."""
     before, after = text[start - 1 : start], text[end : end + 1]
     if text[start].isalnum() and (before.isalnum() or before == "_"):
         return False
@@ -130,7 +135,7 @@ def row_span(text: str, span: Span, row: int, name: str = "", *, last: bool = Fa
 
 
 class HasSpan(Protocol):
-    """What knows where it stands."""
+    """Object with a source position."""
 
     @property
     def span(self) -> Span | None: ...
@@ -152,14 +157,16 @@ class LineView(CachedResults):
         return finding_in(self.source, rule, span, **words)
 
     def word(self, item: HasSpan, word: str) -> Span | None:
-        """Where a word first stands in an item: not in a string or comment, in any case."""
+        """Return the span of a word's first occurrence in an item: not in a string or comment, in
+        any case.
+        """
         if item.span is None or self.source is None:
             return None
         start = self.cut.start(self.source.text, item.span)
         return self.cut.word(self.source.text, Span(start, item.span.end), word)
 
     def named(self, item: HasSpan, node: HasSpan, name: str) -> Span | None:
-        """Where the name of a node in an item stands; None if it came from elsewhere."""
+        """Return the span of a node's name in an item; None if the node is from elsewhere."""
         if self.source is None or node.span is None or item.span is None:
             return None
         start, end = node.span.start, node.span.start + len(name)

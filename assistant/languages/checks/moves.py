@@ -1,4 +1,4 @@
-"""Moves of a program in columns, whether they stand in lines or in tables."""
+"""Moves of a program in columns, from single lines and from tables."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ UNKNOWN: Final = -1
 
 
 Point = tuple[float | None, ...]
-"""mm; what is None or left out is not known."""
+"""Coordinates in mm; None, or a missing one, means unknown."""
 _NOWHERE: Final = (nan, nan, nan)
 
 
 @dataclass(frozen=True, slots=True)
 class Moves(Generic[N]):
-    """n moves in their order.
+    """A sequence of n moves in columns.
 
-    items: lines or tables that they stand in. item: (n,) rows of items. row: (n,) which one of it.
-    kinds: (n,) as the language counts them, -1 for others. follows: (n,) whether the robot is
-    surely where the move before it ends, in the same frame. ends, vias, starts: (n, 3) mm, NaN
-    where not known; starts only where a move names one. postures: (n,) of the arm at the end.
-    turning: (n,) whether the move may change the posture on its way.
+    items: lines or tables that contain them. item: (n,) index of the item of each move. row: (n,)
+    row in that item. kinds: (n,) in the numbering of the language, -1 for others. follows: (n,)
+    True if the robot is certainly at the end of the previous move, in the same frame. ends, vias,
+    starts: (n, 3) mm, NaN where unknown; starts only where a move names one. postures: (n,) of the
+    arm at the end. turning: (n,) True if the move may change the posture on its path.
     """
 
     items: tuple[N, ...]
@@ -49,7 +49,7 @@ class Moves(Generic[N]):
 
     @property
     def before(self) -> Floats:
-        """(n, 3) mm where the robot stands in front of each move; NaN where that is not sure."""
+        """(n, 3) mm, the robot's position before each move; NaN where that is not certain."""
         ends = np.concatenate([np.full((1, 3), np.nan), self.ends[:-1]])
         return np.where(self.follows[:, None], ends, np.nan)
 
@@ -138,7 +138,7 @@ class Follower(Generic[N]):
             self._lines.clear()
 
     def moves(self) -> Moves[N] | None:
-        """All of them; None if there is none."""
+        """Return all moves in columns; None if there are no moves."""
         self._close()
         if not self._parts:
             return None

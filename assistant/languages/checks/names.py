@@ -24,8 +24,8 @@ N = TypeVar("N")
 class Declaration(Generic[N]):
     """One declared name.
 
-    kind: what it is, in the language's own word. type: as written, empty where there is none.
-    local: only its own module sees it. node: None for a row of a table. module: that it stands in.
+    kind: in the language's own word. type: as written, empty if it has none. local: only its own
+    module sees it. node: None for a row of a table. module: the one that contains it.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Symbols(Generic[N]):
             self._rows.setdefault(stem.lower(), []).append((numbers, declared))
 
     def __iter__(self) -> Iterator[Declaration[N]]:
-        """Every declaration that is no row."""
+        """Iterate over all declarations except rows."""
         return chain.from_iterable(self._names.values())
 
     @property
@@ -62,7 +62,7 @@ class Symbols(Generic[N]):
         return self._names.keys()
 
     def all(self, name: str) -> Sequence[Declaration[N]]:
-        """Every declaration of a name that is no row."""
+        """Return all declarations of a name except rows."""
         return self._names.get(name.lower(), ())
 
     def row(self, name: str) -> Declaration[N] | None:
@@ -74,13 +74,13 @@ class Symbols(Generic[N]):
         return None
 
     def find(self, name: str) -> Declaration[N] | None:
-        """The first declaration of a name, None if there is none."""
+        """Return the first declaration of a name; None if it is not declared."""
         found = self.all(name)
         return found[0] if found else self.row(name)
 
 
 def find_declaration(name: str, levels: Iterable[Symbols[N]]) -> Declaration[N] | None:
-    """What a name means where some levels are seen, the innermost first."""
+    """Return the declaration of a name in the visible levels, the innermost first."""
     return next((found for level in levels if (found := level.find(name)) is not None), None)
 
 
@@ -197,16 +197,18 @@ class Keyed(Generic[K, T]):
 
 
 SHORTEST_COMPARED: Final = 4
-"""Characters of a name that can be told from another short name at all."""
+"""Least number of characters of a name that is compared with others for a typing mistake."""
 LONG_NAME: Final = 8
 """Characters of a name in which two slips may happen."""
 
 
 def misspelt(name: str, known: Iterable[str], ending: str = "") -> str:
-    """The known name that one or two slips of typing turn into this one; empty if there is none.
+    """Return the known name that differs from this one by one or two typing mistakes; empty if none
+    does.
 
-    Digits do not count as slips: `p10` is not `p20` by mistake. Neither does the ending, in lower
-    case, that many names have in common: `caldata` may well be one beside `capdata`.
+    A different digit does not count as a mistake: `p10` is not a misspelt `p20`. Neither does the
+    ending, in lower case, that many names have in common: `caldata` may well exist next to
+    `capdata`.
     """
     low = name.lower()
     if ending and low.endswith(ending):

@@ -20,15 +20,17 @@ from assistant.languages.language_types import Tree
 V = TypeVar("V")
 
 Found = Iterator[Diagnostic]
-"""What a rule finds."""
+"""Findings of a rule."""
 
 
 class Needs(enum.Flag):
-    """What a text with syntax errors may lack, so that a rule of it would say what is not so."""
+    """Requirements of a rule that a text with syntax errors may not meet, so that the rule would
+    report false findings.
+    """
 
     NOTHING = 0
     ORDER = enum.auto()
-    """What follows each other, or belongs together."""
+    """The order of the lines, and which lines belong together."""
     NAMES = enum.auto()
     """Everything that is defined."""
     WHOLE = enum.auto()
@@ -51,24 +53,26 @@ class Check(Generic[V]):
 def findings(
     checks: Iterable[Check[V]], view: V, lacks: Needs = Needs.NOTHING, *, compiled: bool = False
 ) -> Found:
-    """What the checks find that can be sure of it. lacks: what syntax errors have spoilt."""
+    """Yield the findings of the checks that are reliable for this view. lacks: what syntax errors
+    have spoilt.
+    """
     for check in checks:
         if not (check.needs & lacks or (check.advice and compiled)):
             yield from check.find(view)
 
 
 NamesIn = Callable[[str], Iterable[str]]
-"""Names in a text that are no words of the language, in one spelling."""
+"""Function that returns the names in a text, without the words of the language, in one spelling."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Damage:
-    """What cannot be read in the files of a program.
+    """Unreadable parts of the files of a program.
 
-    texts: the lines with a syntax error. lines: numbers of those that are damaged, with their
-    files. names: what stands on them and is no word of the language. names_in: such names in any
-    text. most_lines: of a finding that are looked at; named_lines: those of them whose names are;
-    None for all.
+    texts: the lines with a syntax error. lines: numbers of the damaged lines, with their files.
+    names: the names on them, without the words of the language. names_in: finds such names in any
+    text. most_lines: lines of a finding that are compared; named_lines: those of them whose names
+    are compared; None for all.
     """
 
     texts: tuple[str, ...]
@@ -79,7 +83,7 @@ class Damage:
     named_lines: int | None = None
 
     def explains(self, finding: Diagnostic, source: SourceText | None) -> bool:
-        """Whether a finding in a file may follow from the damage."""
+        """True if a finding in a file may follow from the damage."""
         lines = list(islice(lines_of(finding), self.most_lines))
         if any((finding.path, line) in self.lines for line in lines):
             return True
@@ -104,10 +108,10 @@ def damage_of(
     most_lines: int | None = None,
     named_lines: int | None = None,
 ) -> Damage | None:
-    """What is damaged in the files of a program, None for nothing.
+    """Return the damage in the files of a program; None if they are undamaged.
 
-    hidden: further names that a damaged line may hold. near: lines around a damaged one that its
-    statement may go on in. most_lines, named_lines: see `Damage`.
+    hidden: further names that a damaged line may hold. near: number of lines around a damaged one
+    that its statement may extend to. most_lines, named_lines: see `Damage`.
     """
     found = {
         (finding.path, line): tree.source.line_text(line) if tree.source else ""
@@ -176,12 +180,12 @@ class Listing(Generic[N]):
 
 
 def like_it(count: int) -> str:
-    """What follows the last of some findings, if so many others were like them."""
+    """Return the words after the last listed finding for this many more of its kind."""
     return f" and {count} more like it" if count > 0 else ""
 
 
 def alternatives(least: int, most: int | None, what: str) -> str:
-    """How many things are taken: `1 argument`, `2 to 3 arguments`."""
+    """Return the accepted number of things in words: `1 argument`, `2 to 3 arguments`."""
     if most is None:
         return f"{least} {what}s or more"
     if least != most:

@@ -35,12 +35,12 @@ class Kind:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Operators:
-    """What the operators of a language make of types.
+    """Result types of the operators of a language.
 
-    always: operator → the type of its result, whatever it joins. made: operator and the types that
-    it joins → the type of its result. choices: a type of values that may be of several others →
+    always: operator → the type of its result, for all operands. made: operator and the types of its
+    operands → the type of its result. choices: a type of values that may be of several others →
     those others, as a literal number may be an integer or not. copied: type → what a copy of its
-    value may be, beside that type itself. ordered: types that one may be less than another of.
+    value may be, besides that type itself. ordered: types whose values `<` and `>` compare.
     """
 
     always: Mapping[str, str]
@@ -50,11 +50,13 @@ class Operators:
     ordered: frozenset[str] = frozenset()
 
     def types(self, type: str) -> frozenset[str]:
-        """What a value of a type may be."""
+        """Return the types that a value of a type may have."""
         return self.choices.get(type) or frozenset((type,))
 
     def joined(self, operator: str, left: Kind | None, right: Kind | None) -> Kind | None:
-        """What an operator makes of two values; None for nothing, or if it is not known."""
+        """Return the kind of an operator's result for two values; None if it has no result or is
+        unknown.
+        """
         if left is None or right is None or left.dimensions or right.dimensions:
             return None
         pairs = product(self.types(left.type), self.types(right.type))
@@ -63,7 +65,7 @@ class Operators:
         return next((Kind(type) for type in kinds if self.types(type) == found), None)
 
     def join(self, operator: str, left: Kind, right: Kind) -> bool:
-        """Whether an operator may stand between two values that are read."""
+        """True if an operator may join two values that are read."""
         if operator not in e.RELATIONS:
             return self.joined(operator, left, right) is not None
         known = self.types(left.type) | self.types(right.type)
@@ -71,7 +73,7 @@ class Operators:
         return comparable and self.fits(left, right, read=False)
 
     def fits(self, given: Kind | None, wanted: Kind | None, *, read: bool = True) -> bool:
-        """Whether a value may stand where a kind is wanted; yes if either is not known.
+        """True if a value fits a required kind, or if either kind is unknown.
 
         read: its value is copied.
         """
@@ -89,7 +91,7 @@ class Operators:
 
 
 class Unfit(enum.Enum):
-    """What may be wrong with a value where one of a type is wanted."""
+    """Possible faults of a value where a type is required."""
 
     TYPE = enum.auto()
     ELEMENTS = enum.auto()
@@ -114,7 +116,7 @@ class Kinds(abc.ABC, Generic[N]):
 
     @abc.abstractmethod
     def items(self, node: N) -> Sequence[N] | None:
-        """What stands in a list of values that is written out; None for any other expression."""
+        """Return the elements of a literal list of values; None for any other expression."""
 
     def read(self, node: N) -> Kind | None:
         """Kind of the value that is read where an expression stands."""
@@ -161,9 +163,9 @@ class Kinds(abc.ABC, Generic[N]):
     def unfit(
         self, value: N, type: str, sizes: Sizes = ()
     ) -> Iterator[tuple[Unfit, N, dict[str, Any]]]:
-        """What is wrong with a value where one of a type, or an array of it, is wanted.
+        """Yield the faults of a value where a type, or an array of it, is required.
 
-        With the part of the value that it is about, and the fields of its sentence.
+        Each comes with the faulty part of the value and the fields of the finding's message.
         """
         items = self.items(value)
         if items is None:
@@ -197,7 +199,7 @@ class Kinds(abc.ABC, Generic[N]):
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a literal number may be.
+    """Limits of a literal number.
 
     above: low itself is too low. number: of the error that a controller shows, 0 for the usual one.
     """
@@ -213,7 +215,9 @@ class Limits:
         return self.low <= value <= self.high and not (self.above and value == self.low)
 
     def words(self, value: float, number: int) -> dict[str, Any]:
-        """The fields of a finding about a value that is none of these. number: the usual error."""
+        """Return the fields of a finding about a value outside the limits. number: the usual
+        error.
+        """
         return {
             "what": self.what,
             "value": f"{value:g}",

@@ -47,7 +47,7 @@ __all__ = ["MelfaBasic", "language", "syntax"]
 
 
 def language(name: str) -> MelfaBasic:
-    """The dialect of that name; raises KeyError if there is none."""
+    """Return the dialect of that name; raises KeyError if the name is unknown."""
     return MelfaBasic(name)
 
 
@@ -122,7 +122,7 @@ class MelfaBasic(Language["File"]):
         return self.frames == "product"
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:
-        """Whether it looks like this dialect; a written file says which one it is in."""
+        """True if the data looks like this dialect; a written file states its dialect."""
         from assistant.languages.melfa_basic.reading.files import recognises
 
         return recognises(data, self.dialect.level, suffix)
@@ -182,7 +182,7 @@ class MelfaBasic(Language["File"]):
         return renumbered(tree, first, step)
 
     def same(self, tree: File, other: File) -> bool:
-        """Whether two trees are one; lines are the same in a table and on their own."""
+        """True if two trees are equal; a line in a table equals the same line outside it."""
         from assistant.languages.melfa_basic.tree.line_tables import gathered
 
         return tree == other or (

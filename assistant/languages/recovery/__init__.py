@@ -1,1 +1,3 @@
-"""What all languages share to read texts with mistakes: where, what was meant, what to do."""
+"""Shared parts for reading texts with mistakes in all languages: the place, the intended text, the
+cure.
+"""

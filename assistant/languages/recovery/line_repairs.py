@@ -24,7 +24,7 @@ from assistant.languages.recovery.syntax import Lexeme, Stop
 
 
 class Missing(NamedTuple):
-    """What is put in for a terminal: its text, what it is called, the cure and the cost."""
+    """Insertion for a missing terminal: its text, its name in a finding, the cure and the cost."""
 
     text: str
     named: str
@@ -33,7 +33,7 @@ class Missing(NamedTuple):
 
 
 class Phrase(NamedTuple):
-    """What terminals are called, once for all of them. unless: said of others already."""
+    """One name for several terminals. unless: names whose earlier mention suppresses this one."""
 
     terminals: Set[str]
     said: str
@@ -48,17 +48,17 @@ MOST_SAID: Final = 4
 class LineSyntax:
     """A language with a statement a line.
 
-    title: what it is called. comment: mark of one; comments: their terminals. names: terminals of
-    names. parts: number of a line between two offsets, offset of its code, and the rule of the
-    grammar that this is; line: the rule of a statement. nodes: of a line, from an offset in it to
-    one in the source. item: what a line that was read is with its number. mistakes: the usual ones.
-    foreign: words of other languages in lower case → what to write, and the cure. branch: what a
-    statement may begin behind, inside of a line. keywords: words in upper case → the terminals
-    that they may be. words: those that a misspelt one may have been. spelled: a word as it is
-    written. begins: whether a word begins a statement. parted: where a blank is missing in a word,
-    None for nowhere. is_whole: whether something is a statement. prose: a line that is plain words,
-    the first of them its group. missing: what is put in. phrases: what terminals are called;
-    unsaid: those that are not said where another one fits. wrong: rule with `what` and `cure`.
+    title: its name. comment: mark of one; comments: their terminals. names: terminals of names.
+    parts: number of a line between two offsets, offset of its code, and the rule of the grammar
+    that this is; line: the rule of a statement. nodes: of a line, from an offset in it to one in
+    the source. item: the result of a line that was read, with its number. mistakes: the usual ones.
+    foreign: words of other languages in lower case → what to write, and the cure. branch: what may
+    precede a statement, inside of a line. keywords: words in upper case → the terminals that they
+    may be. words: possible corrections of a misspelt one. spelled: a word as it is written. begins:
+    True if a word begins a statement. parted: where a blank is missing in a word, None for nowhere.
+    is_whole: True for a statement. prose: a line that is plain words, the first of them its group.
+    missing: insertions. phrases: names of terminals; unsaid: those that are omitted where another
+    one fits. wrong: rule with `what` and `cure`.
     """
 
     title: str
@@ -86,7 +86,7 @@ class LineSyntax:
     wrong: Rule
 
     def expected(self, terminals: Collection[str]) -> str:
-        """What may follow, empty where nothing has a name or too much has."""
+        """Return the expected terminals in words; empty if none has a name or too many have one."""
         fitting = set(terminals)
         for terminal, others in self.unsaid.items():
             if terminal in fitting:
@@ -101,7 +101,7 @@ class LineSyntax:
 CLEAR, NEAR, UNCLEAR, TEXT, DELETED, CUT = 1, 2, 5, 6, 7, 9
 """Costs of a change: what is known, guessed, taken out."""
 ALIKE: Final = 0.74
-"""How much two words have in common of which one may be meant for the other."""
+"""Least similarity of two words of which one may be meant for the other."""
 _TWO_WORDS: Final = re.compile(r"[ \t]*([A-Za-z]\w*)(?:[ \t]+([A-Za-z]\w*))?")
 _TEXT: Final = re.compile(r"(?:[^\W\d]|[.:>-]).*")
 
@@ -238,7 +238,7 @@ def _delete_words(
 
 
 MOST_FINDINGS: Final = 5
-"""Of one line; more help nobody."""
+"""Greatest number of findings of one line; more do not help."""
 PARTLY: Final = 4
 """Cost of a change behind which the line still cannot be read to its end."""
 AHEAD: Final = 2
@@ -270,7 +270,7 @@ class LineReader:
         return None, (source.finding(self.syntax.wrong, Span(at, at + 1), what=what, cure=cure),)
 
     def mend(self, source: SourceText, start: int, end: int) -> tuple[Any, tuple[Diagnostic, ...]]:
-        """What a damaged line was meant to be, None if nobody knows, and the findings.
+        """Return the intended node of a damaged line, None if it is unknown, and the findings.
 
         start, end: offsets of the line and of its line end.
         """
@@ -290,7 +290,9 @@ class LineReader:
         return None, tuple(findings)
 
     def _read(self, text: str, nodes: Nodes, words: list[Lexeme] | None = None) -> Any:
-        """What a line says, a Stop where it stops being one, None for a number too large."""
+        """Read a line: its node, a Stop at the first word that does not fit, None for a number too
+        large.
+        """
         syntax = self.syntax
         number, at, rule = syntax.parts(text, 0, len(text))
         try:
@@ -320,7 +322,7 @@ class LineReader:
         return None if best is None else best[1]
 
     def _cost(self, line: ChangedLine, edit: Edit, stop: Stop) -> int | None:
-        """What a change costs, None if it does not help."""
+        """Return the cost of a change; None if it does not help."""
         text = edit.of(line.text)
         words = list[Lexeme]()
         again = self._read(text, self.syntax.nodes(None), words)
@@ -366,7 +368,7 @@ class LineReader:
 
 
 class ChangedLine:
-    """The text of a line with changes, and where its characters stand in the source."""
+    """The text of a line with changes, and the source offsets of its characters."""
 
     def __init__(self, text: str, base: int) -> None:
         self.text = text

@@ -19,7 +19,7 @@ from assistant.languages.recovery.repairs import Broken, Repair
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """A change to a line that is to make it one of the language, and what to say about it.
+    """A change that may turn a line into one of the language, and the words of its finding.
 
     rule: of the finding, None for the usual one.
     """
@@ -81,7 +81,7 @@ class Mistake:
         return error if self.here else -1
 
     def _begin(self, broken: Broken, repair: Repair) -> int:
-        """Where the text that `before` looks at begins."""
+        """Return the offset where the text that `before` searches begins."""
         if self.within == "line":
             end = broken.syntax.layout.code_end(broken.text, broken.word.start)
             return broken.text.rfind("\n", 0, end) + 1
@@ -135,7 +135,7 @@ _FLAGS: Final = re.IGNORECASE
 
 
 def _ending(before: str, text: str) -> re.Match[str] | None:
-    """What a text ends with."""
+    """Match a pattern at the end of a text."""
     return re.compile(rf"(?:{before})\Z", _FLAGS).search(text)
 
 
@@ -180,7 +180,7 @@ class Wording:
     few: int = 3
 
     def finding(self, source: SourceText, broken: Broken, repair: Repair) -> Diagnostic:
-        """What is wrong at a damaged place, and the cure."""
+        """Return the finding at a damaged place, with its cure."""
         start, end = repair.start, repair.end
         hint = ""
         for mistake in self.mistakes:
@@ -217,7 +217,7 @@ class Wording:
         return self.names.get(terminal, f"`{terminal.lstrip('_')}`")
 
     def expected(self, terminals: Set[str]) -> str:
-        """What could stand there, the kinds of things named once."""
+        """Return what may be at the place, in words; each kind of terminal is named once."""
         rest = set(terminals) - self.unsaid
         said = []
         for kind in self.kinds:
@@ -242,7 +242,7 @@ def or_list(things: Sequence[str]) -> str:
 
 
 def found_text(text: str) -> str:
-    """What stands at a place, in words."""
+    """Return the text at a place, in words."""
     if text.strip(" \t\r\n") and (not text.strip() or not text[0].isprintable()):
         return f"the character U+{ord(text[0]):04X}"
     text = " ".join(text.split())

@@ -1,8 +1,8 @@
 """Reader of damaged texts: each syntax error is mended with the least change and reported once.
 
-The grammar stays the authority. Every word is tried on the parser's stack before it is shifted.
-Where none fits, `repairs` proposes changes, and the one that lets the parser read on furthest is
-made. A statement that cannot be mended is left out, with a placeholder instead.
+The grammar remains the authority. The reader tries every word on the parser's stack before it
+shifts it. Where none fits, `repairs` proposes changes, and the reader makes the one that lets the
+parser read on furthest. A statement that cannot be mended is omitted, with a placeholder instead.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MOST_MENDS: Final = 2000
 
 @dataclass(frozen=True, slots=True)
 class MendedText:
-    """What was made of a damaged text, None for one that is damaged all over, and what is wrong."""
+    """Result of reading a damaged text, None for one that is damaged all over, and the findings."""
 
     value: Any
     findings: tuple[Diagnostic, ...]
@@ -46,7 +46,7 @@ class Reader:
     def read(
         self, source: SourceText, text: str, short: Shortened, tables: Tables, nodes: Any
     ) -> MendedText | RunInTheWay:
-        """What `nodes` make of it, or the run that a mended statement reaches into.
+        """Read a damaged text with `nodes`, or return the run that a mended statement reaches into.
 
         text: of the source, line feeds at its line ends.
         """
@@ -144,7 +144,9 @@ class _Reading:
         self._make(broken, repair)
 
     def _statement(self, at: int) -> tuple[int, int]:
-        """How much of the stack stands before the damaged statement, and where that begins."""
+        """Return the number of stack values before the damaged statement, and the offset where it
+        begins.
+        """
         states, types = self._stack.states, self._tables.types(self._stack.states)
         blocks = self.reader.syntax.blocks
         base = len(types)
@@ -201,9 +203,10 @@ class _Reading:
         self._quiet_until = max(ends, go_on)
 
     def _behind_alike(self, broken: Broken, repair: Repair) -> int:
-        """Where reading goes on: what leaves out one word of many alike leaves the rest out too.
+        """Return where reading continues: a repair that omits one of many equal words omits the
+        rest too.
 
-        As long as nothing else is in sight each of them would be mended by the same change.
+        While nothing else is within reach, the same change would mend each of them.
         """
         word, words = broken.word, broken.words
         alone = repair.kind in ("hole", "delete") and (repair.resume, broken.error) == (word.end, 0)
@@ -220,5 +223,5 @@ class _Reading:
 
 
 def _differs(word: Lexeme, other: Lexeme) -> bool:
-    """Whether a word is not the same once more, on the same line."""
+    """True unless a word repeats another on the same line."""
     return other.first or (other.type, other.text) != (word.type, word.text)

@@ -33,7 +33,7 @@ class HalfBlock:
 
 
 class Outline:
-    """Where the units of a text begin and end, looked up once for all of its damaged places."""
+    """Beginnings and ends of the units of a text, searched once for all of its damaged places."""
 
     def __init__(self, blocks: Blocks, text: str) -> None:
         self._blocks, self._text = blocks, text
@@ -49,16 +49,16 @@ class Outline:
 
     @cached_property
     def has_items(self) -> bool:
-        """Whether a declaration or routine begins anywhere."""
+        """True if a declaration or routine begins anywhere."""
         return self._blocks.item.search(self._text) is not None
 
     def next_unit(self, at: int) -> int | None:
-        """Where the first unit behind an offset begins."""
+        """Return the offset of the first unit after an offset."""
         row = bisect_right(self._begins, at)
         return self._begins[row] if row < len(self._begins) else None
 
     def ends_before(self, at: int) -> bool:
-        """Whether a unit ends before an offset."""
+        """True if a unit ends before an offset."""
         return self._first_end <= at
 
 
@@ -110,12 +110,12 @@ class Broken:
 
     @property
     def behind_unit(self) -> bool:
-        """Whether a unit ends before the place."""
+        """True if a unit ends before the place."""
         return self.outline.ends_before(self.word.start)
 
     @property
     def closes(self) -> bool:
-        """Whether the word that does not fit begins a line and ends a block that is open."""
+        """True if the word that does not fit begins a line and ends an open block."""
         ends = self.syntax.blocks.ends
         return self.word.first and any(self.word.type == ends[o] for o, _ in self.openers())
 
@@ -131,7 +131,7 @@ class Broken:
 
     @property
     def previous_end(self) -> int:
-        """Where the word before the error ends."""
+        """Offset of the end of the word before the error."""
         if self.error:
             return self.words[self.error - 1].end
         return self.syntax.layout.code_end(self.text, self.word.start)
@@ -140,7 +140,7 @@ class Broken:
         return self.tables.after(self.states, (terminal,)) is not None
 
     def fits(self, terminals: Iterable[str]) -> bool:
-        """Whether the statement may be these words."""
+        """True if the statement may consist of these words."""
         return self.tables.after(self.states[: self.base + 1], terminals) is not None
 
     def accepted(self) -> frozenset[str]:
@@ -478,7 +478,7 @@ def _delete_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
 
 
 MOST_SKIPPED_WORDS: Final = 2000
-"""Words that the end of a damaged statement is looked for in."""
+"""Number of words in which the end of a damaged statement is searched."""
 _CLOSING_BRACKETS: Final = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 
@@ -517,7 +517,7 @@ def placeholder(b: Broken) -> Repair:
 
 
 def _following_words(b: Broken) -> Iterator[Lexeme]:
-    """The words from the error on, read as far as they are asked for."""
+    """Yield the words from the error on, read only as far as needed."""
     return islice(b.syntax.scanner.words(b.text, b.word.start), MOST_SKIPPED_WORDS + 1)
 
 
@@ -534,7 +534,7 @@ def _complete_head(b: Broken, head: tuple[str, ...]) -> tuple[Lexeme, ...]:
 
 
 def _next_statement(b: Broken) -> int:
-    """Offset behind the end of a damaged statement, or where another one begins."""
+    """Return the offset after a damaged statement, or where another one begins."""
     glue = b.syntax.glue
     ahead = b.words[b.error - 1] if b.error else None
     at = b.word.start

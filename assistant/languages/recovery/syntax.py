@@ -35,7 +35,7 @@ class Lexeme(NamedTuple):
 class Stop(NamedTuple):
     """A word that does not fit.
 
-    word: its type is END behind the last one. start: rule of the grammar.
+    word: after the last one its type is END. start: rule of the grammar.
     """
 
     word: Lexeme
@@ -50,7 +50,9 @@ class Scanner:
     silent: Set[str]
 
     def lexemes(self, text: str, start: int, stop: int, further: int) -> list[Lexeme]:
-        """All from one offset to another and a few further, END behind the last of the text."""
+        """Return the words from one offset to another and a few further, END after the last of the
+        text.
+        """
         found: list[Lexeme] = []
         beyond = 0
         for word in self.words(text, start):
@@ -61,7 +63,7 @@ class Scanner:
         return found
 
     def words(self, text: str, start: int) -> Iterator[Lexeme]:
-        """All from an offset on, END behind the last: read as far as they are asked for."""
+        """Yield the words from an offset on, END after the last; read only as far as needed."""
         end = -1
         for match in self.pattern.finditer(text, start):
             type = match.lastgroup or STRANGE
@@ -85,7 +87,7 @@ class Holes:
 
 
 def _begins_line(text: str, at: int) -> bool:
-    """Whether only blanks stand before an offset on its line."""
+    """True if only blanks precede an offset on its line."""
     while at and text[at - 1] != "\n":
         if not text[at - 1].isspace():
             return False
@@ -94,7 +96,7 @@ def _begins_line(text: str, at: int) -> bool:
 
 
 def _code_end(text: str, at: int) -> int:
-    """Where the last word before an offset ends."""
+    """Return the offset of the end of the last word before an offset."""
     while at and text[at - 1].isspace():
         at -= 1
     return at
@@ -105,7 +107,7 @@ _LINE: Final = re.compile(r"^([ \t]*)([A-Za-z_]\w*)([^\r\n]*)", re.MULTILINE)
 
 
 def column(text: str, at: int) -> int:
-    """How far a word stands from the left; -1 if it is not the first of its line."""
+    """Return the column of a word; -1 if it is not the first of its line."""
     ahead = text[text.rfind("\n", 0, at) + 1 : at]
     return -1 if ahead.strip() else len(ahead.expandtabs(TAB))
 
@@ -126,7 +128,9 @@ class Layout:
     code: re.Pattern[str]
 
     def code_end(self, text: str, at: int) -> int:
-        """Where the code before an offset ends: behind it are blanks and comments only."""
+        """Return the offset of the end of the code before an offset: only blanks and comments
+        follow it.
+        """
         while True:
             begin = text.rfind("\n", 0, at) + 1
             line = self.code.match(text[begin:at])
@@ -136,7 +140,8 @@ class Layout:
             at = begin - 1
 
     def missing_end(self, text: str, begins: Sequence[int], at: int) -> int:
-        """Where the end of open blocks was forgotten, as far as indentation tells; else `at`.
+        """Return where the end of open blocks was forgotten, as far as indentation shows; else
+        `at`.
 
         begins: offsets of the blocks, the outermost first.
         """
@@ -186,10 +191,10 @@ Types = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class HalfHead:
-    """A head of a block that is a whole statement where its last word is forgotten.
+    """Head of a block that is still a complete statement if its last word is forgotten.
 
-    opener: its first word. last: the forgotten one. word: that one as it is written, in lower
-    case. wanted: what stands in such a block only. comment: regular expression.
+    opener: its first word. last: the forgotten one. word: that one as it is written, in lower case.
+    wanted: words that occur in such a block only. comment: regular expression.
     """
 
     opener: str
@@ -201,14 +206,14 @@ class HalfHead:
 
 @dataclass(frozen=True, slots=True)
 class Blocks:
-    """What opens, divides and closes.
+    """Words that open, divide and close blocks.
 
     ends: the word that opens a block → the one that closes it. clauses: words that divide one.
-    scopes: blocks that no statement goes on behind. unit: the block that a file consists of,
-    whose begin, end and the begin of whose items are regular expressions. starts: words that only
-    a whole statement, item or unit may begin with. heads: what stands behind a word that opens a
-    block or a part of one. last: words that end a head. braces: what other languages open a block
-    with, and what is meant by it.
+    scopes: blocks that no statement extends beyond. unit: the block that a file consists of, whose
+    begin, end and the begin of whose items are regular expressions. starts: words that only a
+    complete statement, item or unit may begin with. heads: the words that follow one that opens a
+    block or a part of one. last: words that end a head. braces: the openers of blocks in other
+    languages, and their meaning.
     """
 
     ends: Mapping[str, str]
@@ -227,14 +232,14 @@ class Blocks:
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """What people forget, confuse and take from elsewhere.
+    """Words that people forget, confuse and take from elsewhere.
 
     inserted: words before one that does not fit. openers: words that a statement or declaration
     begins with; needs: those of which it has one, most likely. alike: groups of words that are
-    written for each other; unmeant: those that nobody means. wraps: what is missing around
+    written for each other; unmeant: those that no one means. wraps: what is missing around
     statements and items. reserved: words of the language in lower case → terminal. foreign: words
-    of other languages → those meant. strings, comments: types of what other languages write so.
-    used: words behind a name that is used. table: values in one word.
+    of other languages → those meant. strings, comments: types of the strings and comments of other
+    languages. used: words after a name that is used. table: values in one word.
     """
 
     inserted: tuple[Types, ...]
@@ -254,9 +259,9 @@ class Changes:
 @dataclass(frozen=True, slots=True)
 class Syntax:
     """assign: the word between a variable and its value. value: the hole for a value. data: words
-    that a declaration begins with. statement_holes, data_holes: what stands for one that is left
-    out. glue: words that a line may end or begin with in the middle of a statement. runs: marks of
-    what was read before → words that each could begin with.
+    that a declaration begins with. statement_holes, data_holes: terminals that replace an omitted
+    one. glue: words that a line may end or begin with in the middle of a statement. runs: marks of
+    text already read → words that each could begin with.
     """
 
     scanner: Scanner

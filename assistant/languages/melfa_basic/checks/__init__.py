@@ -62,7 +62,7 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(values.argument_units, advice=True),
     Check(values.short_waits, advice=True),
 )
-"""Each looks at one file, and sees the files that stand beside it."""
+"""Checks of one file each, which also see the other files of its program."""
 
 
 def missing(trees: Sequence[s.File], dialect: Dialect) -> Iterator[Diagnostic]:
@@ -74,10 +74,11 @@ def missing(trees: Sequence[s.File], dialect: Dialect) -> Iterator[Diagnostic]:
 
 
 def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diagnostic, ...]:
-    """Findings of every rule over the files of one program, each file in the order of its lines.
+    """Return the findings of every rule over the files of one program, each file in the order of
+    its lines.
 
-    What may follow from a line with a syntax error is left out.
-    dialect: with the limits of a certain controller; without it that of each file.
+    Findings that may follow from a line with a syntax error are omitted.
+    dialect: with the limits of a certain controller; if omitted, that of each file.
     """
     damage = damage_of(trees)
     lacks = spoiled(trees, damage)

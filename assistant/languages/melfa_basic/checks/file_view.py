@@ -51,7 +51,9 @@ class Scope:
 
 
 class Calls(CachedResults):
-    """What the files of a program call: name in upper case → the first tree of that name."""
+    """Programs that the files of a program may call: name in upper case → the first tree of that
+    name.
+    """
 
     def __init__(self, trees: Sequence[s.File]) -> None:
         self.trees = trees
@@ -60,7 +62,7 @@ class Calls(CachedResults):
 
 
 class Look(LineView):
-    """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
+    """View of one file for the rules. calls: the files next to it. damage: in them."""
 
     cut = LineFormat(
         begin=re.compile(r"[ \t]*[0-9]*[ \t]*"),
@@ -87,7 +89,7 @@ class Look(LineView):
         return by_type((node, (line, node)) for line, node in every)
 
     def all(self, kind: type[N]) -> Sequence[tuple[s.Line, N]]:
-        """Every node of one class with its line, as they stand in the text."""
+        """Return every node of one class with its line, in the order of the text."""
         return self._by_type.get(kind, ())
 
     @cached_property
@@ -116,7 +118,7 @@ class Look(LineView):
         return [Scope(tuple(main)), *(Scope(tuple(entries), of) for entries, of in found)]
 
     def lines_of(self, scope: Scope) -> list[s.Line]:
-        """The lines of a scope that stand in no table."""
+        """Return the lines of a scope that are not rows of a table."""
         return [item for at in scope.entries if isinstance(item := self.code[at], s.Line)]
 
     @cached_property
@@ -147,12 +149,12 @@ class Look(LineView):
 
     @property
     def has_strangers(self) -> bool:
-        """Whether the file includes one that is not among those that are checked."""
+        """True if the file includes one that is not among the checked files."""
         return self._including[1]
 
     @cached_property
     def compiled(self) -> bool:
-        """Whether the heading says that this compiler wrote the file."""
+        """True if the heading states that this compiler wrote the file."""
         comments = (line.comment for line in self.lines[:HEADING_LINES] if line.comment)
         return any(_HEADING.match(comment) for comment in comments)
 
@@ -168,13 +170,13 @@ class Look(LineView):
         return self.finding(rule, where or line, **(name | words))
 
     def place(self, item: s.Item, node: Named) -> Span | None:
-        """Where the name of a node stands; a node that came from elsewhere is looked for."""
+        """Return the span of a node's name; search the line for a node that is from elsewhere."""
         if isinstance(node, s.Variable):
             return self.named(item, node, node.marked) or self.word(item, node.name)
         return self.named(item, node, f"*{node.place}") or self.word(item, f"*{node.place}")
 
     def text_of(self, line: s.Line) -> str:
-        """A line as it stands in the file, without its line end."""
+        """Return a line as written in the file, without its line end."""
         if line.span is not None and self.source is not None:
             return self.source.text[line.span.start : line.span.end].rstrip("\r\n")
         return printer.line(line, self.dialect.upper)
@@ -182,10 +184,10 @@ class Look(LineView):
 
 @dataclass(slots=True)
 class Known:
-    """What a file and those it includes say about variables, by name in upper case.
+    """Variables of a file and those that it includes, by name in upper case.
 
-    given: names that something gives a value, rows of positions too. declared: by Def, Dim, FPrm
-    or a Function's head. dimensioned: arrays. read: names that something reads.
+    given: names that receive a value, rows of positions too. declared: by Def, Dim, FPrm or a
+    Function's head. dimensioned: arrays. read: names whose value is read.
     """
 
     given: NameSet = field(default_factory=NameSet)
@@ -265,11 +267,11 @@ def names_of(rows: PositionRows) -> Names:
 
 
 def is_position(item: s.Data) -> bool:
-    """Whether a line of data gives a position or joints."""
+    """True if a data line holds a position or joints."""
     return isinstance(item.value, s.Constant)
 
 
 def _is_untaught(item: s.Data) -> bool:
-    """Whether a line says that a position has no value: `(,,,,,)(,)`, as the tools write it."""
+    """True if a line marks a position as untaught: `(,,,,,)(,)`, as the tools write it."""
     value = item.value
     return isinstance(value, s.Constant) and not any(v is not None for v in value.values)

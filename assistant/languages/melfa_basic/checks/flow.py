@@ -239,7 +239,7 @@ def loops(look: Look) -> Found:
 
 
 class _Around:
-    """The For loops around a place by their variable; places are asked for in their order.
+    """The For loops around a place, by their variable; query the places in ascending order.
 
     over: place of a loop → its variable.
     """
@@ -339,7 +339,7 @@ def subroutines(look: Look) -> Found:
 
 
 def _line_name(look: Look, at: int) -> str:
-    """What jumps call a line: its label, else its step number."""
+    """Return the name that jumps use for a line: its label, else its step number."""
     line = look.code[at]
     return str(first_step(line)) if line.label is None else f"*{line.label}"
 
@@ -378,7 +378,7 @@ TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End
 
 
 def _runs(item: s.Entry) -> bool:
-    """Whether a line does something that is missed where nothing leads to it."""
+    """True if a line does something that would be missed where control does not reach it."""
     statement = item.statement
     if statement is None:
         return isinstance(item, MoveRows)
@@ -387,7 +387,7 @@ def _runs(item: s.Entry) -> bool:
 
 
 def _before(look: Look, part: ScopePart, at: int) -> str:
-    """What keeps control from running on to a line."""
+    """Return why control does not run on to a line, in words."""
     entries = part.scope.entries
     for place in reversed(entries[: entries.index(at)]):
         item = look.code[place]

@@ -1,11 +1,10 @@
 """Lines: step numbers, length and labels; rows of tables that need a line; damaged lines.
 
-A table holds lines of which no rule of a single line has anything to report: moves in ascending
-steps to positions that are there, and positions with names of their own. Any other row of a table
-is read as a line of its own. So a rule of single lines never looks into tables; only rules that
-compare lines with each other do.
+A table holds lines on which no single-line rule has a finding: moves in ascending steps to existing
+positions, and positions with separate names. Any other row of a table is read as an ordinary line.
+So a single-line rule never searches tables; only rules that compare lines with each other do.
 
-A finding elsewhere must not follow from what cannot be read in a damaged line.
+A finding elsewhere must not follow from the unreadable content of a damaged line.
 """
 
 from __future__ import annotations
@@ -66,13 +65,13 @@ DECLARING_WORDS: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".sp
 
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:
-    """What is damaged in the files of a program, None for nothing."""
+    """Return the damage in the files of a program; None if they are undamaged."""
     return registry.damage_of(trees, names_in)
 
 
 def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
-    """What the files lack: `ORDER` if a damaged line can be a jump, a label, part of a block or a
-    setting; `NAMES` if one can define what it does not name.
+    """Return what the files lack: `ORDER` if a damaged line can be a jump, a label, part of a block
+    or a setting; `NAMES` if one can define something that it does not name.
     """
     if damage is None:
         return Needs.NOTHING
@@ -96,14 +95,14 @@ def _damaged_parts(damage: Damage) -> list[re.Match[str]]:
 
 
 def names_in(text: str) -> Iterator[str]:
-    """Names in a text that are no words of the language, in upper case."""
+    """Yield the names in a text, without the words of the language, in upper case."""
     for word in _NAME.findall(text.upper()):
         if word not in LANGUAGE_WORDS and status(word) is None and function(word) is None:
             yield word
 
 
 def _is_broken(code: str) -> bool:
-    """Whether a damaged line may define something whose name is damaged as well."""
+    """True if a damaged line may define something whose name is damaged as well."""
     first = _NAME.match(code)
     if first is not None and first[0] in LANGUAGE_WORDS:
         return first[0] in DECLARING_WORDS
@@ -111,7 +110,7 @@ def _is_broken(code: str) -> bool:
 
 
 def _runs_on(code: str) -> bool:
-    """Whether a damaged line, in upper case and without its step number, runs on to the next."""
+    """True if a damaged line, in upper case and without its step number, runs on to the next."""
     words = _NAME.findall(code)
     leads = _PLAIN.match(code) is not None or (bool(words) and words[0] in RUN_ON_WORDS)
     return leads and "*" not in code and STEERING_WORDS.isdisjoint(words)
@@ -216,9 +215,10 @@ RowTable = MoveRows | PositionRows
 
 
 def with_single_rows(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[s.File, ...]:
-    """The files of a program, with an ordinary line for each row of a table that is no plain one.
+    """Return the files of a program with an ordinary line for each row of a table that is not
+    plain.
 
-    dialect: with the limits of a certain controller; without it that of each file.
+    dialect: with the limits of a certain controller; if omitted, that of each file.
     """
     calls = Calls(trees)
     return tuple(

@@ -1,8 +1,8 @@
-"""Moves: their rules and findings, with those of interrupts, communication lines and slots.
+"""Rules and findings on moves, and on interrupts, communication lines and slots.
 
 The rules find positions that were never taught, changes of the structure flag on a linear move,
-arcs that are no arcs, corners that are left on at a stop, programs without a tool, and more pulses
-at a time than a controller runs. Distances are in mm.
+arcs whose points define no arc, corners that remain rounded at a stop, programs without a tool, and
+more pulses at a time than a controller runs. Distances are in mm.
 """
 
 from __future__ import annotations
@@ -271,7 +271,7 @@ def flags(look: Look) -> Found:
 
 
 MOST_LISTED: Final = 5
-"""Moves of one kind of mistake that are told one by one."""
+"""Number of moves with one kind of mistake that are listed one by one."""
 
 
 def _first_hit(
@@ -308,7 +308,9 @@ def _named_position(
 
 
 def arcs(look: Look) -> Found:
-    """Arcs that are no arcs, and arcs that start elsewhere."""
+    """Report arcs whose points define no arc, and arcs that start away from the robot's
+    position.
+    """
     run = look.once(moves_of_file)
     if run is None or not (run.kinds == MVR).any():
         return

@@ -60,7 +60,9 @@ def name_forms(look: Look) -> Found:
 
 
 def _named_things(look: Look) -> Iterator[tuple[s.Item, str, str]]:
-    """Names with what they stand in, and the word there; those of tables are short enough."""
+    """Yield names with their item and their spelling there; the names in tables are short
+    enough.
+    """
     for line in look.lines:
         if line.label is not None:
             yield line, line.label, f"*{line.label}"
@@ -138,7 +140,7 @@ def undefined_variables(look: Look) -> Found:
 
 
 def is_call(look: Look, variable: s.Variable) -> bool:
-    """Whether a name with or without arguments is a function's."""
+    """True if a name, with or without arguments, is that of a function."""
     key = variable.key
     if vocabulary.function(key) is not None and variable.arguments is not None:
         return True
@@ -271,7 +273,7 @@ def _unused_positions(look: Look, used: NameSet) -> Found:
 
 
 def _is_shared(variable: s.Variable) -> bool:
-    """Whether other programs, or subscripts that are worked out, may name a position."""
+    """True if other programs, or computed subscripts, may name a position."""
     return variable.key[1:2] == "_" or variable.arguments is not None
 
 
@@ -322,7 +324,7 @@ def _missing_statements(look: Look, line: s.Line) -> Found:
 def _missing_word(
     look: Look, line: s.Line, at: str | s.Variable, word: str, row: vocabulary.Row
 ) -> Found:
-    """What is found of a word that not every version has."""
+    """Report a word that not every version of the language has."""
     if look.dialect.level not in row.dialects:
         cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
         yield _lacking_at(look, line, at, f"`{word}`", cure)
@@ -363,7 +365,7 @@ def _missing_forms(look: Look, line: s.Line, command: s.Command) -> Found:
 
 
 def _is_narrow(condition: s.Expression | None) -> bool:
-    """Whether it is `variable = constant`, which every version waits for."""
+    """True for `variable = constant`, which every version can wait for."""
     match condition:
         case s.Binary("=", s.Variable(), constant):
             return literal(constant) is not None
@@ -371,7 +373,9 @@ def _is_narrow(condition: s.Expression | None) -> bool:
 
 
 def _missing_functions(look: Look) -> Found:
-    """Functions and status variables of other versions, and status variables that are none."""
+    """Report functions and status variables of other versions, and names that only look like status
+    variables.
+    """
     names = look.once(known_variables)
     seen: set[str] = set()
     for line, use in look.uses:

@@ -96,7 +96,7 @@ def _moves_robot(item: s.Entry) -> bool:
 
 
 NumberedLines = Keyed[float, tuple[s.Line, str]]
-"""By number the line that names it, and the word that it stands behind."""
+"""Number → the line that names it, and the word before it."""
 
 
 def _without(look: Look, rule: Rule, some: NumberedLines, others: NumberedLines) -> Found:
@@ -210,12 +210,12 @@ class Start:
 
 @dataclass(slots=True)
 class SharedSlots:
-    """What the programs of some files do with shared variables, line by line.
+    """Use of shared variables in the programs of some files, line by line.
 
     after, calls, handlers: lines that may follow a line, that it calls, that lead to interrupts.
     outcomes: of a line. reads: by line, in their order. gives: by variable, the lines that may set
-    it, each with the number that it becomes, None for a value that is not known. begins: first
-    lines of programs. ends: lines at which a program ends. called: by program those that it calls.
+    it, each with the number that it becomes, None for an unknown value. begins: first lines of
+    programs. ends: lines at which a program ends. called: by program those that it calls.
     """
 
     trees: tuple[s.File, ...]
@@ -421,7 +421,9 @@ def _file_number(look: Look) -> int:
 
 
 def shared_slots(calls: Calls) -> SharedSlots | None:
-    """What the programs of some files share; None if none of them starts another one."""
+    """Return the variables that the programs of some files share; None if no program starts
+    another.
+    """
     looks = [Look(tree, DIALECTS[tree.dialect], calls) for tree in calls.trees]
     if not any(c.keyword == "XRun" for look in looks for _, c in look.all(s.Command)):
         return None
@@ -538,7 +540,7 @@ class _Reader:
                     found.waits[node] = key, number
 
     def _outcomes(self, statement: s.Statement | s.Target | None) -> Iterator[Branch]:
-        """What a statement may do, one for each way through it."""
+        """Yield the possible outcomes of a statement, one for each branch through it."""
         match statement:
             case None | s.Target():
                 yield Branch()
@@ -561,7 +563,7 @@ class _Reader:
                 yield self._plain(statement)
 
     def _plain(self, node: s.Statement | s.Expression) -> Branch:
-        """What always happens: variables that are written, functions that are called."""
+        """Return the certain effects of a node: variables written, functions called."""
         given = (use for use in uses(node) if use.role in ("written", "either"))
         return Branch(
             frozenset(use.variable.key for use in given if self.shared(use)),

@@ -213,7 +213,7 @@ def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
 
 
 def kind_fits(given: Kind, wanted: str) -> bool:
-    """Whether a value of a type may stand where some types are wanted."""
+    """True if a value of a type may be used where one of several types is required."""
     return not given or not wanted or not set(given).isdisjoint(wanted)
 
 
@@ -331,7 +331,7 @@ def array_dimensions(look: Look) -> Found:
 
 MOST_DIMENSIONS: Final = 3
 MOST_ELEMENTS: Final = 999
-"""Of a dimension (COSIROP help, DIM)."""
+"""Greatest number of elements of a dimension (COSIROP help, DIM)."""
 
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
@@ -426,7 +426,7 @@ def _in_range(
 # ------------------------------------------------------------------------------------ arguments
 
 MOST_PARAMETERS: Final = 16
-"""Of CallP and FPrm (COSIROP help)."""
+"""Greatest number of parameters of CallP and FPrm (COSIROP help)."""
 TOO_MANY_ERROR, TOO_FEW_ERROR, RANGE_ERROR = 3120, 4220, 3110
 """Numbers of the controller's errors."""
 ARGUMENT_TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
@@ -442,10 +442,10 @@ ORDINALS: Final = ("the first argument", "the second argument", "the third argum
 
 @dataclass(frozen=True, slots=True)
 class TakenArguments:
-    """What is given where arguments are taken.
+    """Arguments given to something that takes arguments.
 
-    what: the word, or the name that is called. types: of the arguments, as `kind_fits` wants
-    them; further ones are of the type `more`. least, most: how many there may be.
+    what: the word, or the name that is called. types: of the arguments, as `kind_fits` takes them;
+    further ones are of the type `more`. least, most: permitted numbers of arguments.
     """
 
     what: str | s.Variable
@@ -612,7 +612,9 @@ def argument_units(look: Look) -> Found:
 
 
 def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression | None]]:
-    """What takes an angle in radian: its line and name, how it is told of, and the angle."""
+    """Yield every use of an angle in radian: its line and name, its words in a finding, and the
+    angle.
+    """
     for line, assign in look.all(s.Assign):
         target = assign.target
         if target.component in ANGLES:
@@ -658,7 +660,7 @@ POSE_ELEMENTS: Final = 6
 LEAST_VALUES: Final = 3
 """Values of a position without flags; fewer are joints."""
 LEFT_OUT_BY_FOUR_AXES: Final = ("A", "B")
-"""What the positions of a horizontal arm leave out (CR1D 4.3.12)."""
+"""Components that positions of a horizontal arm may leave out (CR1D 4.3.12)."""
 LEFT_OUT_BY_FIVE_AXES: Final = ("C",)
 """Components that positions of a five-axis arm may leave out."""
 
@@ -853,7 +855,7 @@ def before_last_step(look: Look) -> Sequence[s.Item]:
 
 
 def _is_step(look: Look, item: s.Item) -> bool:
-    """Whether an item is code; what has no number and is damaged may be a variable line."""
+    """True if an item is code; a damaged line without a number may be a variable line."""
     sure = look.damage is None
     return isinstance(item, MoveRows) or (
         isinstance(item, s.Line) and (sure or item.number is not None)

@@ -1,6 +1,7 @@
-"""What programs use and neither they nor their position lists give a value: a cell has to say it.
+"""Names that programs use and neither they nor their position lists give a value: the cell must
+state it.
 
-Positions and joints that were taught on the controller and not exported, numbers that somebody set
+Positions and joints that were taught on the controller and not exported, numbers that were set
 there, and the tools and bases that parameters hold by their numbers.
 """
 
@@ -41,9 +42,9 @@ _KINDS: Final[dict[str, tuple[WantedKind, str, Plain | None]]] = {
 
 
 def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
-    """Names without a value, in the order of the programs and of their first uses.
+    """Return the names without a value, in the order of the programs and of their first uses.
 
-    Those of programs behind the first one have the name of their program before them.
+    Names of all programs but the first have the name of their program as a prefix.
     """
     trees = with_single_rows(trees)
     calls, found = Calls(trees), dict[str, Wanted]()
@@ -206,7 +207,9 @@ def _outside(look: Look) -> Iterator[Wanted]:
 
 
 def _functions(look: Look) -> Iterator[Wanted]:
-    """Functions that are called and stand in no file: those with `()`, and called as statements."""
+    """Yield functions that are called but defined in no file: calls with `()`, and call
+    statements.
+    """
     if not look.tree.dialect.endswith("6"):
         return
     names = look.once(known_variables)

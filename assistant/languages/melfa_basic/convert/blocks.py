@@ -44,7 +44,7 @@ from assistant.languages.melfa_basic.tree.control_flow import (
 from assistant.languages.melfa_basic.tree.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
-"""Says of a line what cannot be said, and what to do."""
+"""Function that reports a construct of a line without equivalent, and its cure."""
 
 _NUMBERED_LABEL: Final = re.compile(r"[A-Z]\d+")
 
@@ -60,10 +60,10 @@ THEN_STATEMENTS: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s
 
 @dataclass(slots=True)
 class BreakTarget:
-    """Where `Break` goes: behind the innermost block.
+    """Target of `Break`: the place after the innermost block.
 
-    kind: of that block. selecting: it is a `Select`, or inside one. letter: that the label
-    begins with. label: once something goes there, with its number.
+    kind: of that block. selecting: it is a `Select`, or inside one. letter: first letter of the
+    label. label: set once something jumps there, with its number.
     """
 
     kind: str
@@ -81,7 +81,7 @@ class Jumps:
         self.items, self.dialect, self.complain = items, dialect, complain
         self.blocks, self.opened = blocks, {block.first: block for block in blocks.all}
         self.begun = {m[0] for label in labels_of(items) if (m := _NUMBERED_LABEL.match(label))}
-        """How labels begin that have a letter and a number."""
+        """Beginnings of labels that have a letter and a number."""
         self.counts: dict[str, int] = {}
         self.variables: list[str] = []
 
@@ -125,7 +125,7 @@ class Jumps:
         return _as_line(self.items[last]) if self.blocks.closing[last][-1] is block else None
 
     def kept(self, block: Block, leave: BreakTarget | None) -> list[s.Item]:
-        """A block that stays one; behind it the place that `Break` goes to."""
+        """Write a block that remains a block; the target of `Break` follows it."""
         out = BreakTarget(block.kind, _selecting(leave) or block.kind == "Select", "B")
         made: list[s.Item] = []
         for head, inside in self.parts(block):
@@ -191,7 +191,7 @@ class Jumps:
 
     @staticmethod
     def alone(body: Sequence[s.Item]) -> s.Statement | None:
-        """The one statement of a body, if it may stand behind `THEN`."""
+        """Return the single statement of a body, if it may follow `THEN`."""
         if len(body) != 1 or not isinstance(body[0], s.Line):
             return None
         line = body[0]
@@ -317,7 +317,7 @@ def _goto(label: str) -> s.Line:
 
 
 def _calls_function(value: s.Expression) -> bool:
-    """Whether a function is called to work it out."""
+    """True if an expression calls a function."""
     return any(
         isinstance(node, s.Variable)
         and node.arguments is not None
@@ -332,7 +332,7 @@ def _as_line(item: s.Item) -> s.Line:
 
 
 def _has_single_values(case: s.Line) -> bool:
-    """Whether a case asks for single values only."""
+    """True if a case tests for single values only."""
     node = case.statement
     return not isinstance(node, s.Case) or all(
         isinstance(item, s.CaseRange) and item.last is None for item in node.items
@@ -385,7 +385,7 @@ def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
 
 
 def _crosses(lines: Sequence[s.Item], refused: set[str]) -> bool:
-    """Whether an `If` crosses other blocks, the only one that is not refused."""
+    """True if an `If`, the only one that is not refused, crosses other blocks."""
     made, _ = _with_ifs(lines, refused)
     return not blocks_of(made).sound
 
@@ -516,7 +516,7 @@ def _select_at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Ite
 
 
 def _aim_of(item: s.Item) -> tuple[s.Expression | None, str] | None:
-    """Where a line goes, in upper case, and on what condition; None if it does anything else."""
+    """Return the target of a jump, in upper case, and its condition; None for any other line."""
     match item:
         case s.Line(label=None, statement=s.If(condition, s.Target(place=str() as place), None)):
             return condition, place.upper()

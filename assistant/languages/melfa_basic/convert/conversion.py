@@ -92,7 +92,7 @@ def _without_labels(
 
 
 def with_lone_labels(items: Sequence[s.Item]) -> list[s.Item]:
-    """The lines with each label on a line of its own."""
+    """Return the lines with each label on a separate line."""
     made: list[s.Item] = []
     for item in items:
         if isinstance(item, s.Line) and item.label is not None and item.statement is not None:
@@ -144,7 +144,7 @@ DEEPEST_BLOCK: Final = 51
 class Converted:
     """The files of a program in another dialect.
 
-    trees: in the order of the given ones, parsed from what is written; empty after an error.
+    trees: in the order of the given ones, parsed from the written text; empty after an error.
     """
 
     trees: tuple[s.File, ...]
@@ -152,9 +152,9 @@ class Converted:
 
 
 def convert(trees: Sequence[s.File], to: str) -> Converted:
-    """The files of one program, without syntax errors, in another dialect.
+    """Convert the files of one program, without syntax errors, to another dialect.
 
-    What that dialect cannot say is a finding of severity error.
+    A construct without equivalent in that dialect is a finding of severity error.
     """
     dialect = DIALECTS[to]
     files = [_ConvertedFile(tree, dialect) for tree in trees]
@@ -331,11 +331,11 @@ def _read_back(text: str, dialect: Dialect, tree: s.File) -> s.File:
 def conversion(
     program: Program, dialect: str, file_names: Sequence[str], robot: Robot | None
 ) -> Conversion[s.File] | None:
-    """The files in the dialect, None if the program is not as it was read in another one.
+    """Return the files in the dialect; None if the program is not as it was read in another one.
 
-    Programs with a `Function`, for a dialect without, are none either: they go through the
-    pseudo-program. file_names: of the files of trees without a path, in their order. robot: that
-    the program is to run on.
+    None also for programs with a `Function` if the dialect lacks it: they go through the
+    pseudo-program. file_names: of the files of trees without a path, in their order. robot: the one
+    that the program is to run on.
     """
     origin = program.origin
     if origin is None or origin.language not in DIALECTS or origin.language == dialect:
@@ -389,7 +389,7 @@ def compared_programs(
 
 
 COMPARISON_TOLERANCE: Final = Tolerance(1e-9, 1e-9, 0.0)
-"""Of the comparison itself: numbers are not computed anew."""
+"""Tolerance of the comparison itself: numbers are not recomputed."""
 
 
 def lifted_pair(
@@ -405,7 +405,7 @@ def lifted_pair(
 
 
 def _lifted_text(trees: Sequence[s.File]) -> list[tuple[str | None, tuple[s.Item, ...]]]:
-    """What is lifted of trees, whatever dialect they are in."""
+    """Return the lifted parts of trees, without their dialect."""
     return [(file_stem(tree), tree.items) for tree in trees]
 
 
@@ -441,7 +441,7 @@ def _comparable_tree(tree: s.File, lowest: int) -> s.File:
 
 
 def _ignore_complaint(item: s.Item, what: str, cure: str) -> None:
-    """What cannot be said was found before."""
+    """Ignore a construct without equivalent: an earlier step has reported it."""
 
 
 def _without_dialect(part: Any) -> Any:

@@ -56,7 +56,9 @@ class Names:
 
 
 def is_program_name(name: str) -> bool:
-    """Whether a name is the program's: no status variable, function or word of the language."""
+    """True if a name belongs to the program, not to a status variable, function or word of the
+    language.
+    """
     return all(
         known(name) is None
         for known in (vocabulary.status, vocabulary.function, vocabulary.statement)
@@ -83,7 +85,7 @@ def variables_of(items: Sequence[s.Item]) -> Iterator[str]:
 
 
 def stems_of(items: Sequence[s.Item]) -> set[str]:
-    """What the names of tables begin with, in upper case: their numbers must stay."""
+    """Return the stems of table names, in upper case: their numbers must not change."""
     return {i.stem.upper() for i in items if isinstance(i, PositionRows | MoveRows)}
 
 
@@ -173,10 +175,11 @@ LABEL_LISTS: Final = ("steps", "long", "constant")
 
 @dataclass(slots=True)
 class OriginalNames(Names):
-    """What short names stand for, and more that a dialect does not say; all in upper case.
+    """The original names behind short names, and more that a dialect cannot express; all in upper
+    case.
 
-    steps: labels that stand for step numbers. long: numbers that were whole ones of 32 bits.
-    constant: assigned variables that were constants.
+    steps: labels that replace step numbers. long: numbers that were 32-bit integers. constant:
+    assigned variables that were constants.
     """
 
     steps: dict[str, None] = field(default_factory=dict)
@@ -249,7 +252,7 @@ def with_heading_names(items: Sequence[s.Item], names: Mapping[str, str]) -> lis
 
 
 def _heading(items: Sequence[s.Item]) -> tuple[int, int]:
-    """Places of the first and last line of the heading; (0, 0) if there is none."""
+    """Return the places of the first and last line of the heading; (0, 0) without a heading."""
     texts = takewhile(lambda text: text is not None, map(_comment_text, items))
     return headers.bounds([text or "" for text in texts]) or (0, 0)
 
@@ -293,7 +296,7 @@ IO_TYPES: Final = {4: {"DWORD": "Integer"}, 5: {"INTEGER": "DWord"}, 6: {"INTEGE
 """`Def Io` of 32 bits in the levels of the dialects."""
 
 INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
-"""What number 0 stands for."""
+"""Equivalents of number 0: no tool and no base."""
 
 
 STAY: Final = "do without it, or stay with the dialect that has it"
@@ -425,7 +428,7 @@ class Words:
     # ----------------------------------------------------------------- constants
 
     def constant(self, line: s.Line, node: s.Const) -> list[s.Item]:
-        """`Const` as the assignment that stands where it stood."""
+        """Replace a `Const` by an assignment at the same place."""
         self.memory.constant[node.variable.key] = None
         made: list[s.Item] = []
         if node.type:
@@ -435,7 +438,9 @@ class Words:
 
 
 def _later_form(record: Any) -> tuple[str, str] | None:
-    """What IV has, but not in this form, and what to write."""
+    """Return a form of a statement that IV lacks although it has the statement, and what to write
+    instead.
+    """
     match record:
         case s.Command("Tool" | "Base" as word, (s.Number(),)):
             return (
@@ -453,9 +458,10 @@ def _later_form(record: Any) -> tuple[str, str] | None:
 
 
 def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
-    """A line of a higher dialect in a lower one's words, None if it may not stand there alone.
+    """Return a line of a higher dialect in a lower one's words; None if it is not valid there on
+    its own.
 
-    It names nothing of its program: no variable, no label, no other line.
+    The line names nothing of its program: no variable, no label, no other line.
     """
     if any(variables_of([line])) or any(targets_in([line])) or _needs_others(line.statement):
         return None
@@ -467,7 +473,7 @@ def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
 
 
 def _needs_others(statement: s.Statement | None) -> bool:
-    """Whether a statement means something only together with the lines around it."""
+    """True if a statement has a meaning only together with the lines around it."""
     if isinstance(statement, s.Command) and statement.keyword in (
         "Break",
         "Wait",
@@ -508,7 +514,7 @@ def restored(items: Sequence[s.Item], memory: OriginalNames) -> list[s.Item]:
 
 
 def unreachable_constants(items: Sequence[s.Item]) -> list[s.Line]:
-    """Constants that stand behind a label or a jump, where an assignment may not be passed."""
+    """Return the constants after a label or a jump, where control may miss an assignment."""
     found: list[s.Line] = []
     passed = False
     for item in items:

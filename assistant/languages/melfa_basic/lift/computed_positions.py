@@ -70,7 +70,7 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
 
 
 def pallet_array_name(number: float) -> str:
-    """What the array of a pallet is called, if nothing else has that name."""
+    """Return the name of a pallet's array, if nothing else has that name."""
     return f"pallet_{number:g}"
 
 
@@ -311,7 +311,7 @@ def pallet_array(number: int, symbols: Symbols) -> e.Name:
 
 
 def mentions_pallet(parts: Any) -> bool:
-    """Whether a text that was kept needs the definitions of pallets."""
+    """True if vendor text needs the definitions of pallets."""
     return any(
         isinstance(part, e.Verbatim | p.Opaque) and _PALLET_WORD.search(part.text) is not None
         for part in records(parts)
@@ -332,7 +332,7 @@ class ElementReader(Protocol):
         """Any value."""
 
     def number(self, node: s.Expression) -> e.Expression:
-        """One that is no truth."""
+        """Lift a value that is not a truth."""
 
     def degrees(self, node: s.Expression) -> e.Expression:
         """An angle in radian as degrees."""
@@ -519,7 +519,9 @@ def constant_shift(node: s.Expression, symbols: Symbols) -> s.Constant | None:
 
 
 def constant_pose(node: s.Expression | None, symbols: Symbols) -> Pose | None:
-    """Where a constant, or the inverse or product of such, is; None if that is not known."""
+    """Return the pose of a constant, or of an inverse or product of constants; None if it is
+    unknown.
+    """
     if symbols.own or (symbols.robot is not None and symbols.robot.five_axis):
         return None
     match node:
@@ -538,9 +540,10 @@ def constant_pose(node: s.Expression | None, symbols: Symbols) -> Pose | None:
 
 
 def shift_amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list[float]:
-    """How far: mm along x, y, z, and degrees about x, the new y, the new z if it turns at all.
+    """Return the shift: mm along x, y, z, and degrees about x, the new y, the new z if it turns at
+    all.
 
-    operator: `+`, `-` or `*`. Raises Unliftable for what the pseudo-program has no words for.
+    operator: `+`, `-` or `*`. Raises Unliftable for a shift that the pseudo-program cannot express.
     """
     values = [0.0 if v is None else float(v) for v in constant.values]
     values += [0.0] * (6 - len(values))

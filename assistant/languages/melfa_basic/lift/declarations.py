@@ -94,7 +94,7 @@ class SourceFile:
         return frozenset(number for number in made if number is not None)
 
     def interrupts(self) -> bool:
-        """Whether it has interrupts that call."""
+        """True if the program has interrupts that call."""
         return any(
             calls_on_interrupt(statement)
             for item in self.code
@@ -146,7 +146,7 @@ def settings_of_interrupts(
 
 
 def _with_lone_labels(code: list[s.Entry]) -> list[s.Entry]:
-    """The code with the labels of subroutines in lines of their own: `*OPEN:HOpen 1` is both."""
+    """Return the code with the labels of subroutines on separate lines: `*OPEN:HOpen 1` is both."""
     wanted = called_labels(code) | {
         target_name(to) for item in code for to, _ in exits_of(statement_of(item)).handlers
     }
@@ -348,7 +348,9 @@ EXIT_FUNCTION: Final = s.Command("Exit Function")
 
 
 def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routine:
-    """What a function is. Parameters of several extents, or changed in an unknown way, are None."""
+    """Return the signature of a function. If a parameter has several extents, or changes in an
+    unknown manner, `parameters` has the value None.
+    """
     function = region.function
     assert function is not None
     kept = symbols.constants.kept
@@ -449,7 +451,9 @@ def _declared_keys(code: Code) -> set[str]:
 
 
 def _returns_directly(code: Code, region: Region, key: str) -> bool:
-    """Whether each result is given right before the function is left, so that it is `return`."""
+    """True if each result is assigned right before the function ends, so that it becomes
+    `return`.
+    """
     left: set[int] = set()
     for at in range(region.low, region.high):
         statement = code[at].statement
@@ -478,9 +482,10 @@ def _is_result(variable: s.Variable, key: str) -> bool:
 
 
 def defined_functions(code: Code, symbols: Symbols, taken: TakenNames) -> list[Procedure]:
-    """Functions of one expression (`Def FN`) as procedures; those that can be said get routines.
+    """Return functions of one expression (`Def FN`) as procedures; those that can be translated get
+    routines.
 
-    taken: names of procedures, to which theirs are added.
+    taken: names of procedures; the new names are added to it.
     """
     made = []
     for item in code:

@@ -1,9 +1,9 @@
 """Expressions of MELFA-BASIC as expressions of the pseudo-program, with their types.
 
-What the pseudo-program cannot express raises Unliftable. Truths and numbers are told apart by
-form: comparisons, and logic of nothing but comparisons, are truths. Functions that only
-MELFA-BASIC has become calls of procedures of `tables/library.txt`; timers that a file sets to zero
-and reads become timers of the pseudo-program, which count seconds instead of milliseconds.
+An expression that the pseudo-program cannot express raises Unliftable. The form distinguishes
+truths from numbers: comparisons, and logic of nothing but comparisons, are truths. Functions that
+only MELFA-BASIC has become calls of procedures of `tables/library.txt`; timers that a file sets to
+zero and reads become timers of the pseudo-program, which count seconds instead of milliseconds.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def operator_name(written: str) -> str:
 
 
 def is_comparison(node: s.Expression) -> bool:
-    """Whether it is a comparison, or what joins and turns nothing else."""
+    """True for a comparison, and for logic of comparisons only."""
     match node:
         case s.Binary(operator=written, left=left, right=right):
             operator = operator_name(written)
@@ -104,7 +104,7 @@ def is_comparison(node: s.Expression) -> bool:
 
 
 def are_truth_operands(*operands: s.Expression) -> bool:
-    """Whether logic that was written here may be of truths; else it is vendor text, of bits."""
+    """True if logic in a compiled text may be of truths; otherwise it is vendor text, on bits."""
     for node in operands:
         match node:
             case s.Number(value=value) if value not in (0, 1):
@@ -117,7 +117,7 @@ def are_truth_operands(*operands: s.Expression) -> bool:
 
 
 class Types:
-    """The types of what stands in one file."""
+    """The types of the expressions in one file."""
 
     def __init__(self, symbols: Symbols) -> None:
         self.m = symbols
@@ -158,7 +158,7 @@ class Types:
         return self.m.type_of_key(key)
 
     def is_truth(self, node: s.Expression) -> bool:
-        """Whether it is 0 or 1 (or a truth), so that bits and truths are the same."""
+        """True if the value is 0 or 1 (or a truth), so that bits and truths are the same."""
         match node:
             case s.Binary(operator=written, left=left, right=right):
                 operator = operator_name(written)
@@ -180,9 +180,9 @@ class Types:
         return node.key in self.m.io and self.m.io[node.key][0] == 1
 
     def joins_bits(self, left: s.Expression, right: s.Expression) -> bool:
-        """Whether logic between two values is of the bits of numbers.
+        """True if logic between two values works on the bits of numbers.
 
-        In a text that was written here 0 and 1 may be truths, and what a function gives.
+        In a compiled text 0 and 1 may be truths, and so may the result of a function.
         """
         sides = (left, right)
         if any(is_comparison(node) for side in sides for node in nodes(side)):
@@ -196,7 +196,7 @@ class Types:
         return not self.m.own or not are_truth_operands(*sides) or any(map(self._is_number, sides))
 
     def _is_plain_number(self, node: s.Expression) -> bool:
-        """Whether it is a number's own variable, or what is worked out of numbers."""
+        """True for a plain number variable, and for a value calculated from numbers."""
         match node:
             case s.Number(value=value):
                 return value not in (0, 1)
@@ -205,7 +205,7 @@ class Types:
         return False
 
     def _is_number(self, node: s.Expression) -> bool:
-        """Whether a value that has the type of a number is one for certain."""
+        """True if a value of a number type is certainly a number."""
         match node:
             case s.Number():
                 return False
@@ -278,7 +278,7 @@ def seconds_of(milliseconds: float) -> e.Number:
 
 
 class ArgumentReader(Protocol):
-    """What lifts the expressions of a file."""
+    """Lift of the expressions of a file."""
 
     m: Symbols
 
@@ -286,7 +286,7 @@ class ArgumentReader(Protocol):
         """Any value."""
 
     def number(self, node: s.Expression) -> e.Expression:
-        """One that is no truth."""
+        """Lift a value that is not a truth."""
 
     def rounded(self, node: s.Expression) -> e.Expression:
         """One that is whole."""
@@ -296,9 +296,9 @@ class ArgumentReader(Protocol):
 
 
 def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentReader) -> e.Expression:
-    """What says a function: plain words, an input, or mostly a procedure of the library.
+    """Lift a call of a function: to plain words, an input, or mostly a procedure of the library.
 
-    key: in upper case. Raises Unliftable where there is nothing.
+    key: in upper case. Raises Unliftable if the function has no equivalent.
     """
     match key, given:
         case "LEFT", (whole, s.Number(count) as number) if count >= 1:
@@ -352,7 +352,7 @@ _CLOCK: Final = {
     melfa.upper(): name for name, melfa in STATUS_FUNCTIONS.items() if melfa != "J_Curr"
 }
 _PLACE_TYPES: Final = frozenset(("position", "pose"))
-"""Types of what stands somewhere, of which a product is one that stands in another."""
+"""Types of located values; the product of two places the second in the first."""
 _ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
 ADDITIONAL: Final = {melfa: name for name, written in poses.ADDITIONAL.items() for melfa in written}
 _STATUS_NUMBERS: Final = {
@@ -361,7 +361,7 @@ _STATUS_NUMBERS: Final = {
     "M_PI": e.Number(math.pi),
     **{key: e.Number(round(value)) for key, value in INITIAL_STATUS.items()},
 }
-"""What status variables that never change are."""
+"""Values of status variables that never change."""
 ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
 """Value of `P_Zero`."""
 _ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
@@ -375,7 +375,7 @@ class Expressions(Types):
     # ------------------------------------------------------------------------- any value
 
     def of(self, node: s.Expression) -> e.Expression:
-        """Any value; what the pseudo-program cannot say stays as its text."""
+        """Lift any value; one that the pseudo-program cannot express becomes vendor text."""
         return self._said(self.plain, node)
 
     def condition(self, node: s.Expression) -> e.Expression:
@@ -407,7 +407,7 @@ class Expressions(Types):
         return e.Verbatim(self.m.dialect, text, reason=reason, effect=effect, told=told)
 
     def told(self, read: Callable[[], T]) -> T | None:
-        """What other languages are told of what stays as its text; None if that is nothing."""
+        """Lift the equivalent of vendor text for other languages; None if it has no equivalent."""
         if self.m.own or self.m.telling:
             return None
         self.m.telling = True
@@ -449,7 +449,7 @@ class Expressions(Types):
         raise Unliftable
 
     def number(self, node: s.Expression) -> e.Expression:
-        """A value that is no truth, as the operand of a sum."""
+        """Lift a value that is not a truth, as the operand of a sum."""
         if not self.m.own and isinstance(node, s.Binary):
             if operator_name(node.operator) in e.RELATIONS:
                 raise Unliftable
@@ -533,7 +533,7 @@ class Expressions(Types):
         return holds if wanted else e.Unary("not", holds)
 
     def nonzero(self, node: s.Expression) -> e.Expression:
-        """Whether a bit of a truth or number is set."""
+        """Lift the test of a truth or number for any set bit."""
         if self.is_truth(node) or is_comparison(node):
             return self.truth(node)
         if self.type_of(node) not in ("number", "integer"):
@@ -579,7 +579,7 @@ class Expressions(Types):
         raise Unliftable(SETTINGS_DIFFER)
 
     def here(self, key: str) -> e.Expression:
-        """Where the robot stands, seen with the tool and base that hold."""
+        """Lift the robot's present position, under the active tool and base."""
         if key in ("J_CURR", "J_FBC"):
             if key == "J_FBC" and not self.m.telling:
                 raise Unliftable(CONTROLLER_STATE)
@@ -610,7 +610,7 @@ class Expressions(Types):
         return made
 
     def extents(self, node: s.Expression) -> int:
-        """How many extents a value has: none but that of a whole array."""
+        """Return the number of extents of a value: 0 for all but a complete array."""
         match node:
             case s.Variable(arguments=None, component=""):
                 return len(self.m.size_of(node.key))
@@ -701,7 +701,7 @@ class Expressions(Types):
         return e.Apply("round", (value,))
 
     def is_unit(self, node: s.Expression) -> bool:
-        """Whether it is one mm or degree of an additional axis, in a text that was written here."""
+        """True for one mm or degree of an additional axis, in a compiled text."""
         match node:
             case s.Variable(component=component) if self.m.own and component in ADDITIONAL:
                 whole = self.variable(s.Variable(node.name, node.suffix, node.arguments))
@@ -744,7 +744,7 @@ class Expressions(Types):
         return e.Binary("/", self.number(node), e.Number(DEGREE))
 
     def is_angle(self, node: s.Expression) -> bool:
-        """Whether it is of the kind that comes in radian."""
+        """True for a value that MELFA-BASIC gives in radian."""
         if not isinstance(node, s.Variable):
             return False
         if is_angle(node.component, self.m.robot):
@@ -781,7 +781,9 @@ class Expressions(Types):
 
 
 def _is_translated(record: Any) -> bool:
-    """Whether a record keeps no text, and calls nothing of the user's: its name may yet change."""
+    """True if a record holds no vendor text and calls no function of the user: its name may still
+    change.
+    """
     match record:
         case e.Apply(function):
             return function in e.FUNCTIONS or function.startswith(VENDOR_ONLY_NAME.format(""))

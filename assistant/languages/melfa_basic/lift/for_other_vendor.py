@@ -65,8 +65,9 @@ LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "TITLE": ("the pendant shows no title", "none is needed"),
     "CAVCHK": ("common areas are not watched for by the program", "let the cell watch them"),
 }  # fmt: skip
-"""What is lost with a command, by its word and the argument that it hangs on, and what to do
-(COSIROP help and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk)."""
+"""Loss with each command, by its word and the argument that decides it, and the cure (COSIROP help
+and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk).
+"""
 
 _STOPPING_ERROR: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
 """An error of the program's own that stops it; from 9200 on they are cautions (COSIROP: ERROR)."""
@@ -95,7 +96,9 @@ STIFFNESS_WORDS: Final[Mapping[str, re.Pattern[str]]] = {
     "CMPG": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
     "FSC": re.compile(r"\bFsc\s+On\b", re.IGNORECASE),
 }
-"""What says how the arm is soft, or that it is not, by its word, and what asks for a soft arm."""
+"""By the word of a command about the softness of the arm, the pattern of the command that makes the
+arm soft.
+"""
 
 
 def exported(program: Program) -> Adapted:

@@ -120,7 +120,9 @@ _TURNED_COMPARISONS: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": 
 
 
 def lift_triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
-    """What a move sets on its way; raises Unliftable for anything but a number given to outputs."""
+    """Lift the output assignments during a move; raises Unliftable for anything but a number
+    assigned to outputs.
+    """
     if append is None:
         return ()
     if not isinstance(append.statement, s.Assign):
@@ -155,7 +157,7 @@ def _trigger_place(
 
 
 def _is_steady(bound: s.Expression, amount: e.Expression) -> bool:
-    """Whether a bound stays as it is while the robot moves: no input, timer or state is in it."""
+    """True if a bound does not change while the robot moves: it has no input, timer or state."""
     read = (x.key for x in nodes(bound) if isinstance(x, s.Variable))
     return is_steady(amount) and not any(key.startswith("M_") for key in read)
 
@@ -190,7 +192,7 @@ class Moves:
         raise Unliftable  # it goes to the start of an arc before
 
     def until(self, append: s.Append | None) -> e.Expression | None:
-        """What breaks a move off, by `WthIf …, Skip`."""
+        """Lift the condition that aborts a move, from `WthIf …, Skip`."""
         match append:
             case s.Append(s.Command(word), condition) if word.upper() == "SKIP" and condition:
                 return self.expressions.condition(condition)
@@ -268,7 +270,7 @@ class Moves:
     def arc(
         self, start: s.Expression, via: e.Expression | None, end: s.Expression, values: Values
     ) -> list[p.Statement]:
-        """An arc; the robot goes to its start first if it does not stand there.
+        """Lift an arc; the robot moves to its start first if it is elsewhere.
 
         via: None for a straight line.
         """

@@ -45,15 +45,16 @@ from assistant.program.program import identifier
 Values = tuple[Any, ...]
 """Settings of a move, by TCP, JOINT, BLEND, TOOL and FRAME."""
 Place = tuple[str, Any, Any]
-"""Where the robot stands: a position variable (upper case), the tool and the frame."""
+"""Position of the robot: a position variable (upper case), the tool and the frame."""
 
 SingleMove = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
 """Makes the statements of a move that is part of no path."""
 
 
 MOST_TAUGHT: Final = 2000
-"""Positions of a stem that people may have taught: each keeps its name, as a target of its own.
-More were written by a program, and are rows of paths."""
+"""Greatest number of positions of a stem that people may have taught: each keeps its name, as a
+separate target. A larger number was written by a program; they are rows of paths.
+"""
 _PLAIN_KINDS: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 """Kinds of rows of a path by those of moves."""
 _KEYWORD_ROWS: Final = {
@@ -75,18 +76,18 @@ class _Chunk:
 
 
 def are_known(values: Values, joint: bool) -> bool:
-    """Whether every setting is known that a move of that kind depends on."""
+    """True if every setting is known that a move of that kind depends on."""
     return all(v is not UNKNOWN for k, v in enumerate(values) if k != (TCP if joint else JOINT))
 
 
 def are_fixed(values: Values, joint: bool) -> bool:
-    """Whether every setting that such a move depends on is one value, as in a path."""
+    """True if every setting that such a move depends on has one value, as in a path."""
     used = (v for k, v in enumerate(values) if k != (TCP if joint else JOINT))
     return are_known(values, joint) and not any(isinstance(v, Computed) for v in used)
 
 
 def move_speed(values: Values, joint: bool) -> Speed:
-    """The speed of a move; that of the tool says nothing of a joint move."""
+    """Return the speed of a move; the tool speed does not affect a joint move."""
     return Speed(math.inf, joint=values[JOINT]) if joint else Speed(values[TCP])
 
 
@@ -175,7 +176,7 @@ class Runs:
         )
 
     def is_here(self, start: s.Expression | None, values: Values) -> bool:
-        """Whether the robot stands at the start of an arc."""
+        """True if the robot is at the start of an arc."""
         here = robot_place(start, values)
         if here is not None and here[0] == ARC_START and self.arc_pending:
             return True
@@ -191,9 +192,9 @@ class Runs:
         span: Span | None,
         made: list[p.Statement],
     ) -> bool:
-        """Puts rows to the path, which is begun anew if they do not go on with it.
+        """Append rows to the path; begin a new path if they do not continue it.
 
-        start: of the arc that they may begin with; False if the robot does not stand there.
+        start: of the arc that they may begin with. Return False if the robot is not there.
         """
         if kinds[0] == Kind.VIA and not self.is_here(start, values):
             return False
@@ -219,14 +220,16 @@ class Runs:
         return np.where((at >= 0) & (numbers <= self.stops[at]), at, -1)
 
     def allowed(self, stem: str, numbers: Ints) -> Truths:
-        """Whether positions of a path: known, and in a range or used nowhere else."""
+        """True for each position that a path may contain: known, and in a range or used nowhere
+        else.
+        """
         _, _, known = self.symbols.positions.find(stem, numbers)
         if self.own:
             return known & (self.ranges_of(stem, numbers) >= 0)
         return known & np.isin(numbers, self.single.get(stem.upper(), ()))
 
     def holds(self, key: str) -> bool:
-        """Whether a position variable is a row of a path that was made."""
+        """True if a position variable is a row of a finished path."""
         name = split_name(s.Variable(key))
         return name is not None and any(
             stem == name[0].upper() and first <= name[1] <= last for stem, first, last in self.taken
@@ -304,7 +307,7 @@ def _row_spans(chunks: Sequence[_Chunk]) -> Rows | None:
 
 
 def robot_place(at: s.Expression | None, values: Values) -> Place | None:
-    """Where the robot stands at a position, None if that is no plain variable."""
+    """Return the robot's place at a position; None if the position is not a plain variable."""
     match at:
         case s.Variable(arguments=None):
             return place_at(at.key, values)

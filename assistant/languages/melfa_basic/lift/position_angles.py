@@ -53,7 +53,7 @@ from assistant.program.rewriting import (
 from assistant.program.statement_index import records_in_procedures
 
 ANGLE_SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
-"""What a number beside a position is called behind the position's name."""
+"""Suffixes of the number variables next to a position, after the position's name."""
 SAME_ANGLE: Final = 1e-9
 PositionKey = tuple[str, str]
 """A position variable: the procedure whose own it is, empty for the program's, and its name, both
@@ -420,7 +420,7 @@ def _within_turn(value: e.Expression, beside: e.Expression) -> e.Expression:
 
 
 def _sets_angle(node: p.Statement | None) -> bool:
-    """Whether a statement sets one angle of a position."""
+    """True if a statement sets one angle of a position."""
     return isinstance(node, p.Assign) and _is_angle(node.target)
 
 
@@ -524,7 +524,7 @@ def _with_configurations(procedure: Procedure, program: Program, held: str) -> P
 def _configuration_assigned(
     pair: Body, names: Mapping[str, str], positions: Mapping[str, Variable], held: str
 ) -> Body:
-    """What two statements are together, nothing if they do not set both flags of one position."""
+    """Combine two statements that set both flags of one position; return nothing for any others."""
     found = [
         _FLAG_ASSIGNMENT.fullmatch(one.text.strip()) for one in pair if isinstance(one, p.Opaque)
     ]

@@ -111,7 +111,7 @@ class Reader(Control):
         return self.code[self.labels[label]].label or label
 
     def ending(self, region: Region) -> list[p.Statement]:
-        """What stands behind a body: the comment of its last word, a result that was kept."""
+        """Return the statements after a body: the comment of its last word, and a stored result."""
         made: list[p.Statement] = []
         if region.high < len(self.code) and self.code[region.high].statement in BODY_ENDS:
             made += self.note(region.high)
@@ -205,7 +205,7 @@ class Reader(Control):
         return made and at not in self.kept
 
     def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
-        """A statement that is no block, or its text."""
+        """Lift a statement that is not a block, or return it as vendor text."""
         if at in self.kept and not isinstance(node, s.If):
             told = self.expressions.told(lambda: self.simple(node))
             lost = told is None and setting_number(node) in self.followed
@@ -220,7 +220,9 @@ class Reader(Control):
     # ------------------------------------------------------------------------- functions
 
     def result(self, at: int, node: s.Statement, made: list[p.Statement]) -> int:
-        """The result of a function, and the way out behind it; the place after both, or 0."""
+        """Lift the result of a function, and the exit after it; return the place after both, or
+        0.
+        """
         inside = self.symbols.inside
         if inside is None or not isinstance(node, s.Assign) or node.target.key != inside.key:
             return 0
@@ -247,7 +249,7 @@ def _has_vendor_expression(statements: list[p.Statement]) -> bool:
 
 
 def _never_continues(body: list[p.Statement]) -> bool:
-    """Whether nothing runs on below the last statement."""
+    """True if control never continues below the last statement."""
     last = next((node for node in reversed(body) if not isinstance(node, p.Comment)), None)
     if isinstance(last, p.Opaque):
         return last.text.strip().lower() == "end"

@@ -60,7 +60,9 @@ class Structure:
 
 
 def _has_no_other_jumps(name: str, places: Sequence[int], named: Mapping[str, int]) -> bool:
-    """Whether no other jumps lead into an `If` of jumps. named: how often labels are, by label."""
+    """True if no other jumps lead into an `If` of jumps. named: number of uses of each label, by
+    label.
+    """
     branches = len(places) // 3
     numbers = range(1, branches + 1)
     inner = (f"{name}{letter}{number}" for letter in "TN" for number in numbers)
@@ -68,7 +70,7 @@ def _has_no_other_jumps(name: str, places: Sequence[int], named: Mapping[str, in
 
 
 def is_lone_command(item: s.Entry, keyword: str) -> bool:
-    """Whether a line is that word alone."""
+    """True if a line is that word alone."""
     return item.label is None and item.statement == s.Command(keyword)
 
 
@@ -153,9 +155,10 @@ _END: Final = s.Command("End")
 
 
 def interrupt_handlers(code: Code) -> dict[str, str]:
-    """What interrupts lead to, by label, with their word: lines that only they lead to.
+    """Return the handlers that only interrupts lead to, by label, with the word of the interrupt.
 
-    What they call goes back to where it came by `Return 0` alone; what they go to ends the program.
+    A called handler returns to the interrupted line by `Return 0` alone; one that is jumped to ends
+    the program.
     """
     calls, found = called_labels(code), dict[str, str]()
     for item in code:
@@ -180,7 +183,7 @@ STOP_WORDS: Final = ("", "S", "F")
 
 
 def _ends_as_handler(code: Code, at: int, word: str) -> bool:
-    """Whether the lines from a label on end as what an interrupt leads to has to."""
+    """True if the lines from a label on end as an interrupt handler must."""
     last = RETURN_TO_PROGRAM if word == "GoSub" else _END
     for item in code[at:]:
         node = statement_of(item)
@@ -195,7 +198,7 @@ def _ends_as_handler(code: Code, at: int, word: str) -> bool:
 
 
 def _function_regions(code: Code) -> list[Region] | None:
-    """Functions and the lines above them; None if there are none, or not in order."""
+    """Return functions and the lines above them; None if the code has none, or not in order."""
     spans: list[tuple[int, int, s.Function]] = []
     head: tuple[int, s.Function] | None = None
     for at, item in enumerate(code):
@@ -238,7 +241,7 @@ def is_note(item: object) -> bool:
 
 
 def _comments_above(code: Code, first: int) -> int:
-    """Where the comments begin that stand right above the first function."""
+    """Return the place where the comments right above the first function begin."""
     while first and is_note(code[first - 1]):
         first -= 1
     return first
@@ -327,12 +330,12 @@ def _exits(code: Code, at: int) -> Exits[s.Target]:
 
 
 def called_labels(code: Code) -> set[str]:
-    """What `GoSub` statements name."""
+    """Return the labels that `GoSub` statements name."""
     return {target_name(to) for item in code for to in exits_of(statement_of(item)).calls}
 
 
 def jump_targets(code: Code, places: Iterable[int], besides: Collection[str] = ()) -> Iterator[str]:
-    """What statements of some lines go to, and interrupts because of them.
+    """Yield the jump targets of some lines, and those of interrupts that they define.
 
     besides: labels that interrupts may lead to.
     """
@@ -353,7 +356,7 @@ def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
 
 
 def target_name(target: s.Target) -> str:
-    """How a jump's target is told from others: the label in upper case, or `#` and the step."""
+    """Return the unique name of a jump's target: the label in upper case, or `#` and the step."""
     place = target.place
     return place.upper() if isinstance(place, str) else f"#{place}"
 
@@ -364,7 +367,7 @@ def next_word(code: Code, at: int) -> int:
 
 
 def goes_on_above(code: Code, at: int) -> bool:
-    """Whether control may run into the place from the line above it, or from the beginning."""
+    """True if control may reach the place from the line above it, or from the beginning."""
     above = next((k for k in range(at - 1, -1, -1) if not is_note(code[k])), None)
     if above is None:
         return True
@@ -390,9 +393,10 @@ MOST_COPIES: Final = 4
 
 
 def in_order(code: list[s.Entry]) -> list[s.Entry]:
-    """The lines as they are, unless a part of the main program stands behind a subroutine.
+    """Return the lines unchanged, unless a part of the main program follows a subroutine.
 
-    Then: what the first line leads to by jumps, what nothing calls, and each subroutine whole.
+    The order then is: the part that the first line leads to by jumps, the parts that nothing calls,
+    and each complete subroutine.
     """
     if any(isinstance(statement_of(item), s.Function) for item in code):
         return code
@@ -416,7 +420,7 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
 
 
 def _run_edges(code: list[s.Entry]) -> list[int]:
-    """Where runs of lines begin that nothing runs into from above, and the end."""
+    """Return the beginnings of runs of lines that nothing runs into from above, and the end."""
     depth = Structure(code).depth
     inner = (at for at in range(1, len(code)) if not depth[at] and _run_begin(code, at))
     return [0, *inner, len(code)]
@@ -447,10 +451,10 @@ def _joined_runs(code: list[s.Entry], spans: list[range]) -> list[int]:
 
 
 def separated(code: list[s.Entry]) -> list[s.Entry]:
-    """The lines with every subroutine in one piece, if some are in several or share lines.
+    """Return the lines with every subroutine in one piece, if some are in several or share lines.
 
-    A subroutine is what control comes to from its label, without what that calls. Lines that
-    several of them share are given to each, with labels of their own.
+    A subroutine is the code that control reaches from its label, without the code that this calls.
+    Each subroutine gets a copy of the lines that several share, with separate labels.
     """
     if any(isinstance(statement_of(item), s.Function) for item in code):
         return code
@@ -627,7 +631,7 @@ class _InterruptLines:
 
 
 def calls_on_interrupt(statement: s.Statement) -> bool:
-    """Whether it is an interrupt that calls: `GoTo` leaves what the program was doing."""
+    """True for an interrupt that calls: `GoTo` abandons what the program was doing."""
     return isinstance(statement, s.OnCom) or (
         isinstance(statement, s.DefAct) and statement.keyword == "GoSub"
     )
@@ -697,7 +701,7 @@ def _interrupt_number(node: s.Expression | None) -> float | None:
 
 
 Answer = tuple[s.Jump | s.Call, s.Expression | None]
-"""The call that an interrupt leads to, and the condition on which the program ends behind it."""
+"""The call that an interrupt leads to, and the condition on which the program then ends."""
 Answers = Mapping[str, Answer]
 """By the label of its lines in upper case."""
 _SHUT: Final = s.Command("Act", (s.Binary("=", s.Number(0), s.Number(0)),))
@@ -734,7 +738,7 @@ def without_trampolines(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
 
 
 def _trampoline(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
-    """The call of the lines below a label, and the place behind them."""
+    """Return the call in the lines below a label, and the place after them."""
     lines = [statement_of(item) for item in code[at : at + 5]]
     shut = bool(lines) and lines[0] == _SHUT
     match lines[shut:]:

@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Reading:
-    """What one reading of a file gave."""
+    """Result of one reading of a file."""
 
     symbols: Symbols
     reader: Reader
@@ -232,9 +232,9 @@ class Unit:
         )
 
     def settings_that_hold(self, wanted: frozenset[int]) -> Iterator[s.Entry]:
-        """Lines that set what holds there already, however they are come to.
+        """Yield the lines whose setting is already active, on every path that leads to them.
 
-        wanted: the numbers of the settings that are looked at.
+        wanted: the numbers of the settings to check.
         """
         again: dict[int, bool] = {}
         for form in (form for forms in self.ways.called.forms for form in forms.values()):
@@ -334,7 +334,9 @@ class Unit:
         return CalledForms(flow, self._initial(), single, frozenset(alone))
 
     def _initial(self) -> State:
-        """What holds at the start; a program that is called may find what its caller has set."""
+        """Return the settings at the start; a called program may run under settings of its
+        caller.
+        """
         if self.is_main or self.own:
             return INITIAL_SETTINGS
         set_anywhere = frozenset().union(*self.touched.values())
@@ -346,7 +348,7 @@ class Unit:
     # -------------------------------------------------------------------------- procedures
 
     def _routines(self, symbols: Symbols) -> list[Routine]:
-        """What each region is called; functions are noted among the symbols."""
+        """Return the routine of each region, with its name; note the functions in the symbols."""
         code = self.code
         taken = TakenNames((*(q.name for q in self.program.procedures), *self.programs))
         listed = []
@@ -368,9 +370,9 @@ class Unit:
         return listed
 
     def _name_forms(self, listed: list[Routine]) -> TakenNames:
-        """The first form of a procedure has its name, the others a number behind it.
+        """Name the forms of each procedure: the first has its name, the others a number after it.
 
-        Gives the names that are taken then.
+        Return the names that are taken then.
         """
         taken = TakenNames((*(r.name for r in listed), *self.programs))
         taken.update(q.name for q in self.program.procedures)
@@ -440,7 +442,7 @@ class Unit:
         return Parameter(name, kind)
 
     def _has_no_code(self, body: tuple[Any, ...]) -> bool:
-        """Whether a file is a list of positions."""
+        """True if a file is only a list of positions."""
         if self.header.entry == "-" and self.is_main:
             return True
         return not body and not any(
@@ -550,7 +552,7 @@ def _comments_of(file: SourceFile) -> Iterator[str]:
 
 
 def settings_already_set(tree: s.File, wanted: frozenset[int]) -> Iterator[s.Entry]:
-    """Lines of a program in one file that set what holds there already, see `Unit`."""
+    """Yield the lines of a program in one file whose setting is already active, see `Unit`."""
     file, name = SourceFile(tree), "-"
     program = Program(name, signals=dict(file.header.signals))
     touched = changed_settings({name: file})

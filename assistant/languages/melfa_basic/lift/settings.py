@@ -83,9 +83,9 @@ TCP, JOINT, BLEND, TOOL, FRAME = range(5)
 
 
 INITIAL_SETTINGS: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, BASE))
-"""What holds when a program starts (COSIROP help; tool and base as the controller has them)."""
+"""Settings at the start of a program (COSIROP help; tool and base as the controller has them)."""
 ALL_SETTINGS: Final = frozenset(range(len(INITIAL_SETTINGS)))
-"""Of a program that nothing is known of."""
+"""Numbers of all settings, for a program of unknown content."""
 
 
 class Settings:
@@ -161,7 +161,9 @@ class Settings:
         return UNKNOWN if number <= 0 else number
 
     def _computed(self, node: Any) -> Any:
-        """What the program works out of its own variables, UNKNOWN if anything else is in it."""
+        """Return a value that the program calculates from its variables alone; UNKNOWN if it has
+        any other part.
+        """
         found = [part for part in nodes(node) if isinstance(part, s.Variable)]
         names = {part.key for part in found if part.arguments is None or not function(part.key)}
         if not self.computes or not names.isdisjoint(self.functions):
@@ -246,7 +248,7 @@ class Settings:
 
 
 PARAMETER_OF_BASE: Final = re.compile(parameter_position(PARAMETERS["Base"].format(number=r"\d+")))
-"""What work coordinates of a number are called among positions."""
+"""Pattern of the names that numbered work coordinates have among positions."""
 
 
 def plain_frame(values: tuple[float | None, ...]) -> Frame:
@@ -285,7 +287,7 @@ def setting_number(node: s.Statement | None) -> int | None:
 
 
 def _is_set_elsewhere(key: str) -> bool:
-    """Whether others may change a variable: the controller, or other programs."""
+    """True if the controller or another program may change a variable."""
     return key[1:2] == "_" or status(key) is not None
 
 
@@ -320,9 +322,10 @@ _WAIT_LABELS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class SettingFlow:
-    """What the code is, however its settings are said: the same in each reading of a file.
+    """The code independent of how its settings are lifted: the same in each reading of a file.
 
-    single: see `positions_used_once`. breaks: whether it asks if something was left by `Break`.
+    single: see `positions_used_once`. breaks: True if the code asks whether `Break` has left a
+    block.
     """
 
     constants: Constants
@@ -448,7 +451,9 @@ def setting_lines(
 
 
 def _reached_calls(number: int, calls: Mapping[int, set[int | frozenset[int]]]) -> set[int]:
-    """What a procedure calls, with all that this calls; everything where that is not known."""
+    """Return the procedures that a procedure calls, directly or not; all of them if a call is
+    unknown.
+    """
     pending, found = [*calls[number]], set[int]()
     while pending:
         one = pending.pop()
@@ -657,5 +662,5 @@ def _frame_and_target(
 
 
 def _is_arc_start(argument: s.Expression | None) -> bool:
-    """Whether it is the place that an arc starts at, as read from the robot."""
+    """True for the start position of an arc, as read from the robot."""
     return isinstance(argument, s.Variable) and argument.key == ARC_START

@@ -87,7 +87,7 @@ def _hand_assignment(node: s.Assign, lift: Expressions) -> p.Gripper:
 
 
 def _assigns_truth(node: s.Assign, lift: Expressions) -> bool:
-    """Whether a number is given a truth: 1 where it holds, else 0."""
+    """True if a truth is assigned to a number: 1 where it holds, else 0."""
     if lift.m.own or lift.type_of(node.target) not in ("number", "integer"):
         return False
     comparison = is_comparison(node.value)
@@ -166,9 +166,11 @@ def _signal_assignment(node: s.Assign, lift: Expressions) -> p.SetSignal | p.Cal
 
 
 def _output_value(given: s.Expression, signal: Signal, lift: Expressions) -> e.Expression:
-    """What outputs take of a value: the nearest whole number, and a group the low bits of it.
+    """Return the part of a value that outputs take: the nearest integer, and for a group its low
+    bits.
 
-    Raises Unliftable where no manual tells what they take: of a half, and a bit of other numbers.
+    Raises Unliftable where no manual states what they take: of a half, and for a bit of numbers
+    other than 0 and 1.
     """
     value = lift.of(given)
     if signal.kind == "analog":
@@ -214,7 +216,7 @@ def _masked_assignment(node: s.Assign, lift: Expressions) -> p.SetSignal | None:
 
 
 def declare_variables(variables: Sequence[s.Variable], lift: Expressions) -> list[p.Statement]:
-    """Declares variables, which is no statement of its own."""
+    """Declare variables, which adds no statement."""
     for variable in variables:
         if variable.arguments is not None and not lift.m.size_of(variable.key):
             raise Unliftable
@@ -259,7 +261,7 @@ RECEIVING_FUNCTIONS = {
     "number": "received_number",
     "integer": "received_number",
 }
-"""What reads an item for a variable of a type."""
+"""Functions that read an item, by the type of the variable for it."""
 _PRINTED_TYPES = ("text", "number", "integer")
 
 

@@ -84,7 +84,9 @@ from assistant.program.rewriting import is_steady, records
 
 @dataclass(slots=True)
 class OpenBlock:
-    """An open block, by its word. places: of those that divide and end it. label: behind it."""
+    """An open block. kind: by its word. places: of the words that divide and end it. label: after
+    it.
+    """
 
     kind: str
     places: Collection[int]
@@ -98,7 +100,7 @@ HAND_COMMANDS: Final = ("HOpen", "HClose")
 FORCED_COMMAND: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 StatementLift = Callable[[Any, Any], list[p.Statement]]
-"""What a statement says, given the reader and it; raises Unliftable."""
+"""Function that lifts a statement, given the reader and the statement; raises Unliftable."""
 
 
 class Statements:
@@ -154,9 +156,11 @@ class Statements:
         self.region = Region(0, 0)
         self.at = 0
         self.answers: Answers = {}
-        """What interrupts call, see `Answers`."""
+        """Calls of interrupts, see `Answers`."""
         self.torn = False
-        """Whether a text with a jump stands in a divided procedure, where it leads astray."""
+        """True if a divided procedure contains vendor text with a jump, whose target may be wrong
+        there.
+        """
         self.depending: list[tuple[Form, int, frozenset[int]]] = []
         """Lines kept as text, and the settings under which they do what they do."""
 
@@ -166,7 +170,8 @@ class Statements:
         return self.as_told(tuple(held.value for held in self.called.at(self.at, self.form)))
 
     def single(self, node: s.Statement) -> list[p.Statement]:
-        """The branch of an `If` in one line, or its text as that of a line of its own.
+        """Lift the branch of an `If` in one line, or return the text that it would have as a
+        separate line.
 
         Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
         """
@@ -175,7 +180,7 @@ class Statements:
         return self.or_text(node, lambda: self.simple(node))
 
     def simple(self, node: s.Statement) -> list[p.Statement]:
-        """A statement that is no block; raises Unliftable."""
+        """Lift a statement that is not a block; raises Unliftable."""
         if (effect := self.effect(node)) is not None:
             if self.expressions.m.telling:
                 given = followed_assignment(node, effect[1], self.followed, self.expressions)
@@ -200,7 +205,9 @@ class Statements:
         read: Callable[[], list[p.Statement]],
         refused: p.Reason | None = None,
     ) -> list[p.Statement]:
-        """What is read, else the statement's text. refused: why, if the reader does not tell."""
+        """Return the lifted statement, else its text. refused: why, if the reader gives no
+        reason.
+        """
         try:
             return read()
         except Unliftable as found:
@@ -252,7 +259,7 @@ class Statements:
         ]
 
     def where(self, at: int) -> str:
-        """What a line is called in a finding."""
+        """Return the words for a line in a finding."""
         item = self.code[at]
         if not isinstance(item, s.Line) or item.statement is None:
             return "a block of moves"
@@ -385,7 +392,9 @@ def define_interrupt(reader: Statements, node: s.DefAct) -> list[p.Statement]:
 
 
 def _answering_procedure(reader: Statements, node: s.DefAct) -> str | None:
-    """The procedure that interrupts alone lead to, as it is called; None if there is none."""
+    """Return the name of the procedure that interrupts alone lead to; None if there is no such
+    procedure in a single plain form.
+    """
     number = reader.by_label.get(target_name(node.target))
     if number is None or not reader.regions[number].answers:
         return None
@@ -411,7 +420,9 @@ def switch_interrupt(reader: Statements, node: s.Command) -> list[p.Statement]:
 
 
 def _defined_interrupts(reader: Statements) -> dict[float | None, str | None]:
-    """By the number of each interrupt what it calls, None for what cannot be said."""
+    """Return the procedure that each interrupt calls, by number; None for one without
+    equivalent.
+    """
     found: dict[float | None, str | None] = {}
     for node, alone in reader.definitions:
         number, called = literal(node.number), _answering_procedure(reader, node)
@@ -481,7 +492,7 @@ def watch_mo_triggers(reader: Statements, node: s.Command) -> list[p.Statement]:
 
 
 DEEPEST: Final = 50
-"""Blocks inside one another that are read as such; controllers stop at 16."""
+"""Deepest nesting of blocks that are read as blocks; controllers stop at 16."""
 
 
 class Control(Statements):
@@ -498,7 +509,9 @@ class Control(Statements):
     # ------------------------------------------------------------------------------ blocks
 
     def block(self, at: int, high: int, made: list[p.Statement]) -> int:
-        """A whole block that begins here; gives the place after it, 0 if there is none."""
+        """Lift the complete block that begins here; return the place after it, 0 if no block begins
+        here.
+        """
         found, item = self.blocks.get(at), self.code[at]
         if found is None or found[-1] > high or len(self.leaving) > DEEPEST:
             return 0
@@ -554,7 +567,7 @@ class Control(Statements):
         return [p.Comment(simple_statements.comment_text(item.comment), span=item.span)]
 
     def part(self, place: int, following: int) -> tuple[p.Statement, ...]:
-        """What stands below a word that divides a block."""
+        """Lift the lines below a word that divides a block."""
         return (*self.note(place), *self.body(place + 1, following))
 
     def if_block(self, places: list[int]) -> p.If:
@@ -584,7 +597,7 @@ class Control(Statements):
         return p.If(tuple(branches), otherwise)
 
     def condition_at(self, place: int, node: s.If | s.ElseIf) -> e.Expression:
-        """The condition of a line of an `If`, under what holds there."""
+        """Lift the condition of a line of an `If`, under the settings active there."""
         self.enter(place)
         return self.expressions.condition(node.condition)
 
@@ -626,7 +639,7 @@ class Control(Statements):
         return is_steady(value, changing) and not any(name[1:2] == "_" for name in names)
 
     def _tests(self, case: s.Case) -> list[Test]:
-        """What a case asks of the value: one of these."""
+        """Return the alternative tests of a case on the value."""
         plain = self.expressions.plain
         found: list[Test] = []
         for item in case.items:
@@ -672,7 +685,9 @@ class Control(Statements):
         return p.Goto(self.label_names[place])
 
     def on_jump(self, node: s.OnJump) -> list[p.Statement]:
-        """`On n GoTo` and `On n GoSub`; a number that there is none for goes on below."""
+        """Lift `On n GoTo` and `On n GoSub`; for a number without a target control continues
+        below.
+        """
         subject = self.expressions.rounded(node.subject)
         if any(target is None for target in node.targets):
             raise Unliftable
@@ -685,7 +700,7 @@ class Control(Statements):
         return [p.Switch(subject, cases)]
 
     def broken(self, _: s.Command) -> list[p.Statement]:
-        """`Break`: out of the innermost block; at the end of a branch it says nothing."""
+        """Lift `Break`: leave the innermost block; at the end of a branch it has no effect."""
         if not self.leaving or self.asks_for_breaks:
             raise Unliftable
         block = self.leaving[-1]
@@ -698,7 +713,7 @@ class Control(Statements):
 
 
 def _is_single_value(item: s.CaseRange | s.CaseIs) -> bool:
-    """Whether it asks for one value."""
+    """True if the item of a case tests for a single value."""
     return item.operator == "=" if isinstance(item, s.CaseIs) else item.last is None
 
 
@@ -750,5 +765,5 @@ COMMAND_LIFTS: Final[Mapping[str, tuple[int, StatementLift]]] = {
 
 
 def _may_be_whole(step: e.Expression) -> bool:
-    """Whether a step may be a whole number, for all that its text says."""
+    """True if a step may be an integer, as far as its text shows."""
     return not isinstance(step, e.Number) or float(step.value).is_integer()

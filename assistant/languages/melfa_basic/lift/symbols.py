@@ -94,7 +94,9 @@ def _set_size(scope: Scope, variable: s.Variable) -> None:
 
 
 def is_variable(node: s.Variable) -> bool:
-    """Whether a name is no status variable and no function of the language."""
+    """True if a name belongs to the program, not to a status variable or function of the
+    language.
+    """
     if node.arguments is not None and function(node.key) is not None:
         return False
     return status(node.key) is None
@@ -173,7 +175,7 @@ class Constants:
                 self.placed[key] = value
 
     def value(self, node: s.Expression | None) -> Value | None:
-        """What an expression comes to if that is known: literals, constants, their sums."""
+        """Return the value of an expression if it is known: literals, constants, their sums."""
         match node:
             case s.Number(value=number):
                 return float(number)
@@ -195,7 +197,7 @@ class Constants:
 
 
 def _leads_away(statement: s.Statement | None) -> bool:
-    """Whether what stands behind it may run more than once, later, or not at all."""
+    """True if the lines after a statement may run more than once, later, or not at all."""
     if isinstance(statement, s.Jump | s.If | s.OnJump | s.CallP | s.Call | s.Function | s.DefAct):
         return True
     return bool(block_word(statement).opens) or isinstance(statement, s.Next | s.OnCom)
@@ -206,7 +208,7 @@ KeptArguments = Mapping[str, Sequence[bool]]
 
 
 def kept_arguments(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
-    """What is known of the functions and arrays of a file."""
+    """Return, for the functions and arrays of a file, which arguments they leave unchanged."""
     found: dict[str, Sequence[bool]] = {}
     for item in code:
         match item.statement.definition if isinstance(item.statement, s.Static) else item.statement:
@@ -263,7 +265,7 @@ SIGNAL_VARIABLES: Final[dict[str, tuple[str, str, int]]] = {
 }  # fmt: skip
 """Status variable → kind, direction and bits of the signal that it addresses.
 
-Analog ones stand in registers of the network.
+Analog signals are in registers of the network.
 """
 
 IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
@@ -271,11 +273,11 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 
 
 VENDOR_ONLY_NAME: Final = "told {}"
-"""Name of a function that stands for a status variable until other languages are told of it."""
+"""Name of a function that replaces a status variable until it is lowered for other languages."""
 VENDOR_ONLY_END: Final = VENDOR_ONLY_NAME.format("END")
 """Name of a call that stands for `End` in a subroutine until then, see `vendor_only`."""
 CONTROLLER_STATES: Final = ("M_SVO", "M_OPOVRD", "M_OVRD")
-"""States of the controller that other languages are told."""
+"""States of the controller that are lowered for other languages."""
 
 
 class Unliftable(Exception):
@@ -288,10 +290,10 @@ class Unliftable(Exception):
 
 @dataclass(slots=True)
 class Routine:
-    """A function of the user's own.
+    """A function of the user.
 
-    name: in the pseudo-program. result: None for none. parameters: None if the pseudo-program
-    cannot say them, so that it stays as its text.
+    name: in the pseudo-program. result: None for no result. parameters: None if the pseudo-program
+    cannot express them, so that the function is passed through as vendor text.
     """
 
     name: str
@@ -348,7 +350,7 @@ class Symbols:
         self.grids = True
         """True if pallets are such arrays in every language."""
         self.timers: dict[int, str] = {}
-        """Names of the timers that are read as such, by number."""
+        """Names of the timers that are lifted as timers, by number."""
         self.spelling: dict[str, str] = {}
         self.io: dict[str, tuple[int, int]] = {}
         self.renamed: dict[str, str] = {}
@@ -365,9 +367,9 @@ class Symbols:
         self.variants: dict[str, str] = {}
         """Names of the forms of functions that are called from the line that is read."""
         self.in_texts: set[str] = set()
-        """What texts that stay may call by its name: functions, labels, in upper case."""
+        """Names that vendor text may refer to: functions, labels, in upper case."""
         self.telling = False
-        """Whether it is read what other languages are told, see `exported`."""
+        """True while code is lifted for other languages, see `exported`."""
 
     # ------------------------------------------------------------------------------- names
 
@@ -412,15 +414,16 @@ class Symbols:
         return e.Name(self.declared(node))
 
     def state(self, key: str) -> e.Expression:
-        """A state of the controller; what others are told of it is worked out later."""
+        """Lift a state of the controller; a later step lowers it for other languages."""
         if not self.telling or key not in CONTROLLER_STATES:
             raise Unliftable(CONTROLLER_STATE)
         return e.Apply(VENDOR_ONLY_NAME.format(key))
 
     def mounted(self, key: str) -> e.Expression | None:
-        """The pose of a tool or frame of a heading that a variable is, None for any other.
+        """Return the pose of the heading's tool or frame that a variable holds; None for any other
+        variable.
 
-        What `Base` is given is the inverse of a frame.
+        `Base` takes the inverse of a frame.
         """
         names = self.header.names
         if self.own and key in names["tool"]:
@@ -459,7 +462,7 @@ class Symbols:
         return name
 
     def value_of(self, constant: s.Constant, kind: ValueType) -> e.Expression:
-        """What a constant means to a variable of a type."""
+        """Lift a constant as the value of a variable of a type."""
         if kind == "joints":
             return e.JointValue(joints_of(constant, self.robot))
         if kind == "pose":
@@ -490,7 +493,7 @@ class Symbols:
         return self.inside is not None and key in self.inside.names
 
     def value(self, node: s.Expression | None) -> float | str | None:
-        """What an expression is known to come to."""
+        """Return the known value of an expression."""
         if isinstance(node, s.Variable) and self.is_shadowed(node.key):
             return None
         known = self.constants.value(node)

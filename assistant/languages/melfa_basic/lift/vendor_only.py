@@ -152,7 +152,7 @@ class NumberedSignals:
         return {one.hand for one in records_in_procedures(self.program, p.Gripper)}
 
     def added(self, program: Program) -> Program:
-        """The program with the procedures that were asked for, and the signals that they name."""
+        """Return the program with the requested procedures and the signals that they name."""
         made = tuple(self._procedure(one) for one in self.choosers.values())
         return replace(program, signals=self.signals, procedures=(*program.procedures, *made))
 
@@ -216,7 +216,7 @@ class NumberedSignals:
         write: tuple[e.Expression, ...] | None,
         numbers: set[int],
     ) -> str:
-        """The name of the procedure that reads or sets a signal, which is told."""
+        """Return the name of the procedure that reads or sets a signal, and report it."""
         key = signal, write
         if key not in self.choosers:
             width = f"_{signal.bits}" if signal.kind == "group" else ""
@@ -281,7 +281,9 @@ class LibraryProcedures:
         self._names: dict[str, str] = {}
 
     def name(self, key: str) -> str:
-        """What a procedure of the library is called in the program, which it is added to."""
+        """Return the program's name for a procedure of the library, and add the procedure to the
+        program.
+        """
         if key not in self._names:
             self._names[key] = self._free(key)
             for other in sorted(library_calls(library()[key])):
@@ -289,7 +291,7 @@ class LibraryProcedures:
         return self._names[key]
 
     def added(self, program: Program) -> Program:
-        """The program with the procedures that were asked for."""
+        """Return the program with the requested procedures."""
         if not self._names:
             return program
 
@@ -546,7 +548,7 @@ def _lost_effects(node: p.Statement, made: Body) -> tuple[str, str] | None:
 
 
 def _counts_axis(statement: p.Statement) -> bool:
-    """Whether a place of an additional axis is more than copied: in mm, or in radian."""
+    """True if the value of an additional axis is more than copied: in mm, or in radian."""
     if isinstance(statement, p.Assign) and _is_axis(statement.value):
         return False
     return any(map(_is_axis, records(head(statement))))

@@ -128,7 +128,7 @@ def respelled_expression(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:
 
 
 def _dialect_has(node: s.Expression, dialect: Dialect) -> bool:
-    """Whether the dialect has the functions, status variables and type marks of an expression."""
+    """True if the dialect has the functions, status variables and type marks of an expression."""
     for record in records(node):
         if isinstance(record, s.Variable):
             known = function(record.key) or status(record.key)
@@ -374,7 +374,7 @@ class _NumberedChannels(Rewording):
                 yield node
 
     def file(self, place: e.Expression) -> e.Expression:
-        """The name of a file without its folder, of which there are none."""
+        """Return the name of a file without its folder; the controller has no folders."""
         if not isinstance(place, e.Text):
             self.told_once(rules.FILE_NAMED(given=expression_text(place), name="that text"))
             return place
@@ -461,7 +461,7 @@ def with_short_conditions(
 
 
 def _may_be_long(node: p.Statement) -> bool:
-    """Whether a statement asks so much that it is worth a look at its length."""
+    """True if a statement's condition or value is so large that its length needs a check."""
     match node:
         case p.If((p.Branch(asked), *_)) | p.Return(asked) | p.Assign(_, asked):
             return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW_RECORDS
@@ -545,7 +545,7 @@ def _joined_chain(
 
 
 def _chain_operands(value: e.Expression, word: str) -> Iterator[e.Expression]:
-    """What one operator joins, in its order."""
+    """Yield the operands of a chain of one operator, in order."""
     match value:
         case e.Binary(operator, left, right) if operator == word:
             yield from _chain_operands(left, word)

@@ -222,7 +222,7 @@ STRAIGHT_TOLERANCE: Final = 1e-6
 COMPOSED_ANGLES: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
 """Status variables and functions whose angles are calculated from an orientation."""
 INITIAL_VALUES: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
-"""What a variable of a type begins with in other languages."""
+"""Initial value of a variable in other languages, by its type."""
 
 
 def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
@@ -339,19 +339,19 @@ def _sets_mount(node: s.Statement, word: str, status: str) -> bool:
 
 
 def _command_text(text: str, span: Span | None) -> str:
-    """The command that stands where another one is called instead; empty for a plain call."""
+    """Return the text of a command that a call replaces; empty for a plain call."""
     return _matched_text(text, span, rf"\b((?:{'|'.join(FORCE_COMMANDS)})\b[^'\r\n]*)")
 
 
 def _matched_text(text: str, span: Span | None, pattern: str) -> str:
-    """What the group of a pattern matches in a line of a text; empty for nothing."""
+    """Return the text that the group of a pattern matches in a line; empty if nothing matches."""
     line = text[span.start : span.end] if span is not None else ""
     found = re.search(pattern, line, re.IGNORECASE)
     return found[1].strip() if found else ""
 
 
 def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
-    """Whether it is a pallet on an arc whose points, as they were read, lie on a line."""
+    """True for a pallet on an arc whose points, as read, lie on a line."""
     if node.kind != "Plt" or literal(node.arguments[-1]) not in (
         ARC_DIRECTION,
         ARC_DIRECTION + FIXED_POSTURE,

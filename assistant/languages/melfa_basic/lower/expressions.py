@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 def is_truth(value: e.Expression, signals: Mapping[str, Signal]) -> bool:
-    """Whether a value is written as a truth is: 0, 1 or a digital signal.
+    """True if a value is written like a truth: 0, 1 or a digital signal.
 
     signals: by lower-case name.
     """
@@ -138,7 +138,7 @@ class InlineConstants:
 class Expressions:
     """Lowers the expressions of one unit; raises Unsayable.
 
-    next_number: gives a position or joint variable of its own for a value.
+    next_number: returns the number of a separate position or joint variable for a value.
     """
 
     program: Program
@@ -162,13 +162,13 @@ class Expressions:
         return s.Variable(self.word(function), suffix, arguments)
 
     def argument(self, value: e.Expression) -> s.Expression:
-        """What a procedure is called with; a position has a variable."""
+        """Lower an argument of a procedure; a position gets a variable."""
         if isinstance(value, e.TargetValue | e.JointValue):
             return self.target(value)
         return self.of(value)
 
     def place(self, value: e.Expression) -> s.Variable:
-        """What an assignment may assign to."""
+        """Lower the target of an assignment."""
         if isinstance(value, e.Member):
             return self.component(value.value, value.field)
         place = self.of(value) if isinstance(value, e.Name | e.Index) else None
@@ -310,7 +310,9 @@ class Expressions:
         raise Undeclared(name)
 
     def base(self, name: str) -> s.Variable | None:
-        """What `Base` is given for a frame, which is the inverse of it; None for any other name."""
+        """Return the argument of `Base` for a frame, which is its inverse; None for any other
+        name.
+        """
         known = None if self.names.products else self.names.frames.get(name.lower())
         counted = known in self.names.numbers
         return None if known is None or counted or self.variable(name) else s.Variable(known)
@@ -387,7 +389,7 @@ class Expressions:
         return s.Variable(base.name, base.suffix, base.arguments, name)
 
     def type_of(self, value: e.Expression) -> str | None:
-        """What the program says of a variable or an element of one."""
+        """Return the type of a variable, or of an element of one, in the program."""
         if isinstance(value, e.Index):
             return self.type_of(value.value)
         if not isinstance(value, e.Name):
@@ -463,7 +465,7 @@ class Expressions:
 
 
 def _is_position(value: s.Expression) -> bool:
-    """Whether it is a whole position or joint variable; `P_Curr` is one too."""
+    """True for a complete position or joint variable; `P_Curr` is one too."""
     match value:
         case s.Variable(component="", arguments=None):
             return value.name[:1].upper() in ("P", "J")

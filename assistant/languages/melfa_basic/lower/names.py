@@ -1,8 +1,8 @@
-"""What each thing of a program is called in MELFA-BASIC: short, by type.
+"""Names of a program's objects in MELFA-BASIC: short, by type.
 
-A variable's first letter is its type: P positions, J joints, M numbers, C texts. Names
-share one space with the controller's own words; labels have a space of their own. Where the
-version keeps both cases, a name stays as it is spelled as far as that goes.
+A variable's first letter is its type: P positions, J joints, M numbers, C texts. Names share one
+space with the controller's own words; labels have a separate space. Where the version preserves
+upper and lower case, a name keeps its spelling as far as that goes.
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ class Names:
     numbers: dict[str, int] = field(default_factory=dict)
 
     def variable(self, owner: str, name: str) -> str | None:
-        """What a variable is called in a procedure, None if it is none."""
+        """Return the short name of a variable in a procedure; None if the name is not a
+        variable.
+        """
         owner, key = owner.lower(), name.lower()
         tables = self.variables, self.loops
         own = next((table[owner, key] for table in tables if (owner, key) in table), None)
@@ -170,7 +172,7 @@ MOST_COUNTED: Final = {"Tool": 16, "Base": 8}
 
 
 def unit_names(program: Program) -> dict[str | None, str]:
-    """What the units of a program are called, the main one by None."""
+    """Return the names of a program's units, the main one under None."""
     files = TakenNames()
     units: dict[str | None, str] = {None: program_name(program.name, files)}
     for entry in program.procedures:
@@ -180,7 +182,9 @@ def unit_names(program: Program) -> dict[str | None, str]:
 
 
 def spelled(program: Program, dialect: Dialect) -> Callable[[str, str, str], str]:
-    """What something is called in the text, see `Language.spelled`; signals have numbers."""
+    """Return a function that gives the spelling of a name in the text, see `Language.spelled`;
+    signals have numbers.
+    """
     names = naming(program, dialect)
     tables = {
         "target": names.targets,
@@ -216,7 +220,7 @@ def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
 
 
 def mark(short: str) -> str:
-    """What a variable of this name ends with where it is used: texts are told by it."""
+    """Return the suffix of a variable where it is used: it marks texts."""
     return "$" if short[:1] in ("C", "c") else ""
 
 

@@ -1,8 +1,7 @@
 """An adapted program as the tree of one of its units: heading, code lines and position lines.
 
-The heading comments hold what the code cannot express (see text.header). Vendor text depends on
-settings that the lines before it leave; lines that would set again what holds there already are
-left out.
+The heading comments hold what the code cannot express (see text.header). Vendor text depends on the
+settings of the lines before it; lines that set an already active value again are omitted.
 """
 
 from __future__ import annotations
@@ -136,11 +135,11 @@ def _note_labels(w: Writer, head: headers.Header) -> None:
 
 
 def settings_for_vendor_text(program: Program) -> frozenset[int]:
-    """The settings, by number, under which texts of a program in one unit do what they do.
+    """Return the settings, by number, that vendor text of a program in one unit depends on.
 
-    None of one in several units, where it is not known what the others change. Tool and base only
-    of one that was read in MELFA-BASIC: without a line for them they stay as the controller has
-    them there, elsewhere there are none.
+    The result is empty for several units, because the changes by other units are unknown. It has
+    tool and base only for a program that was read in MELFA-BASIC: without a line for them the
+    controller's own values apply there; a program from elsewhere has none.
     """
     found: frozenset[int] = frozenset()
     if any(procedure.unit is not None for procedure in program.procedures):
@@ -170,8 +169,8 @@ DEFINITION_WORDS: Final[dict[ValueType, str]] = {
     "number": "Float", "truth": "Float", "integer": "Inte", "text": "Char",
     "position": "Pos", "pose": "Pos", "joints": "Jnt",
 }  # fmt: skip
-"""The word after `Def` for what all Functions of a file share. A truth is of the type of variables
-that nothing defines, as parameters are: what is given by reference must be of the same.
+"""The word after `Def` for variables that all Functions of a file share. A truth has the type of
+undefined variables, as parameters do: an argument by reference must have the same type.
 """
 
 
@@ -182,7 +181,7 @@ def build(
     dialect_name: str,
     products: bool = False,
 ) -> s.File:
-    """The tree of one unit; raises Refused with findings for what the language cannot say.
+    """Build the tree of one unit; raises Refused with findings for constructs without equivalent.
 
     products: targets are multiplied by their frames, else `Base` is set.
     """
@@ -225,9 +224,11 @@ class UnitLines(Writer):
     def _without_settings_that_hold(
         self, code: list[s.Item], data: Sequence[s.Item], depended: frozenset[int]
     ) -> list[s.Item]:
-        """The lines without settings that hold already, of those that kept texts depend on.
+        """Return the lines without those that set an already active value, for settings that vendor
+        text depends on.
 
-        Such a text would depend on what is written for a move, and no longer on what it did.
+        Otherwise such a text would depend on the line written for a move, no longer on its original
+        line.
         """
         tree = s.File(self.dialect.name, (*code, *data))
         again = self.settings.intersection(map(id, settings_already_set(tree, depended)))
@@ -253,7 +254,7 @@ class UnitLines(Writer):
             self.add(s.Command("Return"))
 
     def as_functions(self, first: Procedure | None, others: list[Procedure]) -> None:
-        """What all of them share, the entry as `Main`, and the others."""
+        """Write the definitions that all Functions share, the entry as `Main`, and the others."""
         self.definitions()
         for procedure in [*([first] if first else []), *others]:
             notes, body = notes_and_body(procedure.body)
@@ -285,15 +286,15 @@ class UnitLines(Writer):
         return _variable_named(short)
 
     def has_heading(self) -> bool:
-        """Whether a file without code says anything."""
+        """True if a file without code needs a heading."""
         told = self.program
         data = told.targets, told.joint_targets, told.tools, told.frames, told.variables
         return any(map(bool, (*data, told.signals, told.comments)))
 
     def definitions(self) -> None:
-        """What has a type of its own, or is an array, by type in the order of the heading.
+        """Write the definitions of typed variables and arrays, by type in the order of the heading.
 
-        Functions see of the others' variables only those that are defined before them.
+        Functions see only those variables of others that are defined before them.
         """
         lines: dict[str, list[s.Variable]] = {}
         arrays = []

@@ -133,7 +133,7 @@ def write_signal(w: Writer, node: p.SetSignal) -> None:
 def output_assignment(
     w: Writer, one: p.SetSignal | p.Trigger, pulse: s.Expression | None = None
 ) -> s.Assign:
-    """What gives an output its value."""
+    """Return the assignment that gives an output its value."""
     target, value = w.expressions.output(one.signal, w.expressions.of(one.value))
     if pulse is not None and any(x == target for x in nodes(value)):
         raise Unsayable(
@@ -159,7 +159,9 @@ def write_close(w: Writer, node: p.Detach) -> None:
 
 
 def write_print(w: Writer, node: p.Send) -> None:
-    """The first part stands behind a comma, the others behind semicolons, which add nothing."""
+    """Write a `Print` with a comma before the first part and semicolons before the others, which
+    add nothing.
+    """
     marks = (",", *(";" for _ in node.parts))
     values: list[s.Expression | None] = [w.expressions.of(part) for part in node.parts]
     if node.kind == "piece":
@@ -244,7 +246,7 @@ def write_return(w: Writer, node: p.Return) -> None:
 
 
 def result_of(w: Writer, procedure: Procedure) -> s.Variable:
-    """What a Function's result is assigned to: its own name."""
+    """Return the variable for a Function's result: its own name."""
     suffix = "$" if procedure.result == "text" else ""
     return s.Variable(w.names.procedures[procedure.name.lower()], suffix)
 
@@ -428,10 +430,10 @@ def appended_statement(w: Writer, move: p.MoveStatement) -> s.Append | None:
 
 
 def _unsayable_trigger(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
-    """What `Wth` and `WthIf` have no form for, and what to do instead.
+    """Yield properties of a trigger that `Wth` and `WthIf` cannot express, each with its cure.
 
-    steady: what it sets is a number, and so is its place, or the move stops and the place stays as
-    it is until then.
+    steady: the value that it sets is a number, and so is its place, or the move stops and the place
+    stays as it is until then.
     """
     name = f"`{x.signal}`"
     if x.ahead is not None:
@@ -515,7 +517,7 @@ def _write_settings(
 
 
 def _target_in_frame(w: Writer, target: s.Expression, frame: str) -> s.Expression:
-    """A target in its frame: as it stands where `Base` is the frame, else multiplied by it."""
+    """Return a target in its frame: unchanged where `Base` is the frame, else multiplied by it."""
     if not w.names.products or frame.lower() == BASE:
         return target
     name = w.names.frames.get(frame.lower())
@@ -525,7 +527,7 @@ def _target_in_frame(w: Writer, target: s.Expression, frame: str) -> s.Expressio
 
 
 def _move_arguments(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expression, ...]:
-    """The arguments of a move; a distance along the tool has a form of its own."""
+    """Return the arguments of a move; a distance along the tool is a separate argument."""
     match value:
         case e.Apply(function="relative", arguments=(base, x, y, z)) if (
             e.plain_number(x) == 0 and e.plain_number(y) == 0
@@ -537,7 +539,7 @@ def _move_arguments(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expre
 def _remember_place(
     w: Writer, target: tuple[s.Expression, ...], node: p.Move | p.MoveCircular
 ) -> None:
-    """Where the robot stands, if the next arc may name it."""
+    """Record the robot's position, if the next arc may name it."""
     w.previous, motion = None, node.motion
     if node.until is not None:
         return
@@ -623,7 +625,7 @@ def _move_rows(kinds: Any, first: int) -> MoveRows:
 
 
 def interrupt_label(number: int) -> str:
-    """What an interrupt leads to."""
+    """Return the label of an interrupt's lines."""
     return f"AC{number}"
 
 

@@ -97,9 +97,10 @@ NO_MOUNTS: Final = (Tool(), Frame())
 def with_supplied(
     trees: Sequence[s.File], given: Supplied, dialect: str, folder: str
 ) -> list[s.File]:
-    """The trees, each with a line for every name that its program wants, and the cell's routines.
+    """Return the trees, each with a line for every name that its program requires, and the cell's
+    routines.
 
-    folder: that those are said to stand in.
+    folder: given as the location of the routines.
     """
     made = []
     asked = [(one, value) for one, value in given if one.kind == "routine"]
@@ -186,7 +187,7 @@ def _read_again(tree: s.File) -> s.File:
 
 
 def _is_acting(item: s.Item) -> bool:
-    """Whether a line is the first one that may do something."""
+    """True if a line may have an effect, so that it ends the leading declarations."""
     if not isinstance(item, s.Line):
         return not isinstance(item, s.Data | PositionRows | s.Blank)
     return item.label is not None or not isinstance(item.statement, _DECLARING_STATEMENTS)
@@ -210,9 +211,9 @@ def supplied_routines(trees: Sequence[s.File]) -> set[str]:
 
 
 def _with_routine_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
-    """The tree that calls the cell's routines where it has commands of the maker's own.
+    """Return the tree with calls of the cell's routines in place of vendor commands.
 
-    Its text stays, so that findings and reports show what stands there.
+    Its text does not change, so that findings and reports show the original lines.
     """
     turned = {
         node.target.key
@@ -239,7 +240,7 @@ STEEPEST_ANGLE: Final = 90.0
 
 
 def _is_no_turn(value: s.Expression) -> bool:
-    """Whether the last three numbers of a constant are no angles of one orientation alone."""
+    """True if the last three numbers of a constant are not the unique angles of one orientation."""
     match value:
         case s.Constant(values=values):
             return any(abs(v or 0) >= STEEPEST_ANGLE for v in values[3:6])

@@ -42,7 +42,7 @@ def marked(comment: p.Comment) -> str:
 
 
 def _opens(item: s.Item) -> bool:
-    """Whether a line is the first of a block, and its comment that of the block."""
+    """True if a line is the first of a block, so that its comment belongs to the block."""
     match item:
         case s.Line(statement=s.If(then=None) | s.For() | s.Command(keyword="While")):
             return True
@@ -52,11 +52,11 @@ def _opens(item: s.Item) -> bool:
 class Writer:
     """Writes the procedures of a unit.
 
-    unit: None for the main one. write: how each kind of statement is written. functions: whether
+    unit: None for the main one. write: how each kind of statement is written. functions: True if
     procedures are `Function` blocks. items: code lines without step numbers. paths: first position
     number and path of each `Follow`. used: names that the unit's code refers to. shared: the
-    program's constants that a unit needs a copy of. findings: what cannot be said. wanting: see
-    `Adapted`.
+    program's constants that a unit needs a copy of. findings: constructs without equivalent.
+    wanting: see `Adapted`.
     """
 
     write: ClassVar[Mapping[type, Callable[[Any, Any], None]]] = {}
@@ -76,21 +76,23 @@ class Writer:
         self.paths: list[tuple[int, Path]] = []
         self.findings, self.wanting = Findings(), list[Diagnostic]()
         self.state: dict[str, object] = {}
-        """What the word of each setting has set, where that is known."""
+        """Active value of each setting by its word, where known."""
         self.settings: set[int] = set()
         """Lines that set what a statement needs, by their identity."""
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
         self.answers: list[p.Interrupt] = []
-        """Interrupts whose lines stand behind the end of the program."""
+        """Interrupts whose lines follow the end of the program."""
         self.number = names.position
         self.made = 0
         self.spans: dict[int, Span] = {}
-        """Where in the source that is written here stood what a line says, by its identity."""
+        """Source span of the statement that each written line is from, by the identity of the
+        line.
+        """
         self._at: Span | None = None
         self._noted = 0
         self._inner: int | None = None
-        """Where the first body of the statement that is written begins."""
+        """Index where the first body of the statement being written begins."""
         self.owner: Procedure | None = None
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
@@ -141,7 +143,7 @@ class Writer:
 
     @contextmanager
     def saying(self, about: Declared | None = None) -> Iterator[None]:
-        """What cannot be said in here becomes a finding."""
+        """Turn a construct without equivalent in this context into a finding."""
         try:
             yield
         except NoNumber as signal:
@@ -170,7 +172,7 @@ class Writer:
         self.forget()
 
     def part(self, word: s.Statement, body: tuple[p.Statement, ...] = ()) -> None:
-        """A word that a part of a block begins or ends with, and what stands in that part."""
+        """Write a word that begins or ends a part of a block, and the content of that part."""
         self.add(word)
         self.forget()
         self.body(body)
@@ -215,7 +217,8 @@ class Writer:
         self._inner = outer
 
     def _ends_block(self, comment: p.Statement, before: p.Statement | None) -> bool:
-        """Writes a comment behind the last word of a block, if it stood there.
+        """Write a comment after the last word of a block, if it was there; return True if it is
+        written.
 
         An `If` of one line has no such word: a comment at its end is read as one above it.
         """
@@ -266,7 +269,7 @@ class Writer:
             self.forget()
 
     def _is_call(self, record: Any) -> bool:
-        """Whether it is a function of the program in an expression, which may set anything."""
+        """True for a call of a program function in an expression, which may set anything."""
         return (
             isinstance(record, e.Apply)
             and record.function not in e.FUNCTIONS
@@ -299,7 +302,9 @@ class Writer:
             self.state.pop("Tool", None)
 
     def changed_frame(self, place: e.Expression) -> s.Variable | None:
-        """What is assigned, the inverse, where the pose of a frame is; `Base` is set again."""
+        """Return the variable for the pose of a frame, which is assigned as the inverse; `Base` is
+        then set again.
+        """
         if not isinstance(place, e.Name) or not self._mounts(place.name):
             return None
         known = None if self.names.products else self.names.frames.get(place.name.lower())
@@ -308,7 +313,7 @@ class Writer:
         return None if known is None else s.Variable(known)
 
     def _mounts(self, name: str) -> bool:
-        """Whether a name that is assigned to is that of a tool or frame."""
+        """True if a name that is assigned to is that of a tool or frame."""
         if name.lower() not in self.mounts or self.expressions.variable(name) is not None:
             return False
         if any(q.unit is not None for q in self.program.procedures):
@@ -367,7 +372,7 @@ class Writer:
         self._noted = len(self.items)
 
     def is_first(self, procedure: Procedure) -> bool:
-        """Whether its unit begins with it."""
+        """True if the procedure is the first of its unit."""
         if procedure.unit is None:
             return procedure.name.lower() == (self.program.entry or "").lower()
         return procedure is next(q for q in self.program.procedures if q.unit == procedure.unit)

@@ -1,4 +1,4 @@
-"""What editors ask about MELFA-BASIC, answered by its tables."""
+"""Editor support for MELFA-BASIC, from its tables."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import Final
 from assistant.languages.melfa_basic.tables.vocabulary import functions, statements, variables
 
 TOKENISED: Final = b"ROBPRG"
-"""What a controller's own .MB4, .MB5 and .MB6 files begin with."""
+"""First bytes of a controller's own .MB4, .MB5 and .MB6 files."""
 
 LEVELS: Final = {".mb4": 4, ".mb5": 5, ".mb6": 6}
 """Suffixes that say the version."""
@@ -26,7 +26,7 @@ LEAST: Final = 0.5
 
 
 def recognises(data: bytes, level: int, suffix: str = "") -> bool:
-    """Whether bytes look like one version; a written file and some suffixes say which it is.
+    """True if bytes look like one version; a written file and some suffixes state the version.
 
     suffix: of the file's name in lower case, with its dot.
     """
@@ -114,7 +114,9 @@ _QUIET: Final = re.compile(r"'[^\n]*|\"[^\"\n]*\"|\bREM\b[^\n]*", re.IGNORECASE)
 
 @cache
 def _newer() -> tuple[tuple[re.Pattern[str], int], ...]:
-    """What only a newer version has, with that version: statements, functions, variables."""
+    """Return patterns for the features of each newer version, with that version: statements,
+    functions, variables.
+    """
     return tuple((re.compile("|".join(_of(level)), re.I | re.M), level) for level in (6, 5))
 
 

@@ -240,7 +240,7 @@ def lexer() -> ContextualLexer:
 
 
 BLANKS: Final = " \t\f\x1a"
-"""What a line holds that holds nothing; the last one ends files of old systems."""
+"""Characters of a line without content; the last one ends files of old systems."""
 MOST_WORDS: Final = 256
 """Words of a line that are read: no controller takes a step of more bytes."""
 MOST_NESTING: Final = 60
@@ -273,9 +273,9 @@ def _nodes() -> Nodes:
 def read_line(
     text: str, start: int, end: int, behind: int
 ) -> s.Line | s.Data | s.Blank | Stop | TooLarge:
-    """The node of what stands between two offsets, or why there is none.
+    """Return the node for the text between two offsets, or why it cannot be read.
 
-    behind: offset behind the line end.
+    behind: offset after the line end.
     """
     span = Span(start, behind)
     if not text[start:end].strip(BLANKS):
@@ -289,14 +289,16 @@ def read_line(
 
 
 def placed(node: s.Line | s.Data, number: int | None, span: Span | None) -> s.Line | s.Data:
-    """What the grammar made of a line, with its step number and its place."""
+    """Return the node that the grammar built from a line, with its step number and its span."""
     if isinstance(node, s.Line):
         return s.Line(number, node.label, node.statement, node.comment, span)
     return replace(node, span=span)
 
 
 def split_step(text: str, start: int, end: int) -> tuple[int | None, int, str]:
-    """Step number of a line, offset of the code behind it, and the rule of the grammar for that."""
+    """Return the step number of a line, the offset of the code after it, and the rule of the
+    grammar for that.
+    """
     step = _STEP.match(text, start, end)
     at = step.end() if step else start
     rule = "data" if _DECLARED.match(text, at, end) else "line"
@@ -312,7 +314,7 @@ def statement(text: str) -> s.Line | None:
 
 
 def expression(text: str) -> s.Expression | None:
-    """What a text says that is an expression, None if it is none."""
+    """Read an expression; None if the text is not an expression."""
     line = statement("M0=" + text)
     if line is None or line.comment is not None:
         return None

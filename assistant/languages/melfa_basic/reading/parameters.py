@@ -1,10 +1,11 @@
-"""What parameter lists beside a program state: tools, bases, communication lines, slots, the arm.
+"""Content of the parameter lists next to a program: tools, bases, communication lines, slots, the
+arm.
 
-A list (`COMMON.PRM`, `RV-4FRL-D#1.PRM`) begins with `…NARC parameter system V1.0;`, a line each
-follows: `MEXTL=Uf,0,0,150,%r0,%r0,%r0;`. The first letter is whose parameter it is, then its type;
-`%r` marks radians. A project of RT ToolBox3 keeps the programs in `RC1/Program`, and lists in the
-backups in `RC1/Backup` and in what it holds of the controller. Seen in projects of CR750 and CR800
-controllers; no manual tells it. Parameters: manual CR1D, chapter 5.
+A list (`COMMON.PRM`, `RV-4FRL-D#1.PRM`) begins with `…NARC parameter system V1.0;`, one parameter a
+line follows: `MEXTL=Uf,0,0,150,%r0,%r0,%r0;`. The first letter is the owner of the parameter, then
+its type; `%r` marks radians. A project of RT ToolBox3 keeps the programs in `RC1/Program`, and
+lists in the backups in `RC1/Backup` and in its copies of the controller. Seen in projects of CR750
+and CR800 controllers; no manual describes it. Parameters: manual CR1D, chapter 5.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ USUAL: Final = ("REP", "START")
 
 
 def surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
-    """What the parameter lists of the controller that a program stands beside state."""
+    """Read the parameter lists of the controller next to a program."""
     for folder in _folders(program.absolute().parent):
         lists = {path.name.lower(): path for path in _lists(folder)}
         if not lists:
@@ -73,7 +74,9 @@ def surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
 
 
 def _folders(folder: FilePath) -> Iterator[FilePath]:
-    """Where lists may stand, the surest first: beside the program, or in its project."""
+    """Yield the folders that may contain lists, the most reliable first: the program's own, or
+    those of its project.
+    """
     yield folder
     if folder.name.lower() == PROGRAMS:
         backups = file_named(folder.parent, "backup")
@@ -85,7 +88,7 @@ def _folders(folder: FilePath) -> Iterator[FilePath]:
 
 
 def is_copy(path: FilePath) -> bool:
-    """Whether a file stands in a project's backups, or what it holds of a controller."""
+    """True if a file is in a project's backups, or in its copy of a controller."""
     for folder in path.absolute().parents:
         if folder.name.lower() in COPIES:
             programs = file_named(folder.parent, PROGRAMS)

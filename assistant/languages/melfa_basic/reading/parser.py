@@ -118,7 +118,7 @@ def _with_data(items: list[s.Item]) -> list[s.Item]:
 
 
 def _is_come_to(items: list[s.Item], at: int) -> bool:
-    """Whether the program goes on to an assignment of a number or a text, or a blank line."""
+    """True if control reaches an assignment of a number or a text, or a blank line."""
     match items[at]:
         case s.Line(statement=s.Assign(value=s.Constant())):
             return False

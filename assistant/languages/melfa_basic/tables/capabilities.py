@@ -1,4 +1,4 @@
-"""What the dialects can say of what programs ask for."""
+"""Capabilities of the dialects for the constructs of programs."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ MOUNTS: Final = Mounts(
 FARTHEST: Final = 1e6
 """mm or degrees; no robot reaches there, and a controller refuses the number."""
 NOMINAL_TCP: Final = 5000.0
-"""mm/s that 100 percent of joint speed is taken for where no robot is named."""
+"""Speed in mm/s for 100 percent of joint speed if no robot is named."""
 
 
 def positions(robot: Robot | None) -> Positions:

@@ -1,6 +1,6 @@
-"""What MELFA-BASIC IV, V and VI do differently: one table, read by everything else.
+"""Differences between MELFA-BASIC IV, V and VI: one table, read by all other modules.
 
-Which statements, functions and status variables each has is in `vocabulary`.
+The statements, functions and status variables of each version are in `vocabulary`.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Dialect:
 
     # -------------------------------------------------------------------- statements
     blocks: bool = True
-    """`If … Then` may stand alone, up to `EndIf` [CR1D 4-208]."""
+    """`If … Then` may open a block that ends with `EndIf` [CR1D 4-208]."""
     breaks: bool = True
     """`Break` leaves If, For and While; out of a Select it leads in every version [CR1D 4-208]."""
     wide_wait: bool = True

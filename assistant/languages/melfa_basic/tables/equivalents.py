@@ -57,7 +57,7 @@ FUNCTIONS_OF_ANGLES: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
 FUNCTIONS_TO_ANGLES: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
 
 ANALOG_REGISTERS: Final = ("M_DIn", "M_DOut")
-"""Registers of the network that an analog signal stands in: input, output."""
+"""Registers of the network that hold an analog signal: input, output."""
 FIRST_ANALOG_REGISTER: Final = 6000
 """Number of the first of them (CC-Link)."""
 FIRST_HAND_CHECK: Final = 900
@@ -89,9 +89,9 @@ BINARY_OPERATORS: Final[dict[str, tuple[int, str]]] = {
     "/": (TERM, "/"),
     "^": (POWER, "^"),
 }
-"""Operator of the pseudo-program → its level and its word, behind it others that it is written as.
+"""Operator of the pseudo-program → its level and its word, then other spellings of it.
 
-Shifts are no operators of the pseudo-program; they stay as their text.
+Shifts are not operators of the pseudo-program; they become vendor text.
 """
 
 PRODUCT: Final = "*"
@@ -113,7 +113,7 @@ TRIGGER_MEASURES: Final[Mapping[str, tuple[Measure, str]]] = {
     "M_RDst": ("end", "<="),
     "M_Ratio": ("share", ">="),
 }
-"""What status variables measure, and how they are compared with a place that is reached."""
+"""Status variable → what it measures, and the comparison that holds once a place is reached."""
 
 
 LIBRARY_FUNCTIONS: Final[Mapping[str, Mapping[int, str]]] = {
@@ -129,7 +129,7 @@ LIBRARY_FUNCTIONS: Final[Mapping[str, Mapping[int, str]]] = {
     "VAL": {1: "number_in"},
     "ZONE2": {4: "in_capsule"},
 }
-"""Functions of MELFA-BASIC, by how many arguments they have, and the procedures that say them."""
+"""Functions of MELFA-BASIC, by their number of arguments, and the equivalent procedures."""
 
 
 @cache

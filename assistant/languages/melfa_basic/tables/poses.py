@@ -26,7 +26,9 @@ ADDITIONAL: Final = {"external_1": ("L1", "J7"), "external_2": ("L2", "J8")}
 They are mm, or radian of an axis that turns, which no program tells.
 """
 UNITS: Final = Target(Pose(), None, (1.0, 1.0, *NO_EXTERNAL[2:]))
-"""A position with additional axes at 1 mm or degree: what others are told in, whichever it is."""
+"""A position with additional axes at 1 mm or degree: the unit for other languages, for either kind
+of axis.
+"""
 
 PLACES: Final = 2
 """Decimals of a position line."""
@@ -79,13 +81,15 @@ def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Fl
 
 
 def flags_of(configurations: NDArray[np.int8], robot: Robot | None) -> Ints:
-    """(n, 2) FL1 and FL2; bits that say nothing of an arm, as of a wrist without flip, are 0."""
+    """Return (n, 2) FL1 and FL2; bits without meaning for an arm, as for a wrist without flip, are
+    0.
+    """
     flags = to_flags(configurations)
     return flags if robot is None else flags & (robot.arm.flags, -1)
 
 
 def configurations_of(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
-    """(n, 6) columns of (n, 2) flags, of which bits that say nothing of the arm do not count."""
+    """Return (n, 6) columns of (n, 2) flags, without the bits that have no meaning for the arm."""
     configurations = from_flags(flags if robot is None else flags & (robot.arm.flags, -1))
     if robot is not None and robot.five_axis:
         configurations[:, FLIP] = 0
@@ -100,19 +104,19 @@ def rounded_configurations(
 
 
 def is_units(target: Target) -> bool:
-    """Whether a position is `UNITS`."""
+    """True if a position is `UNITS`."""
     return target.pose == UNITS.pose and target.external[:2] == UNITS.external[:2]
 
 
 def is_length(component: str, robot: Robot | None) -> bool:
-    """Whether a component is in mm: X, Y, Z, and of a joint position an axis that slides."""
+    """True if a component is in mm: X, Y, Z, and of a joint position an axis that slides."""
     if robot is None or component not in robot.axes:
         return component in ("X", "Y", "Z")
     return bool(robot.sliding[robot.axes.index(component)])
 
 
 def is_angle(component: str, robot: Robot | None) -> bool:
-    """Whether a component is that of an axis that turns, which the controller has in radian."""
+    """True if a component is that of an axis that turns, which the controller gives in radian."""
     if component in ANGLES.values():
         return robot is None or not robot.five_axis
     return component in JOINTS and not is_length(component, robot)

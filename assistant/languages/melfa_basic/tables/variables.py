@@ -28,9 +28,9 @@ LETTERS: Final[dict[ValueType, str]] = {
 class DataType:
     """A type that `Def` gives a variable.
 
-    letter: `M` (number), `C` (text), `P` (position) or `J` (joints). value: what it is in a
-    pseudo-program, None for nothing. mark: what stands behind names of the type. whole: least and
-    greatest of whole numbers. wider: the type that reaches further.
+    letter: `M` (number), `C` (text), `P` (position) or `J` (joints). value: its type in a
+    pseudo-program, None without equivalent. mark: suffix of names of the type. whole: least and
+    greatest of integers. wider: the type with the larger range.
     """
 
     word: str
@@ -64,9 +64,10 @@ MARK_VALUE_TYPES: Final = {row.mark: row.value for row in TYPE_MARKS.values() if
 
 
 def is_external(name: str, variable: Variable) -> bool:
-    """Whether it is one variable of all programs of a controller, which its name must stay for.
+    """True for a variable that all programs of a controller share, so that its name must not
+    change.
 
-    The second character of such a name is `_` (CR1D 4.3.7); first values of its own it has none.
+    The second character of such a name is `_` (CR1D 4.3.7); it has no initial value in a program.
     """
     written = re.fullmatch(r"[PJMC]_[A-Z0-9_]+", name.upper())
     return (
@@ -78,7 +79,7 @@ def is_external(name: str, variable: Variable) -> bool:
 
 
 def is_of_controller(name: str) -> bool:
-    """Whether every controller has an external variable of that name, which nobody declares."""
+    """True if every controller has an external variable of that name, without a declaration."""
     return re.fullmatch(r"[PJMC]_([01][0-9]|10[0-4])", name.upper()) is not None
 
 
@@ -89,7 +90,7 @@ PARAMETERS: Final = {"Tool": "MEXTL{number}", "Base": "WK{number}CORD"}
 LAST_SET_PARAMETERS: Final = {"Tool": "MEXTL", "Base": "MEXBS"}
 """Parameters that hold the tool and the base which a program was given last, by the statement."""
 NEUTRAL_SETTINGS: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
-"""What a statement is given to set none."""
+"""Arguments of the statements that set no tool and no base."""
 SETTING_STATUS: Final = {"Tool": "M_TOOL", "Base": "M_BSNO"}
 """The status variable that sets the same as a statement."""
 
@@ -144,9 +145,9 @@ OPTIMUM_SPEED: Final = 10000.0
 
 TIMER_WORD: Final = "M_Timer"
 MOST_TIMERS: Final = 8
-"""Their count is that of the older controllers; nothing tells of more."""
+"""Number of timers of the older controllers; no source states more."""
 MILLISECONDS: Final = 1000
-"""Of a second."""
+"""Milliseconds in a second."""
 
 
 INTERRUPT_NUMBERS: Final = range(1, 9)

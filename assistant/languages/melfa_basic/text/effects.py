@@ -1,4 +1,4 @@
-"""What text of MELFA-BASIC does that a program keeps as it is, read off its tree."""
+"""Effects of vendor text in MELFA-BASIC, read off its tree."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ from assistant.program.expressions import (
 
 
 def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:
-    """What a statement or an expression does; anything if it works out what it calls.
+    """Return the effect of a statement or an expression; any effect if it computes the name that it
+    calls.
 
-    text: of it.
+    text: of the statement or expression.
     """
     return _EFFECTS.of(tree) or unknown_effect(text)
 
 
 @lru_cache(maxsize=1 << 14)
 def of_text(text: str, kind: VendorTextKind) -> Effect:
-    """What a text does; anything if it is no MELFA-BASIC."""
+    """Return the effect of a text; any effect if it is not MELFA-BASIC."""
     if kind == "expression":
         node = expression(text)
         return unknown_effect(text) if node is None else of_node(node, text)
@@ -78,7 +79,7 @@ def _include(done: EffectBuilder, node: s.Include) -> None:
 
 
 def _command(done: EffectBuilder, node: s.Command) -> None:
-    """What no source tells of a command, it may do."""
+    """Add the effects of a command; where sources are silent, it may have them."""
     known = node.keyword in commands("reads")
     done.moves |= node.keyword in commands("moves")
     done.jumps |= node.keyword in commands("jumps") or is_block_word(node)
@@ -112,4 +113,4 @@ _EFFECTS: Final = Effects(
         s.Command: _command,
     },
 )
-"""What each kind of statement and expression does."""
+"""Effects of each kind of statement and expression."""

@@ -40,7 +40,7 @@ PRODUCTS: Final = "frames: product"
 """Says that frames are no `Base`, but what targets are multiplied by."""
 
 AS_IS: Final = ("robot",)
-"""Items that are no names of the program."""
+"""Items whose values are not names of the program."""
 
 NAME_KINDS: Final = (
     "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first", "timer",
@@ -116,7 +116,7 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
 
 
 def _name_entry(short: str, original: str) -> str:
-    """The entry of a name; what is called the same is said once."""
+    """Return the entry of a name; an unchanged name is written once."""
     said = in_ascii(original)
     return short if short == said else f"{short} = {said}"
 
@@ -134,7 +134,9 @@ def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
 
 
 def bounds(texts: Sequence[str]) -> tuple[int, int] | None:
-    """Places of the first and last line of a header in comment texts, None if there is none."""
+    """Return the places of the first and last line of a header in comment texts; None without a
+    header.
+    """
     start = next((at for at, text in enumerate(texts) if text.startswith(MARK + "melfa")), None)
     if start is None or END not in texts[start:]:
         return None
@@ -209,12 +211,14 @@ _PARAMETER_VALUE: Final = re.compile(
 
 
 def parameter_value(name: str, values: tuple[float | None, ...]) -> str:
-    """A value as a heading says it. values: x, y, z in mm, a, b, c in degrees."""
+    """Return a parameter's value as written in a heading. values: x, y, z in mm, a, b, c in
+    degrees.
+    """
     return f"{name}=({','.join(f'{value or 0.0:+.{FINE_PLACES}f}' for value in values)})"
 
 
 def with_stated_parameters(tree: s.File) -> s.File:
-    """The tree with what its heading says of the controller, where it has no value of its own."""
+    """Return the tree with the controller's values from its heading, where it has no value."""
     own = {item.variable.key for item in tree.items if isinstance(item, s.Data)}
     more = tuple(data for data in _stated_positions(tree) if data.variable.key not in own)
     return replace(tree, items=(*tree.items, *more)) if more else tree

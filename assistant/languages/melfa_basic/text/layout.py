@@ -48,7 +48,9 @@ from assistant.languages.texts.words import Word
 
 _BLANK_RUN: Final = re.compile(r"[ \t\f]+")
 _MARK_KINDS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
-"""Kinds of tokens that may begin like a keyword and are none; all other words are keywords."""
+"""Kinds of tokens that may begin like a keyword but are not keywords; all other words are
+keywords.
+"""
 _TIGHT: Final = frozenset(("POSITION", "EMPTY", "LABEL"))
 """Kinds of tokens that lose the blanks within them."""
 _OPERATORS: Final = frozenset(
@@ -101,7 +103,7 @@ def _is_keyword(token: Word) -> bool:
 
 
 def _are_apart(before: Word, token: Word) -> bool:
-    """Whether a blank stands between two neighbours."""
+    """True if a blank separates two neighbours."""
     if token.kind in _CLAUSES and before.kind != "COLON":
         return True
     if token.kind in _TIGHT_BEFORE or before.kind in _TIGHT_BEHIND:
@@ -225,7 +227,7 @@ def _decimals(items: Sequence[s.Item]) -> list[int]:
 
 
 def _table_kind(item: s.Item) -> object:
-    """What position lines have in common that may stand in one table."""
+    """Return the common property of position lines that may form one table."""
     match item:
         case PositionRows(stem=stem, values=values):
             return stem, values.shape[1], False, True
@@ -245,7 +247,7 @@ def _needed_decimals(item: s.Item) -> int:
 
 
 def _is_exact(value: s.Constant, places: int) -> bool:
-    """Whether so many decimals print every number of a constant without loss."""
+    """True if so many decimals print every number of a constant without loss."""
     return all(v is None or round(v, places) == v for v in value.values)
 
 

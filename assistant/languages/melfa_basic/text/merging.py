@@ -72,7 +72,7 @@ def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
 
 
 def _looks_like_data(item: s.Line) -> bool:
-    """Whether an unnumbered line is a variable line that somebody put a comment behind."""
+    """True if an unnumbered line is a variable line to which a comment was added."""
     match item.statement:
         case s.Assign(value=s.Constant() | s.Number() | s.String() | s.Unary(operand=s.Number())):
             return item.label is None
@@ -156,9 +156,9 @@ _DATA: Final = _Data()
 
 
 def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
-    """The items of a built file with the names that the tree has for them.
+    """Return the items of a built file with the names that the tree has for them.
 
-    The header of the file tells which name of the tree each of its own stands for.
+    The header of the file maps each of its names to the tree's.
     """
     kept = header.read(_comments(file))
     names, labels = _used(tree)

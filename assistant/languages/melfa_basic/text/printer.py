@@ -74,7 +74,7 @@ def number(node: s.Number) -> str:
 
 
 def _binding(node: s.Expression) -> float:
-    """How tightly the outermost operator of an expression binds."""
+    """Return the precedence of the outermost operator of an expression."""
     match node:
         case s.Unary(operator="NOT"):
             return NOT
@@ -111,7 +111,7 @@ def _binary(to: Templates, node: s.Binary) -> str:
 
 
 def _exponent(to: Templates, node: s.Expression) -> str:
-    """What stands behind `^`, which may have a sign of its own; powers count from the left."""
+    """Print the operand after `^`, which may have a sign; powers associate to the left."""
     if isinstance(node, s.Unary) and node.operator in SIGNS:
         return node.operator + _apart(_exponent(to, node.operand))
     return _operand(to, node, POWER + 1)
@@ -121,7 +121,9 @@ def _exponent(to: Templates, node: s.Expression) -> str:
 
 
 def _variable(to: Templates, node: s.Variable) -> str:
-    """As `<name><suffix>[[(<arguments?>)]][[.<component>]]`: most nodes are variables."""
+    """Print a variable by `<name><suffix>[[(<arguments?>)]][[.<component>]]`: most nodes are
+    variables.
+    """
     arguments = "" if node.arguments is None else f"({to.listed(node.arguments)})"
     component = f".{node.component}" if node.component else ""
     return f"{node.name}{node.suffix}{arguments}{component}"
@@ -194,7 +196,7 @@ _ROWS: Final[dict[type, Any]] = {
     s.Print: _print,
     s.Input: "Input #<number>,<variables>",
 }
-"""What stands in the text of each kind of statement and expression."""
+"""Text template of each kind of statement and expression."""
 
 
 @cache

@@ -135,7 +135,7 @@ def move_text(rows: MoveRows, newline: bytes, upper: bool, indent: int = 0) -> s
 # -------------------------------------------------------------------------- from text
 
 FLAGS: Final = range(-(2**31), 2**32)
-"""What a flag may be, with a sign or without: 32 bits, four for the turns of each axis."""
+"""Range of a flag, with a sign or without: 32 bits, four for the turns of each axis."""
 _NATURAL: Final = r"(?:0|[1-9][0-9]{0,8})"
 _REAL: Final = r"[+-]?[0-9]{1,9}(?:\.[0-9]{0,9})?"
 _SPACE: Final = r"[ \t]*+"

@@ -48,7 +48,7 @@ _BLOCK_STATEMENTS: Final[Mapping[type, BlockWord]] = {
 
 
 def block_word(statement: s.Statement | None) -> BlockWord:
-    """What a statement is to blocks; `Next M1,M2` closes two loops."""
+    """Return the role of a statement in blocks; `Next M1,M2` closes two loops."""
     match statement:
         case s.Command("While", (condition, *_)) if _always_holds(condition):
             return BlockWord("While", "loop", certain=True)
@@ -78,7 +78,7 @@ def _always_holds(condition: s.Expression | None) -> bool:
 
 
 def is_block_word(statement: s.Statement | None) -> bool:
-    """Whether a statement opens, parts or closes a block."""
+    """True if a statement opens, divides or closes a block."""
     return block_word(statement).is_of_block
 
 
@@ -110,7 +110,7 @@ for loops as programs use it. An `If` on one line is no block.
 
 
 def exits_of(statement: s.Statement | s.Target | None) -> Exits[s.Target]:
-    """Where a statement leads; a target is a jump to it."""
+    """Return the exits of a statement; a target is a jump to it."""
     match statement:
         case (s.Target() as target) | s.Jump("GoTo", target):
             return Exits(jumps=(target,), on=False)
@@ -284,7 +284,7 @@ def branch_lines(
 
 
 def _is_branch_test(line: object, then: str, other: str) -> bool:
-    """Whether a line is an `If` that jumps to either label."""
+    """True if a line is an `If` that jumps to either label."""
     match line:
         case s.Line(
             label=None,
@@ -297,7 +297,7 @@ def _is_branch_test(line: object, then: str, other: str) -> bool:
 
 
 def is_plain_wait(condition: s.Expression | None) -> bool:
-    """Whether it is `variable = constant`, which every version waits for."""
+    """True for `variable = constant`, which every version can wait for."""
     match condition:
         case s.Binary("=", s.Variable(), s.Number()):
             return True
@@ -305,7 +305,7 @@ def is_plain_wait(condition: s.Expression | None) -> bool:
 
 
 def waiting_loop(label: str, condition: s.Expression, line: s.Line) -> list[s.Line]:
-    """A loop that only waits for a condition. line: that the test stands in."""
+    """Return a loop that only waits for a condition. line: the one that contains the test."""
     test = s.If(condition, s.Target(label + "Z"), s.Target(label))
     return [s.Line(label=label), replace(line, statement=test), s.Line(label=label + "Z")]
 
@@ -328,7 +328,7 @@ def read_waiting_loop(lines: Sequence[object]) -> tuple[str, s.Expression] | Non
 
 
 def jumps_to(line: object, label: str) -> bool:
-    """Whether a line is a jump to a label, in upper case, and nothing else but a comment."""
+    """True if a line only jumps to a label, in upper case; it may have a comment."""
     match line:
         case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
             return place.upper() == label

@@ -67,7 +67,9 @@ def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
 
 
 def _table_row(item: s.Item) -> alike.Row | None:
-    """What a line may be a row of, and what it says there; None for one that is not plain."""
+    """Return the table that a line may be a row of, and its values there; None if it is not
+    plain.
+    """
     match item:
         case MoveRows(stem=stem) if len(item):
             return (MoveRows, stem), item
@@ -147,8 +149,8 @@ Plain = dict[tuple[int, ...], e.Expression]
 class Positions:
     """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
 
-    names: constants that stand alone, by name in upper case, in their order. elements: those of
-    arrays, by name in upper case. plain: numbers and texts that the file keeps, likewise.
+    names: single constants, by name in upper case, in their order. elements: those of arrays, by
+    name in upper case. plain: numbers and texts that the file keeps, likewise.
     """
 
     def __init__(self, file: s.File) -> None:
@@ -235,12 +237,12 @@ class Positions:
 
 
 def _element_indices(variable: s.Variable) -> tuple[int, ...]:
-    """Of an element of an array; none of a single variable."""
+    """Return the indices of an element of an array; empty for a single variable."""
     return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
 
 
 def _stored_value(value: s.Expression) -> e.Expression | None:
-    """The number or text that stands behind a variable's name."""
+    """Return the number or text stored for a variable."""
     if isinstance(value, s.String):
         return e.Text(value.value)
     number = literal(value)

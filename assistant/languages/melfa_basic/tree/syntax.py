@@ -415,7 +415,7 @@ class Blank:
 
 
 Entry = Line | MoveRows
-"""What the code of a program is made of."""
+"""An item of a program's code."""
 Item = Line | Data | PositionRows | MoveRows | Unread | Blank
 
 

@@ -132,7 +132,7 @@ def literal(value: s.Expression | None) -> float | None:
 
 
 Role = Literal["read", "written", "declared", "either"]
-"""What is done with a variable; `either` where a statement may read or write it."""
+"""Use of a variable; `either` where a statement may read or write it."""
 
 ARGUMENT_WORDS: Final = frozenset(
     {
@@ -146,7 +146,7 @@ ARGUMENT_WORDS: Final = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A variable where it stands in a line."""
+    """A variable and its role in a line."""
 
     variable: s.Variable
     role: Role
@@ -166,9 +166,10 @@ FIELD_ROLES: Final[Mapping[tuple[type, str], Role]] = {
 
 
 def uses(node: Any, role: Role = "read") -> Iterator[Use]:
-    """The variables of a statement or of expressions, function calls included, in their order.
+    """Yield the variables of a statement or of expressions, function calls included, in their
+    order.
 
-    In the arguments of a call they may be given a value. role: where the node says nothing else.
+    The arguments of a call may receive a value. role: where the node states no other.
     """
     left: list[tuple[Any, Role]] = [(node, role)]
     while left:
@@ -213,13 +214,13 @@ def _own_uses(node: Any) -> Iterator[Use]:
 
 
 def is_argument_word(variable: s.Variable) -> bool:
-    """Whether a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
+    """True if a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
     plain = variable.arguments is None and not variable.suffix and not variable.component
     return plain and variable.key in ARGUMENT_WORDS
 
 
 def _gives_results(name: str) -> bool:
-    """Whether a function of the language may give results in its arguments."""
+    """True if a function of the language may return results in its arguments."""
     known = function(name)
     return known is not None and any(a.assigned or a.types == ANY for a in known.arguments)
 
@@ -241,7 +242,7 @@ def timer_variable(word: str, number: int) -> s.Variable:
 FORCE_COMMANDS: Final = ("Fsc", "FsGChg", "FsLog", "FsOutLog", "FsCTrg")
 """Commands of the force sensor (manual of the force sense function)."""
 FORCE_STATES: Final = ("P_FS", "M_FS")
-"""How the status variables begin that they read and write."""
+"""Prefixes of the status variables that these commands read and write."""
 
 
 def supplied_routine(command: s.Command) -> tuple[str, tuple[s.Expression, ...]] | None:
@@ -264,7 +265,7 @@ SWITCH_WORDS: Final = ("ON", "OFF")
 
 
 def is_force_state(key: str) -> bool:
-    """Whether a name in upper case is a status variable of such."""
+    """True if a name in upper case is a status variable of the force sensor."""
     return key.startswith(FORCE_STATES)
 
 
@@ -280,7 +281,7 @@ CLOSING_COMMANDS: Final = frozenset(
 
 
 def report_parts(file: s.File) -> Iterator[Part]:
-    """Data and statements as they stand in the text; moves are all lifted."""
+    """Yield data and statements in the order of the text; moves are all lifted."""
     for item in file.items:
         match item:
             case s.Data(variable=variable, span=Span() as span):

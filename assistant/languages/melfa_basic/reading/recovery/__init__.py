@@ -1,1 +1,3 @@
-"""Lines that are no MELFA-BASIC: what was meant, what is wrong, and what to do."""
+"""Recovery of lines that do not parse as MELFA-BASIC: the intended line, the fault, and the
+cure.
+"""

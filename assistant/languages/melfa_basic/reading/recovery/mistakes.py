@@ -234,7 +234,9 @@ def recovery_reader() -> LineReader:
 
 
 def _parted(written: str) -> int | None:
-    """Where a word ends that its operand follows without a blank: `MOVP1`, `GOTO100`, `DLY1`."""
+    """Return the length of a word that its operand follows without a blank: `MOVP1`, `GOTO100`,
+    `DLY1`.
+    """
     for size in range(len(written) - 1, 1, -1):
         known = statement(written[:size])
         if known is not None and known.role != "part" and _OPERAND.match(written, size):

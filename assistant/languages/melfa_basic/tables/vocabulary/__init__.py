@@ -4,8 +4,8 @@
     function("Left").name            # "Left$"
     status("m_in").writable          # False
 
-Names are found in any case; what is not there is None. What the versions differ in beyond their
-words is in `dialects`.
+Names match in any case; an unknown name gives None. Differences between the versions other than
+their words are in `dialects`.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ EFFECTS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """A statement, or a word that stands inside of one.
+    """A statement, or a word inside one.
 
     word: as the maker's tool spells it, of several words for `Def Inte` and its like.
-    role: `motion`, `command` (a word and a list of arguments), `statement` (a form of its own)
+    role: `motion`, `command` (a word and a list of arguments), `statement` (a separate form)
     or `part` (inside of a statement only). dialects: levels that have it, of 4, 5 and 6.
-    least, most: arguments that it takes, left-out ones counted; most is None for no limit.
+    least, most: numbers of arguments, omitted ones counted; most: None for no limit.
     effects: what a command does to variables and settings, see the table.
-    words: that may stand as its first argument. instead: what to write in a version that lacks
+    words: permitted as its first argument. instead: what to write in a version that lacks
     it, empty where nothing does the same.
     """
 
@@ -61,10 +61,10 @@ class Statement:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """What a function takes at one place.
+    """One argument of a function.
 
     types: of `M` (number), `C` (text), `P` (position) and `J` (joints), all four where it is not
-    known. optional: it may be left out. assigned: a variable that a result goes to.
+    known. optional: it may be left out. assigned: a variable that receives a result.
     """
 
     types: str
